@@ -59,8 +59,7 @@ from .terrain.simplification import simplify as simplify
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
-from .tiles.build import tile as tile
-from .tiles.surface_build import tile_surface as tile_surface
+from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.tiled import Tiled as Tiled, open_tiled as open_tiled
 from .tiles.tiled_surface import TiledSurface as TiledSurface
 

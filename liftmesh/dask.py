@@ -15,9 +15,10 @@ Examples
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, cast
@@ -26,6 +27,7 @@ import numpy as np
 
 from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
+from liftmesh.io.atomic import working_folder
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
 from liftmesh.tiles.clouds import (
@@ -34,20 +36,20 @@ from liftmesh.tiles.clouds import (
     valued_parts,
     valued_parts_of_file,
 )
-from liftmesh.tiles.cluster import client_of, local_cluster
+from liftmesh.tiles.context import label
 from liftmesh.tiles.copies import in_files, numbered, stage_of
 from liftmesh.tiles.las import readings
-from liftmesh.tiles.parquet import planar_columns
-from liftmesh.tiles.release import release
-from liftmesh.tiles.run import (
+from liftmesh.tiles.options import (
     ROW_BYTES,
     SURFACE_ROW_BYTES,
     TILE_ROWS,
     Options,
+    SurfaceOptions,
     rows_within,
-    triangulated,
 )
-from liftmesh.tiles.schedule import Meter, in_order
+from liftmesh.tiles.parquet import planar_columns
+from liftmesh.tiles.pipeline import triangulated
+from liftmesh.tiles.schedule import Meter, in_order, release
 from liftmesh.tiles.schema import records_from, schema_of
 from liftmesh.tiles.sources import (
     BY_RANGES,
@@ -57,17 +59,17 @@ from liftmesh.tiles.sources import (
     parts_of,
     parts_of_file,
 )
-from liftmesh.tiles.stages import label, node
-from liftmesh.tiles.surfacing import Surfacing
+from liftmesh.tiles.stages import node
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
     from liftmesh.tiles.clouds import Reading
+    from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.sources import Part
-    from liftmesh.tiles.stages import Done, Folders
     from liftmesh.tiles.tiled import Tiled
     from liftmesh.tiles.tiled_surface import TiledSurface
+
 
 __all__ = ["delaunay", "local_cluster", "triangulate"]
 
@@ -217,7 +219,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = Surfacing.checked(duplicates, plane, crs, reading)
+    surface = SurfaceOptions.checked(duplicates, plane, crs, reading)
     options = Options.checked(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
@@ -298,21 +300,21 @@ class _Workers:
             [self._submit(stage, number, task, *call) for number, call in enumerate(calls)],
         )
 
-    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+    def tree(self, context: RunContext, plan: Plan, sizes: Sequence[int]) -> list[Done]:
         """Submit all nodes: groups in order, large tiles first, and merges before tiles."""
         futures: dict[int, Any] = {}
-        groups = folders.groups
+        groups = context.groups
         for name, children in in_order(plan):
             below = [futures[child] for child in children]
             priority = 2 if name >= 0 else sizes[~name] / max(1, *sizes) - groups.of(~name)
             futures[name] = self._client.submit(
-                _tried, node, folders, name, below, 1,
+                _tried, node, context, name, below, 1,
                 key=f"{label(name)}-{self._run}", priority=priority, pure=False,
             )  # fmt: skip
         released = []
         for group in range(groups.count):
             tiles = [futures[~tile] for tile in groups.tiles_of(group)]
-            released.append(self._submit("release", group, release, folders, group, tiles))
+            released.append(self._submit("release", group, release, context, group, tiles))
         found = self._gathered("triangulate", [*released, *futures.values()])
         return found[len(released) :]
 
@@ -401,3 +403,79 @@ def _tried(task: Callable[..., Any], *arguments: Any) -> Any:
         with suppress(OSError):
             return task(*arguments)
     return task(*arguments)
+
+
+# Tasks are long calls of the kernel: samples of their stacks say nothing, and take a twentieth.
+# Nor does anybody look at pages of a cluster that lasts for a call.
+_SETTINGS = {
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+}
+
+
+@contextmanager
+def client_of(given: Any) -> Iterator[Any]:
+    """Use a client, the current one, or a cluster of this machine for as long as it is needed."""
+    distributed = load("dask.distributed", extra="dask")
+    if given is not None and not isinstance(given, distributed.Client):
+        raise InputError(f"client is a {type(given).__name__}: give a dask.distributed.Client")
+    used = given if given is not None else _current(distributed)
+    if used is None:
+        with local_cluster() as made:
+            yield made
+    elif used.asynchronous:
+        raise InputError("the client is asynchronous: give one made with asynchronous=False")
+    else:
+        yield used
+
+
+@contextmanager
+def local_cluster(**options: Any) -> Iterator[Any]:
+    """Start workers of one thread on this machine, and close them in the end.
+
+    Whoever can talk to a scheduler can run anything as its user. So it and its workers listen on
+    the loopback address alone, and take nobody without the credentials of this cluster, which are
+    made for it and never leave memory. There is no dashboard. A worker that dies is replaced, also
+    if that takes longer than the 15 seconds that Dask waits.
+
+    Parameters
+    ----------
+    **options
+        As for `dask.distributed.LocalCluster`.
+
+    Yields
+    ------
+    distributed.Client
+        A client of the cluster.
+
+    Raises
+    ------
+    MissingDependencyError
+        Dask, or cryptography, is not installed.
+    """
+    distributed, config = (load(f"dask.{name}", extra="dask") for name in ("distributed", "config"))
+    load("cryptography", extra="dask")  # which makes credentials
+    place = config.get("temporary-directory") or tempfile.gettempdir()
+    with config.set(_SETTINGS), working_folder(place, "workers") as folder:
+        settings = {
+            "threads_per_worker": 1,
+            "security": True,
+            "dashboard_address": "127.0.0.1:0",
+            "scheduler_kwargs": {"dashboard": False},
+            "local_directory": str(folder),
+            **options,
+        }
+        with (
+            distributed.LocalCluster(**settings) as cluster,
+            distributed.Client(cluster, set_as_default=False) as client,
+        ):
+            yield client
+
+
+def _current(distributed: Any) -> Any:
+    with suppress(ValueError):
+        return distributed.Client.current()
+    return None

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import gc
 import os
+import re
 import signal
+import subprocess
 import time
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 MEGA = 1_000_000
 
@@ -67,3 +70,18 @@ def descendants(process: int | str = "self") -> Iterator[int]:
             for child in (thread / "children").read_text("ascii").split():
                 yield int(child)
                 yield from descendants(child)
+
+
+@contextmanager
+def halted(child: subprocess.Popen[Any]) -> Iterator[None]:
+    """Stop a child: what is seen of it is still so when it hears a signal sent meanwhile."""
+    child.send_signal(signal.SIGSTOP)
+    status = Path(f"/proc/{child.pid}/status")
+    while child.poll() is None and not re.search(
+        r"^State:\s+[TZ]", status.read_text("ascii"), re.MULTILINE
+    ):
+        time.sleep(0.0005)
+    try:
+        yield
+    finally:
+        child.send_signal(signal.SIGCONT)

@@ -25,7 +25,8 @@ from bench_tiles import MIXERS, mark_of, peak
 from benchmark.contest import SEED
 from distributions import Points
 
-from liftmesh.tiles.run import Options, triangulated
+from liftmesh.tiles.options import Options
+from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.sources import Origin
 from liftmesh.tiles.store import save_array

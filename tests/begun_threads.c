@@ -41,3 +41,7 @@ int threads_begun(void) {
 int most_threads(void) {
     return most;
 }
+
+int threads_held(void) {
+    return held;
+}

@@ -11,7 +11,7 @@ from pathlib import Path
 
 SOURCE = Path(__file__).with_suffix(".c")
 SETUP = """
-import ctypes, os
+import ctypes, os, signal, threading, time, warnings
 from concurrent.futures import ThreadPoolExecutor
 from threading import Barrier
 import numpy as np

@@ -47,7 +47,7 @@ def process(*words, cwd=None, stdin=None, text=True, env=()):
         capture_output=True,
         text=text,
         env={**PLAIN, **dict(env)},
-        timeout=120,
+        timeout=300,
         check=False,
     )
 
@@ -66,7 +66,7 @@ def on_terminal(*words, cwd=None, env=()):
     os.close(inner)
     shown = b"".join(_chunks(outer))
     os.close(outer)
-    return shown.decode(), process.wait(timeout=120)
+    return shown.decode(), process.wait(timeout=300)
 
 
 def _chunks(stream):

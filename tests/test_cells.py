@@ -242,3 +242,18 @@ def test_coordinates_of_every_magnitude() -> None:
         assert np.isfinite(np.delete(cells.centroids, cells.empty, axis=0)).all()
     hole = shapely.affinity.scale(DOMAINS["hole"], 2.0**300, 2.0**300, origin=(0, 0))
     check(liftmesh.voronoi([[2.0**300 * 3, 2.0**300 * 3]], domain=hole))
+
+
+@pytest.mark.parametrize("far", [1e155, 1e308, 1.7e308])
+@pytest.mark.filterwarnings("error")
+def test_small_cells_beside_huge_ones_keep_area_and_centroid(far: float) -> None:
+    points = np.random.default_rng(0).random((30, 2))
+    near = liftmesh.voronoi(points, domain=(-1e3, -1e3, 1e3, 1e3))
+    cells = liftmesh.voronoi(points, domain=(-far, -far, far, far))
+    inner = near.areas < 1
+    assert inner.sum() == 21
+    np.testing.assert_array_equal(cells.areas[inner], near.areas[inner])
+    np.testing.assert_array_equal(cells.centroids[inner], near.centroids[inner])
+    assert np.isinf(cells.areas[~inner]).all()
+    assert not np.isnan(cells.centroids).any()
+    assert len(cells.shared_lengths) == len(near.shared_lengths)

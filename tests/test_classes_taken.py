@@ -155,3 +155,15 @@ def test_classes_are_counted(kind: Any) -> None:
     assert found == dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     assert classes_of({"Class": values[:3].astype(kind)})
     assert classes_of({"class": np.array([0.5])}) == classes_of({"other": values}) == {}
+
+
+def test_two_surfaces_are_of_the_same_classes(folder: Path) -> None:
+    bare = liftmesh.read(folder / "a.las").points
+    (folder / "later.las").write_bytes(encoded(records(bare, offset=(0, 0, 0))))
+    done = command("volume", "a.las", "later.las", cwd=folder)
+    assert done.returncode == 3
+    assert "later.las: no ground (class 2), while other files have some" in done.stderr
+    words = ("--classes", "all", "--withheld", "--json")
+    done = command("volume", "a.las", "later.las", *words, cwd=folder)
+    assert (done.returncode, json.loads(done.stdout)["cut"]) == (0, 0.0)
+    assert command("volume", "a.las", "c.las", cwd=folder).stderr.count("ground (class 2)") == 2

@@ -82,6 +82,8 @@ def test_every_command_that_writes_a_file_has_the_option() -> None:
         ("triangulate", "a.las", "tiles/../a.las"),
         ("triangulate", "a.las", "plane.txt", "--plane", "plane.txt", "--format", "xyz"),
         ("triangulate", "a.las", "box.geojson", "--polygon", "box.geojson", "--format", "ply"),
+        ("triangulate", "a.las", "lots.dbf", "--polygon", "lots.shp", "--format", "ply"),
+        ("voronoi", "a.las", "lots.prj", "--domain", "lots.shp", "--format", "ply"),
         ("voronoi", "a.las", "box.geojson", "--domain", "box.geojson"),
         ("sample", "a.las", "b.las", "--at", "b.las"),
         ("profile", "a.las", "mesh.ply", "--along", "mesh.ply"),
@@ -99,6 +101,8 @@ def test_an_input_is_never_replaced(words: tuple[str, ...], folder: Path) -> Non
     (folder / "tiles" / "old.tif").write_bytes(b"old")
     (folder / "link.las").symlink_to("a.las")
     os.link(folder / "a.las", folder / "hard.las")
+    for suffix in ("shp", "dbf", "prj"):
+        (folder / f"lots.{suffix}").write_bytes(b"lots")
     before = contents(folder)
     failed(run(*words, "--overwrite", cwd=folder), 2, "give another name")
     failed(run(*words, cwd=folder), 2, "give another name")

@@ -178,3 +178,17 @@ def test_planes_that_are_turned_have_no_system(tmp_path: Path) -> None:
     done = run("profile", "wall.csv", "out.geojson", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "crs" not in json.loads((tmp_path / "out.geojson").read_text())
+
+
+def test_what_lies_on_no_face_is_said(tin: Path, tmp_path: Path) -> None:
+    done = run("profile", tin, tmp_path / "p.csv", *corners(LINE), "--json")
+    found = json.loads(done.stdout)
+    whole = float(np.hypot(*np.diff(LINE, axis=0).T).sum())
+    assert found["length_of_lines"] == pytest.approx(whole)
+    assert found["length"] < whole - 5
+    done = run("profile", tin, tmp_path / "p.csv", *corners(LINE), "--overwrite")
+    outside = f"{whole - found['length']:.6g} of {whole:.6g} that the lines are long lie on no face"
+    assert outside in done.stderr
+    whole_tin = liftmesh.triangulate(meadow()).save(tmp_path / "whole.ply").path
+    done = run("profile", whole_tin, tmp_path / "q.csv", *corners(SECOND))
+    assert "on no face" not in done.stderr

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import COMMAND, PLAIN, liftmesh as command
+from commands import COMMAND, PLAIN, computed, liftmesh as command
 
 import liftmesh
 from liftmesh.cli import exit_codes, signals
@@ -73,10 +73,12 @@ def folder(tmp_path: Path) -> Path:
 
 
 def wait_until_deaf(child: subprocess.Popen[str]) -> None:
-    """Wait for the line in front of the call that hears nothing, and until the call has begun."""
+    """Wait for the line in front of the call that hears nothing, and until the call computes."""
     assert child.stdout is not None
     assert child.stdout.readline() == "deaf\n"
-    time.sleep(0.1)
+    end = computed(child) + 0.1  # so many seconds of the processor are not between the two
+    while computed(child) < end:
+        time.sleep(0.005)
 
 
 def wait_until_delivered(child: subprocess.Popen[str]) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from commands import failed, liftmesh as run
 from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
@@ -15,6 +16,8 @@ from test_sampling import LATTICE
 from test_trimming import drawn, meadow, trimmed
 
 import liftmesh
+from liftmesh.predicates import orient2d
+from liftmesh.terrain import measures
 
 
 def moved(surface, offset) -> liftmesh.Surface:
@@ -128,6 +131,15 @@ def test_bits_follow_from_the_surfaces(one, two, of_plane: int, of_height: int, 
     assert np.array_equal(scaled, np.ldexp(found, exponents))
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_a_polygon_beyond_both_hulls_is_cut_alike_whichever_comes_first(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    one, two = map(liftmesh.triangulate, rng.integers(0, 2**20, (2, 12, 3)) / 2**10)
+    skew = [[11, -70], [901, 203], [701, 1103], [-90, 511]]
+    found, turned = one.cut_and_fill(two, polygon=skew), two.cut_and_fill(one, polygon=skew)
+    assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
+
+
 def test_the_order_of_the_rows_does_not_matter() -> None:
     rng = np.random.default_rng(4)
     one, two = rng.random((300, 3)), rng.random((200, 3)) + np.array([0.3, 0.2, 0])
@@ -209,6 +221,39 @@ def test_only_faces_that_are_left_count() -> None:
 TILTED = np.array([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4], [2, 2, 2.0]])
 
 
+@pytest.mark.parametrize("shift", [(1.5, 1.5), (0, 0.5)])
+def test_few_sides_of_round_hulls_are_compared(monkeypatch: pytest.MonkeyPatch, shift) -> None:
+    asked = []
+
+    def counted(*points: np.ndarray) -> np.ndarray:
+        asked.append(len(points[-1]))
+        return orient2d(*points)
+
+    monkeypatch.setattr(measures, "orient2d", counted)
+    angles = np.linspace(0, 2 * np.pi, 2000, endpoint=False)
+    one = np.column_stack([np.cos(angles), np.sin(angles)]) * [1, 0.01]
+    two = one[:, ::-1] if shift[0] == 0 else one * [1, 100]
+    found = measures._of_crossing_sides(
+        liftmesh.delaunay(one), liftmesh.delaunay(two + np.array(shift))
+    )
+    assert (found is None) == (shift[0] != 0)
+    assert sum(asked) < 10 * 4 * len(angles)
+
+
+LATTICE_POINTS = st.lists(st.tuples(*[st.integers(-5, 5)] * 2), min_size=3, max_size=8)
+
+
+@given(LATTICE_POINTS, LATTICE_POINTS, st.sampled_from([1, 20]))
+def test_sides_of_hulls_that_touch_are_found(points, others, stretch: int) -> None:
+    try:
+        one = liftmesh.delaunay(np.array(points) * [stretch, 1.0])
+        two = liftmesh.delaunay(np.array(others) * [1.0, stretch])
+    except liftmesh.InputError:
+        return
+    hulls = [shapely.MultiPoint(each.points).convex_hull.exterior for each in (one, two)]
+    assert (measures._of_crossing_sides(one, two) is not None) == hulls[0].intersects(hulls[1])
+
+
 def test_what_cannot_be_compared_is_refused() -> None:
     surface = liftmesh.triangulate(meadow(), crs="EPSG:25832")
     with pytest.raises(liftmesh.InputError, match="no area in common"):
@@ -217,6 +262,9 @@ def test_what_cannot_be_compared_is_refused() -> None:
         liftmesh.triangulate(square()).cut_and_fill(
             liftmesh.triangulate(square() + np.array([100, 0, 0]))
         )
+    far = liftmesh.triangulate(square() * [1e300, 1e300, 1])  # whose area is no double
+    with pytest.raises(liftmesh.InputError, match="no area in common"):
+        far.cut_and_fill(moved(far, (2e302, 0)))
     with pytest.raises(liftmesh.InputError, match="different planes"):
         surface.cut_and_fill(liftmesh.triangulate(meadow(), plane="xz"))
     fitted = liftmesh.triangulate(TILTED, plane="fit")

@@ -6,7 +6,6 @@ The fuzz target `numbers` compares the same properties for longer.
 from __future__ import annotations
 
 import os
-import threading
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +13,7 @@ import pytest
 from fuzz.round_trip import FindError
 from fuzz.text_numbers import check, lines_of, printed, same_bits, value_of
 from hypothesis import example, given, settings, strategies as st
+from test_concurrency import assert_another_thread_runs
 
 from liftmesh import _kernel
 
@@ -192,18 +192,6 @@ def test_a_child_forked_amid_rows_is_told() -> None:
 
 
 def test_other_threads_run_meanwhile() -> None:
-    text = b"0.1 0.2 0.3\n" * 300_000
+    text = b"0.1 0.2 0.3\n" * 2_000_000
     places, _, _ = _kernel.find_lines(text, (), False, 1)
-    turns = 0
-    done = threading.Event()
-
-    def parse() -> None:
-        _kernel.parse_table(text, places, 3, "", 1)
-        done.set()
-
-    worker = threading.Thread(target=parse)
-    worker.start()
-    while not done.is_set():
-        turns += 1
-    worker.join()
-    assert turns > 1
+    assert_another_thread_runs(lambda: _kernel.parse_table(text, places, 3, "", 1))

@@ -266,3 +266,17 @@ def test_an_error_names_the_row_of_the_file(tmp_path: Path) -> None:
 def test_rows_left_out_by_a_step_are_said(folder: Path) -> None:
     done = command("triangulate", "tile0.las", "tin.ply", "--every", "10", cwd=folder)
     assert "left out: 100 of other classes, 90 by --every\n" in done.stderr
+
+
+def test_many_files_have_few_notes(tmp_path: Path) -> None:
+    names = [f"{k}.csv" for k in range(20)]
+    for k, name in enumerate(names):
+        (tmp_path / name).write_text(f"E,N,h,id\n{k},0,1,a\n{k},1,2,b\n" + "9,9,9,x\n" * k)
+    done = command("triangulate", *names, "all.ply", cwd=tmp_path)
+    lines = done.stderr.splitlines()
+    assert sum("x is 'E', y is 'N', z is 'h'" in each for each in lines) == 4
+    assert "liftmesh: note: 17 more files, as 2.csv: x is 'E', y is 'N', z is 'h'" in lines
+    assert len(lines) < 20
+    few = command("triangulate", *names[:3], "few.ply", cwd=tmp_path).stderr
+    assert "more file" not in few
+    assert few.count("x is 'E'") == 3

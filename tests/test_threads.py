@@ -230,9 +230,9 @@ class TestHowMany:
         assert 1 <= int(most) <= limit - 1
 
 
-def threads_alive() -> int:
-    """How many threads there were at one moment: those listed then, and not ending afterwards."""
-    return sum(map(_alive, list(TASKS.iterdir())))
+def threads_alive() -> set[str]:
+    """Number the threads at one moment: those listed then, and not ending afterwards."""
+    return {each.name for each in list(TASKS.iterdir()) if _alive(each)}
 
 
 def _alive(thread: Path) -> bool:
@@ -261,7 +261,7 @@ def test_an_exception_of_progress_ends_a_run_and_harms_no_other(run, patience):
     assert caught.value.args == (told[-1],)
     assert patience <= told[-1] < 1.0
     assert max(told[:-1], default=-1.0) < patience
-    assert threads_alive() == before
+    assert threads_alive() <= before  # some of other tests may end meanwhile
     few = points[:50_000]
     again = [bits(liftmesh.delaunay(few, threads=threads)) for threads in (1, 2)]
     assert again[0] == again[1]

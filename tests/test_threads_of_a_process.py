@@ -22,36 +22,24 @@ def test_many_small_runs_begin_no_threads(tmp_path):
     assert begun_threads.output(program, tmp_path, **{VARIABLE: "8"}) == "0 0\n10 1\n"
 
 
-def test_ctrl_c_ends_a_run_of_several_threads_and_leaves_none_behind():
+def test_ctrl_c_ends_a_run_of_several_threads_and_leaves_none_behind(tmp_path):
     program = """
-        import os, signal, time
-        import numpy as np
-        import liftmesh
-
         points = np.random.default_rng(0).random((3_000_000, 2))
-        count = lambda: len(os.listdir("/proc/self/task"))
-        before = most = count()
-
-        def look(_):
-            global most
-            most = max(most, count())
-
+        counter.forget_threads()
         signal.signal(signal.SIGPROF, signal.default_int_handler)  # that of Ctrl-C
         for delay in (0.05, 0.3, 0.5):
             began = time.process_time()
             signal.setitimer(signal.ITIMER_PROF, delay)
             try:
                 while True:
-                    liftmesh.delaunay(points, threads=2, progress=look)
+                    liftmesh.delaunay(points, threads=2, progress=lambda _: None)
             except KeyboardInterrupt:
                 seconds = time.process_time() - began - delay
-            end = time.monotonic() + 60  # the system puts joined threads away in its own time
-            while count() > before and time.monotonic() < end:
-                time.sleep(0.01)
-            print(seconds, count() - before)
-        print(most - before, len(liftmesh.delaunay(points[:30_000], threads=2).simplices))
+            print(seconds, counter.threads_held())
+        few = liftmesh.delaunay(points[:30_000], threads=2)
+        print(counter.most_threads(), len(few.simplices))
     """
-    *interruptions, last = output(program).splitlines()
+    *interruptions, last = begun_threads.output(program, tmp_path).splitlines()
     assert len(interruptions) == 3
     seconds, after = zip(*(map(float, line.split()) for line in interruptions), strict=True)
     assert max(seconds) < 1.0  # of the processor, for both threads
@@ -101,22 +89,11 @@ def test_a_forked_process_goes_on(way):
     assert output(program, {VARIABLE: "2"}, way) == "0 True\n"
 
 
-def test_a_process_forked_amid_a_run_has_its_threads_to_itself():
+def test_a_process_forked_amid_a_run_has_its_threads_to_itself(tmp_path):
     program = """
-        import os, threading, warnings
-        import numpy as np
-        import liftmesh
         warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
 
         points = np.random.default_rng(0).random((2_000_000, 2))
-
-        def most_threads():
-            most = 0
-            def look(_):
-                nonlocal most
-                most = max(most, len(os.listdir("/proc/self/task")))
-            liftmesh.delaunay(points, progress=look)
-            return most
 
         busy = threading.Event()
         thread = threading.Thread(
@@ -126,40 +103,31 @@ def test_a_process_forked_amid_a_run_has_its_threads_to_itself():
         busy.wait()
         child = os.fork()
         if child == 0:
-            os._exit(most_threads())
+            os._exit(begun(lambda: liftmesh.delaunay(points))[1])
         print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
         thread.join()
     """
-    assert output(program, {VARIABLE: "3"}) == "3\n"
+    assert begun_threads.output(program, tmp_path, **{VARIABLE: "3"}) == "2\n"
 
 
-def test_a_system_without_threads_to_give_gets_the_same_result():
+def test_a_system_without_threads_to_give_gets_the_same_result(tmp_path):
     program = """
-        import os, resource
-        import numpy as np
-        import liftmesh
+        import resource
 
-        points = np.random.default_rng(0).random((1_500_000, 2))  # in runs that can be watched
-        count = lambda: len(os.listdir("/proc/self/task"))
-        most = 0
-
-        def look(_):
-            global most
-            most = max(most, count())
-
+        points = np.random.default_rng(0).random((1_500_000, 2))
         expected = liftmesh.delaunay(points, threads=1).simplices
         if os.getuid() == 0:
             os.setresuid(54_321, 54_321, 54_321)  # the limit is not for root
         _, hard = resource.getrlimit(resource.RLIMIT_NPROC)
         resource.setrlimit(resource.RLIMIT_NPROC, (0, hard))
-        before = count()
-        found = liftmesh.delaunay(points, threads=4, progress=look).simplices
-        print(np.array_equal(found, expected), most - before)
+        counter.forget_threads()
+        found = liftmesh.delaunay(points, threads=4).simplices
+        print(np.array_equal(found, expected), counter.most_threads())
         resource.setrlimit(resource.RLIMIT_NPROC, (hard, hard))
-        found = liftmesh.delaunay(points, progress=look).simplices  # the four are no longer counted
-        print(np.array_equal(found, expected), most - before)
+        found = liftmesh.delaunay(points).simplices  # the four are no longer counted
+        print(np.array_equal(found, expected), counter.most_threads())
     """
-    assert output(program, {VARIABLE: "3"}) == "True 0\nTrue 2\n"
+    assert begun_threads.output(program, tmp_path, **{VARIABLE: "3"}) == "True 0\nTrue 2\n"
 
 
 def output(program: str, environment: dict[str, str] | None = None, *words: str) -> str:

@@ -20,8 +20,8 @@ from dask.distributed import Client, Security
 from distributed.comm import connect
 
 import liftmesh.dask
+from liftmesh import dask as clusters
 from liftmesh.errors import MissingDependencyError
-from liftmesh.tiles import cluster as clusters
 
 LISTENS = "0A"  # in the tables of the kernel
 

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from contextlib import ExitStack
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -70,6 +71,11 @@ def rest(client: Client) -> None:
 
     while any(client.run(executing).values()):
         time.sleep(0.05)
+
+
+def clients(client: Client) -> set[str]:
+    """Name the clients that the scheduler knows."""
+    return {*client.run_on_scheduler(lambda dask_scheduler: [*dask_scheduler.clients])}
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -229,7 +235,7 @@ with Client(sys.argv[1], security=pickle.loads(bytes.fromhex(sys.stdin.readline(
 def test_a_client_dies_and_comes_back(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
-    address = client.scheduler.address
+    address, known = client.scheduler.address, clients(client)
     command = [sys.executable, "-c", PROGRAM, address, str(source), str(tmp_path)]
     with subprocess.Popen(command, stdin=-1, stdout=-1, text=True) as child:
         assert child.stdin is not None
@@ -238,7 +244,9 @@ def test_a_client_dies_and_comes_back(
         child.stdin.flush()
         assert child.stdout.readline() == "in the middle\n"
         child.kill()
-    rest(client)  # the tasks that it had submitted
+    while clients(client) != known:  # its tasks that have not begun go with it
+        time.sleep(0.05)
+    rest(client)  # the tasks that have begun
     assert not (tmp_path / "manifest.json").exists()
     done = {path: path.stat().st_mtime_ns for path in tmp_path.glob("tile-*.parquet")}
     assert done
@@ -279,11 +287,12 @@ def test_the_scheduler_is_lost_and_started_again(
 ) -> None:
     options: dict[str, Any] = {"n_workers": 1, "threads_per_worker": 1, "processes": False}
     options |= {"dashboard_address": "127.0.0.1:0", "silence_logs": logging.CRITICAL}
-    quick = dask.config.set({"distributed.comm.timeouts.connect": "300ms"})
-    with quick, LocalCluster(**options) as first, Client(first) as client:
+    with ExitStack() as stack, LocalCluster(**options) as first, Client(first) as client:
 
         def close(share: float) -> None:
             if share > 0.4 and first.scheduler.status.name == "running":
+                quick = dask.config.set({"distributed.comm.timeouts.connect": "300ms"})
+                stack.enter_context(quick)  # of calls of who is not there
                 first.sync(first.scheduler.close)
 
         with pytest.raises(ConnectionError, match=r"Dask has dropped the tasks .*: what is done"):

@@ -17,7 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, FormatError, InputError, NonFiniteError
-from liftmesh.tiles import claim, plan, run
+from liftmesh.tiles import lock, pipeline, plan
 
 POINTS = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 ROWS = 100
@@ -202,7 +202,7 @@ def test_two_runs_begun_together_in_a_new_folder(
 
     monkeypatch.setattr(os, "fsync", lambda _: None)  # it takes most of the time
     for name in STEPS[:-1]:
-        monkeypatch.setattr(claim, name, watched(name, getattr(claim, name)))
+        monkeypatch.setattr(lock, name, watched(name, getattr(lock, name)))
     for turn, second in itertools.product((1, -1), STEPS):
         out = tmp_path / f"{second}{turn}" / "out"
         runs = [Paused(first, out), Paused(second, out)]
@@ -380,7 +380,7 @@ def test_the_size_of_tiles_is_that_of_the_run_that_goes_on(
 ) -> None:
     stopped(POINTS, tmp_path)
     assert liftmesh.tile(POINTS, tmp_path).manifest["tile_rows"] == ROWS
-    monkeypatch.setattr(run, "TILE_ROWS", 70)
+    monkeypatch.setattr(pipeline, "TILE_ROWS", 70)
     assert liftmesh.tile(POINTS, tmp_path).manifest["tile_rows"] == ROWS
 
 

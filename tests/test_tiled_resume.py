@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import errno
-import os
 import shutil
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -18,7 +16,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.tiles import chunks, publish, run, shards, stages
+from liftmesh.tiles import pipeline, publish, shards, sorted_chunks, stages
 
 POINTS = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 TILE_ROWS = 100
@@ -57,7 +55,7 @@ def failing_at(patch: pytest.MonkeyPatch, number: int) -> Callable[[], int]:
 
         return call
 
-    for module in (run, chunks, stages, shards, publish):
+    for module in (pipeline, sorted_chunks, stages, shards, publish):
         for name in ("save_array", "save_blocks", "save_json"):
             if hasattr(module, name):
                 patch.setattr(module, name, failing(getattr(module, name)))
@@ -194,22 +192,27 @@ def test_points_on_a_line_leave_nothing_to_open(tmp_path: Path) -> None:
 
 
 KILLED = """
-import sys, liftmesh
-liftmesh.tile(sys.argv[1], sys.argv[2], tile_rows=1000, threads=1)
+import os, signal, sys
+from pathlib import Path
+import liftmesh
+source, out, what, files = sys.argv[1:]
+
+def end(_):
+    if len(list(Path(out).glob(f".liftmesh-tiles/{what}"))) >= int(files):
+        os.kill(os.getpid(), signal.SIGKILL)
+
+liftmesh.tile(source, out, tile_rows=1000, threads=1, progress=end)
 """
 
 
-def test_killed_at_any_moment_and_begun_again(tmp_path: Path) -> None:
+def test_killed_in_every_stage_and_begun_again(tmp_path: Path) -> None:
     source, out = tmp_path / "points.npy", tmp_path / "out"
     np.save(source, np.random.default_rng(3).random((24_000, 2)))
     liftmesh.tile(source, tmp_path / "expected", tile_rows=1000)
-    command = [sys.executable, "-c", KILLED, str(source), str(out)]
     for what, files in (("run-*", 8), ("tile-*.json", 3), ("seam-*.json", 4)):
-        child = subprocess.Popen(command, env={**os.environ, "OMP_NUM_THREADS": "1"})
-        while child.poll() is None and len(list(out.glob(f".liftmesh-tiles/{what}"))) < files:
-            time.sleep(0.002)
-        child.send_signal(signal.SIGKILL)
-        child.wait()
+        words = (str(source), str(out), what, str(files))
+        done = subprocess.run([sys.executable, "-c", KILLED, *words], timeout=300, check=False)
+        assert done.returncode == -signal.SIGKILL
         assert not (out / "manifest.json").exists()
     liftmesh.tile(source, out, tile_rows=1000)
     assert contents(out) == contents(tmp_path / "expected")

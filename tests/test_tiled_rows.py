@@ -12,8 +12,16 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles import node, parquet as parquet_module, repeated, run, schedule, sources, stages
-from liftmesh.tiles.run import rows_within
+from liftmesh.tiles import (
+    node,
+    parquet as parquet_module,
+    pipeline,
+    plan,
+    schedule,
+    sources,
+    stages,
+)
+from liftmesh.tiles.options import rows_within
 
 TIES = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 
@@ -196,7 +204,7 @@ def test_tiles_that_are_too_large_are_cut_again(
     rng = np.random.default_rng(3)
     centers = rng.random((40, 2)) ** 4
     points = centers[rng.integers(0, 40, 20_000)] + rng.normal(0, 1e-3, (20_000, 2))
-    monkeypatch.setattr(run, "_SAMPLED", 1)
+    monkeypatch.setattr(pipeline, "_SAMPLED", 1)
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(stages, "merge", counted(sizes))
@@ -245,7 +253,7 @@ def test_one_position_repeated_very_often_takes_no_room(tmp_path: Path) -> None:
     assert found.nsimplex == expected.nsimplex
     assert found.verify(points).canonical
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(repeated, "_STRETCH", 500)
+        patch.setattr(plan, "_STRETCH", 500)
         assert liftmesh.tile(points, tmp_path / "b", tile_rows=4_000, nonfinite="skip").verify(
             points
         )

@@ -17,7 +17,7 @@ from liftmesh import Tiled
 from liftmesh.base.options import ShardFormat
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.tiles import shards as formats
-from liftmesh.tiles.edges import paired
+from liftmesh.tiles.adjacency import paired
 
 FORMATS: tuple[ShardFormat, ...] = ("npy", "parquet", "ply")
 POINTS = np.random.default_rng(5).permutation(np.indices((25, 28)).reshape(2, -1).T) * 1.0

@@ -21,7 +21,7 @@ from liftmesh.errors import (
     InputError,
     NonFiniteError,
 )
-from liftmesh.tiles import chunks, shards, stages
+from liftmesh.tiles import shards, sorted_chunks, stages
 
 CLOUD = steep_cloud()
 POINTS = CLOUD.points
@@ -349,7 +349,7 @@ def test_a_run_that_broke_off_goes_on(
             raise DiskFullError(28, "No space left on device", str(path))
         return save(path, array)
 
-    for module in (chunks, shards, stages):
+    for module in (sorted_chunks, shards, stages):
         monkeypatch.setattr(module, "save_array", failing)
     with pytest.raises(DiskFullError):
         liftmesh.tile_surface(CLOUD, tmp_path / "out", **options)

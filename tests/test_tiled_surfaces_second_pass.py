@@ -16,7 +16,7 @@ from tiled_surfaces import steep_cloud
 import liftmesh
 from liftmesh import Surface, TiledSurface, _kernel
 from liftmesh.errors import FormatError, InputError
-from liftmesh.tiles import circles, surface_raster, windows
+from liftmesh.tiles import surface_raster
 
 CLOUD = steep_cloud()
 SMOOTH = np.random.default_rng(2).random((3_000, 2)) * 20
@@ -59,8 +59,8 @@ def test_rasters_have_the_bits_of_one_call(
     monkeypatch.setattr(surface_raster, "_SIDE", 24)
     monkeypatch.setattr(surface_raster, "_FACES", 40)
     monkeypatch.setattr(surface_raster, "_FEWEST", 16)
-    monkeypatch.setattr(windows, "_BLOCK", 100)
-    monkeypatch.setattr(circles, "_BLOCK", 60)
+    monkeypatch.setattr(surface_raster, "_BLOCK", 100)
+    monkeypatch.setattr(surface_raster, "_CIRCLES", 60)
     tiled, surface = both
     for layout in LAYOUTS:
         found = tiled.raster(**layout, **wanted, z_factor=1.5)

@@ -170,3 +170,25 @@ def test_scales_of_lidar_stay_as_fine_as_they_were(
     is_kept = np.array_equal(back.points, cloud.points)
     assert bool(written.dropped) == (not is_kept)
     assert (tmp_path / "b.las").stat().st_size >= len(data)
+
+
+@pytest.mark.filterwarnings("ignore:x and y are degrees")
+def test_slopes_of_degrees_are_refused(tmp_path: Path) -> None:
+    cloud = Cloud(np.array([[9.0, 48, 400], [9.001, 48, 410], [9, 48.001, 420]]), crs="EPSG:4326")
+    surface, tiled = lm.triangulate(cloud), lm.tile_surface(cloud, tmp_path / "tiles")
+    for quantity in ("slope", "aspect", "hillshade"):
+        for each in (surface, tiled):
+            with pytest.raises(InputError, match="x and y are degrees, which are no lengths"):
+                each.raster(0.0001, quantity=quantity)
+            each.raster(0.0001, quantity=quantity, z_factor=9e-6)
+    for measure in (surface.slope, surface.aspect):
+        with pytest.raises(InputError, match="x and y are degrees, which are no lengths"):
+            measure([9.0001, 48.0001])
+    assert surface.slope([9.0001, 48.0001], z_factor=1 / 111_320) < 20
+    assert surface.raster(0.0001).unit is None
+    lm.write(tmp_path / "a.ply", cloud)
+    words = ("raster", "a.ply", "o.tif", "--resolution", "0.0001", "--quantity", "slope")
+    done = command(*words, cwd=tmp_path)
+    assert (done.returncode, (tmp_path / "o.tif").exists()) == (3, False)
+    assert "with --to-crs a projected system, or give --z-factor" in done.stderr
+    assert command(*words, "--z-factor", "9e-6", cwd=tmp_path).returncode == 0

@@ -421,8 +421,8 @@ import os, signal, threading
 import numpy as np, liftmesh
 points = np.random.default_rng(0).random((3_000_000, 2))
 simplices = liftmesh.delaunay(points).simplices
-threading.Timer(0.15, os.kill, (os.getpid(), signal.SIGINT)).start()
 try:
+    threading.Timer(0.15, os.kill, (os.getpid(), signal.SIGINT)).start()
     while True:
         liftmesh.verify(points, simplices, threads=2)
 except KeyboardInterrupt:

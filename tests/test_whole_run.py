@@ -1,14 +1,17 @@
-"""A run of all tests fails if one is left out; a run of some does not."""
+"""A run of all tests fails if one is left out; in either a test draws the same numbers."""
 
 from __future__ import annotations
 
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from commands import ROOT
 
 THIS = "tests/test_whole_run.py"
+SEED = 5
+RNG = np.random.default_rng(SEED)
 SOME = ["--deselect", f"{THIS}::test_nested"]
 
 
@@ -41,3 +44,8 @@ def test_a_whole_run_is_all_but_campaigns(words: list[str], is_there: bool) -> N
 @pytest.mark.campaign
 def test_of_a_campaign() -> None:
     """Something that a whole run need not have."""
+
+
+@pytest.mark.parametrize("turn", range(2))
+def test_a_test_draws_the_same_numbers_after_any_other(turn: int) -> None:
+    assert RNG.random(turn + 3)[0] == np.random.default_rng(SEED).random()

@@ -215,3 +215,22 @@ def test_collections_that_are_no_geojson_are_one_line(features: object) -> None:
         surface.volume(0, polygon={"type": "FeatureCollection", "features": features})
     with pytest.raises(liftmesh.InputError, match="the polygon is no GeoJSON: give"):
         surface.volume_by_polygon({"type": "FeatureCollection", "features": features}, 0)
+
+
+@pytest.mark.parametrize("far", [1e40, 1e307, 1e308])
+def test_polygons_that_shapely_has_no_digits_for_are_refused(far: float) -> None:
+    surface = liftmesh.triangulate(SLOPE)
+    ring = [[-far, -far], [3 * (far / 3), -far], [far, far], [-far, -far]]
+    with pytest.raises(liftmesh.InputError, match=r"polygon 0 reaches as far as 1e\+\d+, and"):
+        surface.volume(polygon=ring)
+    with pytest.raises(liftmesh.InputError, match="cut it nearer to them"):
+        surface.cut_and_fill(surface, polygon=ring)
+
+
+def test_a_polygon_that_is_far_larger_counts_what_it_covers() -> None:
+    surface = liftmesh.triangulate(SLOPE)
+    far = 1e16
+    half = surface.volume(polygon=[[-far, -far], [far, -far], [far, far], [-far, -far]])
+    near = surface.volume(polygon=[[-99, -99], [99, -99], [99, 99], [-99, -99]])
+    assert half.area == pytest.approx(near.area, rel=1e-12)
+    assert half.above == pytest.approx(near.above, rel=1e-12)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.tiles.adjacency import as_pairs, links_to
-from liftmesh.tiles.edges import open_edges, paired
+from liftmesh.tiles.adjacency import as_pairs, links_to, open_edges, paired
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.cells.columns import common_crs, frame_of, free_name
-from liftmesh.cells.parts import binary_scale, parts_of
+from liftmesh.cells.parts import parts_of
 from liftmesh.crs.description import looked_up
 from liftmesh.optional import load
 
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
     from liftmesh.cells.exact import DomainCorners
     from liftmesh.cells.rings import Rings
+
+_HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
 
 class ClippedCells:
@@ -73,20 +75,23 @@ class ClippedCells:
         return following
 
     @cached_property
-    def _moments(self) -> tuple[Floats, Floats, Floats, int]:
-        """Area, first moments over it and first corner of each row's cell."""
+    def _moments(self) -> tuple[Floats, Floats, Floats, Rows]:
+        """Area, first moments over it, and first corner of each row's cell, scaled by 2**-last."""
         rows, cell = len(self.points), self._cell_of_corner
         origin = np.zeros((rows, 2))
         origin[cell[::-1]] = self.corners[::-1]
-        offset = self.corners - origin[cell]
-        scale = binary_scale(offset)
-        x, y = np.ldexp(offset, -scale).T
+        halved = int(np.abs(self.corners).max(initial=0) > _HALF_LARGEST)
+        offset = np.ldexp(self.corners, -halved) - np.ldexp(origin, -halved)[cell]
+        extent = np.zeros(rows)
+        np.maximum.at(extent, cell, np.abs(offset).max(axis=1))
+        scale = np.frexp(extent)[1]
+        x, y = np.ldexp(offset, -scale[cell, None]).T
         ahead_x, ahead_y = x[self._following], y[self._following]
         cross = x * ahead_y - y * ahead_x
         area = np.bincount(cell, cross, minlength=rows) / 2
         moments = (np.bincount(cell, cross * (u + v), minlength=rows) / 6
                    for u, v in ((x, ahead_x), (y, ahead_y)))  # fmt: skip
-        return area, np.stack([*moments], axis=1), origin, scale
+        return area, np.stack([*moments], axis=1), origin, scale + halved
 
     @cached_property
     def areas(self) -> Floats:
@@ -103,7 +108,7 @@ class ClippedCells:
         """The centroid of each row's cell, (n, 2) float64; NaN for rows without one."""
         area, moments, origin, scale = self._moments
         with np.errstate(all="ignore"):
-            centre = origin + np.ldexp(moments / area[:, None], scale)
+            centre = origin + np.ldexp(moments / area[:, None], scale[:, None])
         return read_only(np.where(area[:, None] > 0, centre, np.nan))
 
     def sides(self) -> tuple[Floats, Floats]:
@@ -139,7 +144,8 @@ class ClippedCells:
         pairs = np.stack([self._cell_of_corner[start], self.beyond[start]], axis=1)
         is_first = pairs[:, 0] < pairs[:, 1]  # each is there twice, once from either cell
         start, pairs = start[is_first], pairs[is_first]
-        length = np.hypot(*(self.corners[self._following[start]] - self.corners[start]).T)
+        with np.errstate(over="ignore"):  # a length beyond the doubles is infinite
+            length = np.hypot(*(self.corners[self._following[start]] - self.corners[start]).T)
         named = pairs[:, 0] << 32 | pairs[:, 1]
         names, place = np.unique(named, return_inverse=True)
         rows = np.stack([names >> 32, names & 0xFFFFFFFF], axis=1).astype(np.int32)

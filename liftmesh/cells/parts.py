@@ -30,7 +30,8 @@ def binary_scale(values: Floats) -> int:
 def parts_of(rings: Rings, exact: DomainCorners) -> tuple[NDArray[np.int64], Mask]:
     """Find the part that each ring bounds, and which rings are holes."""
     is_hole = np.zeros(len(rings.cells), dtype=np.bool_)
-    is_hole[: rings.cut] = _turn_clockwise(rings.of_the_domain(), exact)
+    with np.errstate(over="ignore", invalid="ignore"):  # what is no number is decided exactly
+        is_hole[: rings.cut] = _turn_clockwise(rings.of_the_domain(), exact)
     outer = np.flatnonzero(~is_hole)
     outer = outer[np.argsort(rings.cells[outer], kind="stable")]
     part = np.empty(len(rings.cells), dtype=np.int64)

@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import counted
 from liftmesh.io.faces import places
-from liftmesh.io.format import OWN, crs_comment
 from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
+from liftmesh.io.metadata import OWN, crs_comment
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d

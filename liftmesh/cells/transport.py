@@ -156,7 +156,7 @@ def transport(
     Areas come from corners in float64. A domain of side 1 at an offset of 1e8 has corners rounded
     to 1.5e-8, and `stalled` is True if that is too coarse for the tolerance: subtract the offset,
     or give a larger tolerance. So are weights where some rows are much nearer to each other than
-    to the rest, by a factor of 1e8 or more.
+    to the rest, by a factor of 1e7 or more.
 
     Examples
     --------

@@ -41,9 +41,9 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
         is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
         said = cloud.metadata.get("notes") if is_told else ()
         return (*first, *said) if isinstance(said, tuple) else first
-    from liftmesh.io.formats.text.columns import described  # noqa: PLC0415 - few files are tables
+    from liftmesh.io.formats.text.columns import coordinates_sentence  # noqa: PLC0415 - few do
 
-    said = described(names)
+    said = coordinates_sentence(names)
     told = map(as_on_command_line, cloud.metadata.get("notes", ()))
     return (*first, *([said] if said else []), *told)
 
@@ -53,9 +53,9 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     counts = counts_of(cloud)
     if counts is None:
         return ()
-    from liftmesh.io.selection import described  # noqa: PLC0415 - most files are read whole
+    from liftmesh.io.selection import selection_sentence  # noqa: PLC0415 - most files are read whole
 
-    said = described(counts).replace("by every=", "by --every")
+    said = selection_sentence(counts).replace("by every=", "by --every")
     return tuple(filter(None, (said, _flagged(cloud))))
 
 

@@ -211,10 +211,10 @@ def table(
     found |= {"header": False} if no_header else {}
     found |= given(skip_rows=skip_rows or None)
     if found:
-        from liftmesh.io.formats.text.options import checked  # noqa: PLC0415 - most runs do without
+        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
 
         with values.as_option():
-            checked(**found)
+            validate_table_options(**found)
     return found
 
 
@@ -287,10 +287,10 @@ def _selection(
     found = given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
     found |= given(every=every if every > 1 else None, withheld=withheld, resolution=resolution)
     if found:
-        from liftmesh.io.selection import checked  # noqa: PLC0415 - most runs do without
+        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
 
         with values.as_option():
-            checked(**found)
+            validate_selection(**found)
     return found | given(to_crs=to_crs, crs=from_crs, band=band)
 
 

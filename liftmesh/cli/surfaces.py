@@ -191,9 +191,10 @@ def _sides(points: Array, faces: Array) -> Array:
 
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
-    """Say on stderr that heights are taken to be in the unit of x and y where nothing says so."""
-    from liftmesh.terrain.units import metres_of  # noqa: PLC0415 - help and --version do without
+    """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees."""
+    from liftmesh.terrain.units import metres_of, steepness  # noqa: PLC0415 - help does without
 
+    steepness(surface, factor)
     if factor is None and metres_of(surface) is None:
         terminal.note(
             f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "

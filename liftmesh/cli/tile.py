@@ -110,7 +110,7 @@ def run(
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
-    from liftmesh.tiles.run import (  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.options import (  # noqa: PLC0415 - help and --version do without
         ROW_BYTES,
         SURFACE_ROW_BYTES,
         rows_within,
@@ -168,7 +168,7 @@ def _check_options(
 def _alone(*, surface: bool) -> Callable[..., Tiled]:
     """Return what does the work in this process."""
     if surface:
-        from liftmesh.tiles.surface_build import tile_surface  # noqa: PLC0415 - as above
+        from liftmesh.tiles.build import tile_surface  # noqa: PLC0415 - as above
 
         return tile_surface
     from liftmesh.tiles.build import tile  # noqa: PLC0415 - as above
@@ -185,8 +185,8 @@ def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
 
 @contextmanager
 def _client(workers: int | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
+    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
-    from liftmesh.tiles.cluster import local_cluster  # noqa: PLC0415 - as above
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")

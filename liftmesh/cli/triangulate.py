@@ -167,7 +167,7 @@ def run(
 
 def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found."""
-    from liftmesh.io.selection import Selector, checked, selected  # noqa: PLC0415 - help does without
+    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
     from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
 
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
@@ -190,7 +190,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     if lost := bare_warning(counts):
         remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
         terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
-    chosen = checked(classes=classes)
+    chosen = validate_selection(classes=classes)
     found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
     if not len(found):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")

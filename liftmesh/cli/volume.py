@@ -69,6 +69,7 @@ def run(
                 measures["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = surfaces.read(other, reading)
+        _check_grounds({source: surface, other: after})
         rows_of["after"] = notes.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
             measures = _changes(surface.cut_and_fill(after, polygon=within))
@@ -78,6 +79,14 @@ def run(
                     {key: _changes(work) for key, work in works.items()}
                 )
     _print(measures, rows_of, as_json=json)
+
+
+def _check_grounds(surfaces_: dict[Path, Any]) -> None:
+    """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
+    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.surface_rows import check_grounds  # noqa: PLC0415 - as above
+
+    check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 
 
 def _values(found: Volume) -> dict[str, Any]:

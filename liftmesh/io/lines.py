@@ -286,6 +286,15 @@ def promised(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]
         left -= len(block)
 
 
+def check_end(lines: Lines, name: str) -> None:
+    """Raise for lines beyond those that a header promises: they would be lost."""
+    if len(lines.take(1)):
+        raise FormatError(
+            f"{name}: line {lines.number}: more rows follow than the header promises: "
+            "correct its counts"
+        )
+
+
 def leading_comments(
     stream: BinaryIO, name: str, *, encoding: str = "latin-1", marks: tuple[str, ...] = ("#",)
 ) -> Generator[str, None, None]:

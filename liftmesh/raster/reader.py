@@ -44,7 +44,7 @@ from liftmesh.raster.blocks import (
     window_of,
     without_warnings,
 )
-from liftmesh.raster.sidecars import Transform, system_of, world_of
+from liftmesh.raster.sidecars import ALONE, Transform, system_of, world_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
@@ -52,10 +52,8 @@ _MOST_EXACT = 2**53
 _ESRI = -9999.0  # of grids that do not say it
 _TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in memory
-_ALONE = {
-    "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF",
-    "GTIFF_REPORT_COMPD_CS": "YES",  # the system of heights, also of files of GeoTIFF 1.0
-}  # fmt: skip
+# GDAL is also to say the system of heights, that of files of GeoTIFF 1.0, too.
+_SETTINGS = {**ALONE, "GTIFF_REPORT_COMPD_CS": "YES"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +98,7 @@ def read_raster(
     data = without_wkt(data)
     with (
         _decoding(name),
-        rasterio.Env(**_ALONE),
+        rasterio.Env(**_SETTINGS),
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):

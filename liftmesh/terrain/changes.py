@@ -1,12 +1,10 @@
-"""Changed copies of surfaces: other values for the same vertices, and vertices that were moved.
+"""Changed copies: clouds and surfaces with other values, and surfaces whose vertices were moved.
 
 A surface whose vertices move keeps its faces. If the planar coordinates stay bit for bit, as when
 heights are scaled, it keeps its triangulation too. If they change, the triangles must be those that
 `delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
 triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
 stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
-
-Colours, normals and named values that a caller gives apart from the points.
 """
 
 from __future__ import annotations
@@ -31,6 +29,8 @@ from liftmesh.terrain.lifting import HIDDEN
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import AnySurface, SurfaceData
+
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
@@ -148,9 +148,6 @@ def _from_least(hull: Rows, planar: Floats) -> Rows:
     """Let the rows of a hull begin at the lexicographically least point."""
     x, y = planar[hull].T
     return np.roll(hull, -int(np.lexsort((y, x))[0]))
-
-
-_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:

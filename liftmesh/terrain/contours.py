@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,11 +24,10 @@ from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import as_count, as_thousands, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
-from liftmesh.io.atomic import replacing
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.vector import geojson, geopackage
+from liftmesh.vector.lines import write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -222,22 +221,9 @@ class Contours:
         """
         found = Path(path)
         check_name(found)
-        with replacing(found) as stream:
-            if found.suffix.lower() == ".gpkg":
-                self._write_geopackage(stream)
-            else:
-                self._write_geojson(stream)
-        return found
-
-    def _write_geojson(self, stream: BinaryIO) -> None:
-        features = (
-            ({"height": x.level, "index": x.index, "closed": x.closed}, x.points) for x in self
-        )
-        geojson.write(stream, features, self.crs)
-
-    def _write_geopackage(self, stream: BinaryIO) -> None:
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        geopackage.write(stream, self.points, self.starts, columns, self.crs, "contours")
+        write_lines(found, self.points, self.starts, columns, self.crs, "contours")
+        return found
 
 
 def length_of(length: Any) -> float:
@@ -255,12 +241,12 @@ def check_name(path: Path) -> None:
 
 def contour_lines(
     surface: SurfaceData,
-    levels: ArrayLike | None = None,
+    levels: ArrayLike | None,
     *,
-    interval: float | None = None,
-    base: float = 0.0,
-    index_every: int = 5,
-    threads: int | None = None,
+    interval: float | None,
+    base: float,
+    index_every: int,
+    threads: int | None,
 ) -> Contours:
     """Compute lines of equal height."""
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)

@@ -4,12 +4,9 @@ The cloth simulation filter (CSF) turns a cloud upside down and lets a cloth fal
 near the cloth is ground. It knows metres alone, so coordinates are converted. Noise and withheld
 rows are kept from it, since the cloth would hang on them.
 
-CSF, the cloth simulation filter, in a process of its own.
-
 CSF prints what it does to stdout, whatever Python redirects, looks for no Ctrl-C, and on several
 threads gives other results from run to run. In a process of its own, on one thread, none of that
-matters. `PROGRAM` is given the path of modules, which must not begin with the current folder. It
-reads float64 coordinates from stdin, and writes a byte for each row to stdout: 1 is ground.
+matters.
 
 Source: Zhang et al., An easy-to-use airborne LiDAR data filtering method based on cloth simulation,
 Remote Sensing 8 (2016), 501.
@@ -38,7 +35,6 @@ from liftmesh.io.selection import class_column
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-
 
 GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"
@@ -207,6 +203,30 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
 
 
+PROGRAM = """
+import json, os, sys
+sys.path[:] = json.loads(sys.argv[1])
+answer = os.dup(1)
+os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+import CSF
+import numpy as np
+resolution, rigidness, threshold = map(float, sys.argv[2:])
+points = np.frombuffer(sys.stdin.buffer.read()).reshape(-1, 3)
+cloth = CSF.CSF()
+cloth.params.bSloopSmooth = False
+cloth.params.cloth_resolution = resolution
+cloth.params.rigidness = int(rigidness)
+cloth.params.class_threshold = threshold
+cloth.setPointCloud(np.array(points))
+ground, others = CSF.VecInt(), CSF.VecInt()
+cloth.do_filtering(ground, others, False)
+found = np.zeros(len(points), np.uint8)
+found[np.array(ground, dtype=np.int64)] = 1
+with open(answer, "wb") as stream:
+    stream.write(found.tobytes())
+"""
+
+
 def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[int, int]:
     """Count the cells that have rows enough, and those of them that have no ground."""
     places = np.floor(points[:, :2] / (_NODES_OF_CELL * resolution)).astype(np.int64)
@@ -239,27 +259,3 @@ def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:
         classes[classes == GROUND] = _UNCLASSIFIED
     classes[ground] = GROUND
     return {name: classes}
-
-
-PROGRAM = """
-import json, os, sys
-sys.path[:] = json.loads(sys.argv[1])
-answer = os.dup(1)
-os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-import CSF
-import numpy as np
-resolution, rigidness, threshold = map(float, sys.argv[2:])
-points = np.frombuffer(sys.stdin.buffer.read()).reshape(-1, 3)
-cloth = CSF.CSF()
-cloth.params.bSloopSmooth = False
-cloth.params.cloth_resolution = resolution
-cloth.params.rigidness = int(rigidness)
-cloth.params.class_threshold = threshold
-cloth.setPointCloud(np.array(points))
-ground, others = CSF.VecInt(), CSF.VecInt()
-cloth.do_filtering(ground, others, False)
-found = np.zeros(len(points), np.uint8)
-found[np.array(ground, dtype=np.int64)] = 1
-with open(answer, "wb") as stream:
-    stream.write(found.tobytes())
-"""

@@ -18,6 +18,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from liftmesh.vector.polygons import Polygon
 
 _MOST_EXPONENT = 64
+_FARTHEST = 2.0**64  # shapely crosses lines to 2**-104 of their length
 _LARGEST = np.finfo(np.float64).max
 Measured: TypeAlias = tuple[float, float, float]
 
@@ -164,8 +166,6 @@ def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = 
         fill, cut, area = kernel_surface(surface).between(kernel_surface(other), *pair)
         check_measured(("volume", fill), ("volume", cut), ("area", area))
     if not area > 0:
-        for each in (surface, other):
-            area_of(each, planar=True)  # raises where areas are no doubles
         raise InputError("the surfaces have no area in common")
     return Earthwork(cut, fill, area, cubic_metres_of(surface))
 
@@ -284,21 +284,48 @@ def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | No
 
 def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Find sides of the hulls that cross, where no vertex of one is in the other."""
-    others, starts, ends = _hull(two)
-    for face, tail, head in zip(*_hull(one), strict=True):
-        apart = orient2d(tail, head, starts) * orient2d(tail, head, ends) > 0
-        apart |= orient2d(starts, ends, tail) * orient2d(starts, ends, head) > 0
+    for (faces, tails, heads), (others, starts, ends) in product(_chains(one), _chains(two)):
+        near, far = _overlapping(tails, heads, starts, ends)
+        (tail, head), (start, end) = (
+            [each.view(np.float64).reshape(-1, 2)[chosen] for each in sides]
+            for sides, chosen in (((tails, heads), near), ((starts, ends), far))
+        )
+        apart = orient2d(tail, head, start) * orient2d(tail, head, end) > 0
+        apart |= orient2d(start, end, tail) * orient2d(start, end, head) > 0
         if not apart.all():
-            return int(face), int(others[np.argmin(apart)])
+            pair = int(np.argmin(apart))
+            return int(faces[near[pair]]), int(others[far[pair]])
     return None
 
 
-def _hull(tri: Triangulation) -> tuple[Array, Array, Array]:
-    """Return the faces at the sides of the hull, and the ends of these sides."""
+def _overlapping(tails: Array, heads: Array, starts: Array, ends: Array) -> tuple[Array, Array]:
+    """Pair the sides of two chains that overlap in lexicographic order, as those do that touch.
+
+    Sides of a chain follow each other, so there are little more pairs than sides.
+    """
+    first = np.searchsorted(ends, tails)
+    counts = np.searchsorted(starts, heads, side="right") - first
+    before = np.cumsum(counts) - counts
+    sides = np.repeat(np.arange(len(tails)), counts)
+    return sides, np.arange(len(sides)) + np.repeat(first - before, counts)
+
+
+def _chains(tri: Triangulation) -> Iterator[tuple[Array, Array, Array]]:
+    """Yield the lower and the upper hull: faces at their sides, and lesser and greater ends.
+
+    Ends are complex numbers, which have a lexicographic order, and the sides are in this order.
+    """
     faces, corner = np.nonzero(tri.neighbors < 0)
-    ends = (tri.simplices[faces, (corner + step) % 3] for step in (1, 2))
-    tails, heads = (tri.points[rows] for rows in ends)
-    return faces, tails, heads
+    tails, heads = (
+        np.ascontiguousarray(tri.points[tri.simplices[faces, (corner + step) % 3]])
+        .view(np.complex128)
+        .ravel()
+        for step in (1, 2)
+    )
+    for low, high in ((tails, heads), (heads, tails)):
+        chosen = np.flatnonzero(low < high)
+        chosen = chosen[np.argsort(low[chosen])]
+        yield faces[chosen], low[chosen], high[chosen]
 
 
 def in_all(
@@ -375,7 +402,8 @@ def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangula
     """Return triangles that fill the polygons as far as triangulations reach, (t, 3, 2)."""
     shapely = load("shapely", extra="shapes")
     used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
-    scale = _scale_of(used[0])
+    _check_reach(polygons, used)
+    scale = _scale_of(*used)
     shapes = [
         shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
     ]
@@ -384,8 +412,9 @@ def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangula
             reason = shapely.is_valid_reason(shape)
             raise InputError(f"polygon {number} is not valid: {reason}")
     area = shapely.union_all(shapes)
-    for points in _scaled(used, scale):
-        area = area.intersection(shapely.MultiPoint(points).convex_hull)
+    hulls = [shapely.MultiPoint(each).convex_hull for each in _scaled(used, scale)]
+    for hull in sorted(hulls, key=lambda each: shapely.get_coordinates(each).tolist()):
+        area = area.intersection(hull)  # in an order of their own: corners are rounded here
     pieces = shapely.get_parts(shapely.constrained_delaunay_triangles(_polygonal(shapely, area)))
     corners = shapely.get_coordinates(pieces).reshape(-1, 4, 2)[:, :3]
     (bx, by), (cx, cy) = (np.moveaxis(corners[:, k] - corners[:, 0], -1, 0) for k in (1, 2))
@@ -396,9 +425,21 @@ def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangula
     return np.ascontiguousarray(np.ldexp(corners, scale))
 
 
-def _scale_of(points: Floats) -> int:
+def _check_reach(polygons: list[Polygon], used: list[Floats]) -> None:
+    """Raise for a polygon so far beyond the faces that shapely has no digits left for them."""
+    near = max(np.abs(each).max(initial=0) for each in used)
+    for number, rings in enumerate(polygons):
+        far = float(max(np.abs(each).max(initial=0) for each in rings))
+        if far / _FARTHEST > near:
+            raise InputError(
+                f"polygon {number} reaches as far as {far:g}, and the faces only {near:g}: cut it "
+                "nearer to them"
+            )
+
+
+def _scale_of(*points: Floats) -> int:
     """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
-    exponent = int(np.frexp(np.abs(points).max(initial=0))[1])
+    exponent = int(np.frexp(max(np.abs(each).max(initial=0) for each in points))[1])
     return exponent if abs(exponent) > _MOST_EXPONENT else 0
 
 

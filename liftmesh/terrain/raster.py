@@ -24,7 +24,7 @@ from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.sampling import aspect_degrees, heights_at, slope_degrees
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.terrain.units import OverPlane, slope_scale, unit_names
+from liftmesh.terrain.units import OverPlane, slope_scale, steepness, unit_names
 
 _UNITS = {"slope": "degree", "aspect": "degree"}
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
@@ -149,7 +149,8 @@ class Wanted:
         check_option("quantity", quantity, RasterQuantity)
         check_option("method", method, SampleMethod)
         check_method(quantity, method)
-        return cls(quantity, _checked_type(dtype), _light_of(light), slope_scale(surface, z_factor))
+        scale = slope_scale if quantity == "height" else steepness
+        return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:
         """Raise if a height is finite, but beyond the type."""

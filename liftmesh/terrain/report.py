@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import constructed_from, freeze
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import sentence
-from liftmesh.io.formats.text.columns import described
+from liftmesh.crs.transformation import sentence, told_of
+from liftmesh.io.formats.text.columns import coordinates_sentence
+from liftmesh.io.surface_rows import classes_of
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -102,7 +106,7 @@ class Report:
         ).removesuffix(" 0.000 s: .")
 
     def _columns(self) -> str:
-        said = described(self.columns)
+        said = coordinates_sentence(self.columns)
         return f"Columns: {said}. " if said else ""
 
     def _classes(self) -> str:
@@ -130,3 +134,14 @@ class Report:
         if self.unused:
             parts.append(f"{counted(self.unused, 'row')} in no face")
         return ", ".join(parts) or "none"
+
+
+def report_on(cloud: Cloud, **fields: Any) -> Report:
+    """Make a report with what a cloud says of its classes, colours and coordinates."""
+    known = {
+        "rows": len(cloud),
+        "color_depth": cloud.color_depth,
+        "classes": classes_of(cloud.attributes),
+        "transformation": told_of(cloud.metadata),
+    }
+    return Report(**{**known, **fields})

@@ -16,7 +16,7 @@ from liftmesh.base.options import SampleMethod, check_option
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
-from liftmesh.terrain.units import slope_scale
+from liftmesh.terrain.units import steepness
 
 
 def heights_at(
@@ -68,15 +68,13 @@ def slopes_at(
 ) -> Floats:
     """Compute how steep the face is at points of the plane."""
     return slope_degrees(
-        gradients_at(surface, points, threads=threads) * slope_scale(surface, z_factor)
+        gradients_at(surface, points, threads=threads) * steepness(surface, z_factor)
     )
 
 
 def aspects_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:
     """Compute which way the face descends at points of the plane."""
-    return aspect_degrees(
-        gradients_at(surface, points, threads=threads) * slope_scale(surface, None)
-    )
+    return aspect_degrees(gradients_at(surface, points, threads=threads) * steepness(surface, None))
 
 
 def slope_degrees(gradients: Floats) -> Floats:

@@ -1,9 +1,8 @@
 """`simplify`: a surface of few triangles that keeps within a distance of every point.
 
 The kernel chooses the vertices. The surface is triangulated of these alone, so it is the canonical
-one of its points, and `deviation` checks it against every position, by arithmetic of its own.
-
-How far points are from a surface along its normal, checked by arithmetic of its own.
+one of its points, and `deviation` checks how far every position is from it along its normal, by
+arithmetic of its own.
 
 The height of the surface at a point is that of the plane of the triangle that contains it, found
 exactly. The distance is computed in doubles by barycentric coordinates, with a bound on its error.
@@ -43,15 +42,14 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
-from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
-from liftmesh.io.surface_rows import classes_of, read_rows
+from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve
 from liftmesh.planar.positions import pieces
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
-from liftmesh.terrain.report import Report
+from liftmesh.terrain.report import report_on
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
@@ -60,9 +58,13 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.selection import ClassChoice
 
-
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
+_E = 2.0**-53
+_PIECE = 2**17  # points that are located in one call: their order makes the way to each short
+_CACHED = 2**13  # points whose numbers fit the cache
+_MOST_BITS = 60  # of a product of three differences
+_LARGE = 2**12  # more than exponents
 
 
 def simplify(  # noqa: PLR0913 - options are keywords
@@ -248,8 +250,8 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     cloud = whole.to_cloud().select(kept)
     triangulation = Triangulation(**solve(whole.triangulation.points[kept], nonfinite="error"))
     nothing = np.empty(0, np.int32)
-    report = Report(
-        rows=len(kept),
+    report = report_on(
+        cloud,
         used=len(kept),
         duplicates=0,
         overhangs=0,
@@ -261,8 +263,6 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         representatives=nothing,
         columns=whole.report.columns,
         color_depth=whole.report.color_depth,
-        classes=classes_of(cloud.attributes),
-        transformation=told_of(cloud.metadata),
     )
     return Surface(
         vertices=cloud.points,
@@ -276,13 +276,6 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         metadata=whole.metadata,
         crs=whole.crs,
     )
-
-
-_E = 2.0**-53
-_PIECE = 2**17  # points that are located in one call: their order makes the way to each short
-_CACHED = 2**13  # points whose numbers fit the cache
-_MOST_BITS = 60  # of a product of three differences
-_LARGE = 2**12  # more than exponents
 
 
 @dataclass(frozen=True, slots=True)

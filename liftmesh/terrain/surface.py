@@ -286,7 +286,7 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            As for `sample`, or the factor is not positive.
+            As for `sample`, the factor is not positive, or x and y are degrees and it is not given.
 
         Examples
         --------
@@ -316,7 +316,7 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            As for `sample`.
+            As for `sample`, or x and y are degrees.
 
         Examples
         --------
@@ -629,6 +629,10 @@ class Surface(SurfaceData):
         is below 1e-16 of the squares of the sides of its faces may it be larger.
         Where both surfaces are exchanged, so are cut and fill, to the bit; neither the order of the
         points changes a bit, nor a shift or a power of two that rounds no coordinate.
+
+        A polygon that reaches beyond the hull of either surface is cut there, and its new corners
+        are rounded to doubles. That error comes on top, and a shift changes bits: at an offset of
+        4.5e5 it is about 1e-10 of an area of some units. Subtract the offset where this matters.
 
         Examples
         --------

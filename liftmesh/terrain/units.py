@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from liftmesh.base.arrays import as_positive
 from liftmesh.crs.units import Placed, band_unit, system_of
+from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.terrain.frame import Frame
@@ -61,3 +62,16 @@ def slope_scale(surface: OverPlane, z_factor: float | None) -> tuple[float, floa
         return factor, factor
     x, y, z = metres_of(surface) or (1.0, 1.0, 1.0)
     return z / x, z / y
+
+
+def steepness(surface: OverPlane, z_factor: float | None) -> tuple[float, float]:
+    """Return `slope_scale` for slopes and their directions, which degrees do not have."""
+    system = system_of(surface)
+    axes = _AXES.get(surface.frame.name, (0, 1))[:2]
+    units = [] if system is None else [system.units[axis] for axis in axes]
+    if z_factor is None and any(each is not None and each.metres is None for each in units):
+        raise InputError(
+            "x and y are degrees, which are no lengths, so slopes and aspects are wrong: read the "
+            "points with to_crs= a projected system, or give z_factor="
+        )
+    return slope_scale(surface, z_factor)

@@ -1,20 +1,24 @@
-"""tile(): triangulate in tiles, in bounded memory, what one call would return."""
+"""tile() and tile_surface(): in tiles, in bounded memory, what one call would return."""
 
 from __future__ import annotations
 
 import os
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import NonFinite, ShardFormat, check_progress
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress
 from liftmesh.base.threads import as_threads
-from liftmesh.tiles.run import Options, triangulated
+from liftmesh.tiles.clouds import valued_parts
+from liftmesh.tiles.options import Options, SurfaceOptions
+from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.sources import parts_of
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
+    from liftmesh.tiles.tiled_surface import TiledSurface
+
 
 _MANY = 1 << 30  # rows: enough for any number of threads
 
@@ -120,3 +124,119 @@ def tile(  # noqa: PLR0913 - options are keywords
     if progress is not None:
         progress(1.0)
     return found
+
+
+def tile_surface(  # noqa: PLR0913 - options are keywords
+    source: object,
+    out: str | os.PathLike[str],
+    *,
+    crs: str | None = None,
+    plane: Literal["xy"] = "xy",
+    duplicates: Duplicates = "first",
+    nonfinite: NonFinite = "error",
+    tile_rows: int | Literal["auto"] = "auto",
+    scratch: str | os.PathLike[str] | None = None,
+    resume: bool = True,
+    shards: Literal["npy"] = "npy",
+    neighbors: bool = False,
+    threads: int | None = None,
+    progress: Progress | None = None,
+    **reading: Any,
+) -> TiledSurface:
+    """Make a surface of more points than fit in memory, tile by tile, in files.
+
+    The triangles are those of `triangulate` for all rows, and so are the vertices with heights,
+    colours, normals and named values, bit for bit, and the use of every row.
+
+    Parameters
+    ----------
+    source : path, list of paths, array_like, cloud, table, or iterator of these
+        Points in space, as for `triangulate`; also Parquet. Rows are numbered through all files,
+        which must have the same values and coordinate system. NPY files and mapped arrays are read
+        by ranges; what else is read is written to the scratch folder first.
+    out : str or path
+        The folder to write to, as for `tile`.
+    crs : str, optional
+        The coordinate system, in place of that of the source: WKT or ``EPSG:n``.
+    plane : "xy"
+        The projection plane; tiles know no other.
+    duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
+        As for `triangulate`. An error names two rows of the first tile that has any.
+    nonfinite : {"error", "skip"}, default "error"
+        Whether rows whose x, y or z is NaN or infinity raise an error, or are listed in
+        ``skipped``.
+    tile_rows : int or "auto", default "auto"
+        How many rows a tile has, about. A tile takes some 250 bytes a row, and a few times what the
+        values of the row take; "auto" means 1,500,000, or as many as in the run that is resumed.
+    scratch : str or path, optional
+        Where to make a folder for 48 bytes a row and its values, twice where the source cannot be
+        read by ranges, until its rows are sorted by tile; by default `out`. It shrinks as tiles are
+        finished, and is removed at the end.
+    resume
+        As for `tile`.
+    shards : "npy"
+        The format of the triangles; surfaces know no other, as vertices and faces stand beside
+        them. `TiledSurface.meshes` gives each shard for a file of any format.
+    neighbors, threads, progress
+        As for `tile`.
+    **reading
+        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
+        ``to_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and COPC,
+        the ground (class 2) is taken, or all rows if no file has any, and no withheld rows, as by
+        `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were taken.
+
+    Returns
+    -------
+    TiledSurface
+        Triangles and vertices in shards.
+
+    Raises
+    ------
+    InputError
+        As for `tile`; `plane` is another; the rows of several files have not the same values; or
+        weights, a metric or trimming are asked for, which only `triangulate` knows.
+    NonFiniteError
+        A row is not finite and `nonfinite` is "error".
+    DuplicateHeightError
+        Rows at one planar position have different heights and `duplicates` is "error".
+    DegenerateInputError
+        There are fewer than three distinct planar positions, or all lie on one line.
+    UnsupportedTypeError, FormatError, MissingDependencyError, OSError
+        As for `triangulate` and `tile`.
+
+    Warns
+    -----
+    DataWarning
+        The coordinate system has degrees, or units that differ.
+
+    Notes
+    -----
+    Equal positions share a tile, which therefore chooses among all rows at a position. Of a
+    position with very many rows it is given only those that the policy needs: one or two of each
+    chunk, but for "mean" and "error" one for each different height.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> from liftmesh import triangulate
+    >>> points = np.random.default_rng(0).integers(0, 30, (1000, 3))
+    >>> tiled = tile_surface(points, tempfile.mkdtemp(), duplicates="highest", tile_rows=300)
+    >>> faces = triangulate(points, duplicates="highest").faces
+    >>> {frozenset(face) for face in tiled.compute().tolist()} == {*map(frozenset, faces.tolist())}
+    True
+    >>> print(tiled.report)
+    1,000 rows, 602 of them used in 1,127 triangles. Left out: 11 duplicates, 387 overhangs ...
+    """
+    check_progress(progress)
+    count, _ = as_threads(threads, _MANY)
+    surface = SurfaceOptions.checked(duplicates, plane, crs, reading)
+    options = Options.checked(
+        out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
+    )
+    runner = Serial(count, progress)
+    cut = partial(valued_parts, reading=surface.reading, show=runner.copied)
+    found = triangulated(source, options, runner, cut=cut)
+    if progress is not None:
+        progress(1.0)
+    return cast("TiledSurface", found)

@@ -23,7 +23,6 @@ from liftmesh.io.registry import as_cloud
 from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
 from liftmesh.tiles.las import readings
 from liftmesh.tiles.parquet import parquet_clouds
-from liftmesh.tiles.ranges import kind_of, values_of
 from liftmesh.tiles.schema import POSITION, Schema, records_from, schema_of
 from liftmesh.tiles.sources import (
     NpyPart,
@@ -34,7 +33,7 @@ from liftmesh.tiles.sources import (
     parts_of,
     planar,
 )
-from liftmesh.tiles.store import save_array
+from liftmesh.tiles.store import kind_of, save_array, values_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

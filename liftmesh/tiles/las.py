@@ -12,7 +12,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.las.header import stated
+from liftmesh.io.formats.las.header import read_header
 from liftmesh.io.surface_rows import for_chunks
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ def las_parts(origin: Origin, name: str, rows: int) -> list[LasPart] | None:
     if not Path(name).is_file():
         return None
     with Path(name).open("rb") as stream:
-        found = stated(stream, name)
+        found = read_header(stream, name)
     if found.compressed:
         return None
     place = os.path.abspath(name)  # noqa: PTH100 - links stay as they are

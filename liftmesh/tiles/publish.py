@@ -14,15 +14,15 @@ from liftmesh._typing import Integers
 from liftmesh.base.options import counted
 from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
+from liftmesh.tiles.context import Done, RunContext, label
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
-from liftmesh.tiles.repeated import merged
-from liftmesh.tiles.stages import Done, Folders, label
+from liftmesh.tiles.plan import merged
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
 from liftmesh.tiles.surface_files import about_surface, extent_in_manifest
 
 if TYPE_CHECKING:
+    from liftmesh.tiles.context import Runner
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.schedule import Runner
     from liftmesh.tiles.sources import Part
 
 _DUPLICATES = "duplicates.npy"
@@ -30,7 +30,7 @@ _DUPLICATES = "duplicates.npy"
 
 def publish(
     runner: Runner,
-    folders: Folders,
+    context: RunContext,
     parts: Sequence[Part],
     plan: Plan,
     identity: Mapping[str, Any],
@@ -38,37 +38,37 @@ def publish(
     skipped: Integers,
 ) -> None:
     """Write the rows left out, the hull, the plan and the manifest, which is the last."""
-    hull = np.load(folders.scratch / f"{label(done[-1].name)}-hull.npy")
+    hull = np.load(context.scratch / f"{label(done[-1].name)}-hull.npy")
     rows = sum(part.rows for part in parts)
     arrays = {"skipped": np.sort(skipped), "hull": hull}
     counts = {name: len(array) for name, array in arrays.items()}
-    listed = _Duplicates.of(folders, done, len(parts))
+    listed = _Duplicates.of(context, done, len(parts))
     counts["duplicates"] = listed.count
     counts |= {"rows": rows, "vertices": rows - counts["duplicates"] - counts["skipped"]}
     counts["triangles"] = sum(each.triangles for each in done)
     _check(counts, is_flat=done[-1].is_flat)
     blocks = merged(listed.tiles, listed.chunks, rows)
-    save_blocks(folders.out / _DUPLICATES, (listed.count, 2), blocks)
-    save_json(folders.out / PLAN, plan.as_dict())
+    save_blocks(context.out / _DUPLICATES, (listed.count, 2), blocks)
+    save_json(context.out / PLAN, plan.as_dict())
     written = [each for each in _by_kind(done) if each.triangles]
-    files = {f"{name}.npy": _file(folders.out, name, array) for name, array in arrays.items()}
-    if folders.neighbors:
-        _check_edges(folders, done[-1], len(hull))
-    files |= _beside(runner, folders, written)
+    files = {f"{name}.npy": _file(context.out, name, array) for name, array in arrays.items()}
+    if context.neighbors:
+        _check_edges(context, done[-1], len(hull))
+    files |= _beside(runner, context, written)
     for name in (PLAN, _DUPLICATES):
-        files[name] = _stated(folders.out / name)
+        files[name] = _stated(context.out / name)
     manifest = {
-        "plan": folders.plan,
+        "plan": context.plan,
         **identity,
-        **about_surface(folders, identity, done, len(parts)),
+        **about_surface(context, identity, done, len(parts)),
         **counts,
         "kind": KIND,
-        "source": _files(parts, folders.out),
-        "shards": [_shard(folders, each) for each in written],
+        "source": _files(parts, context.out),
+        "shards": [_shard(context, each) for each in written],
         "files": files,
         "merges": _merges(done),
     }
-    save_json(folders.out / MANIFEST, {**manifest, "seal": seal(manifest)})
+    save_json(context.out / MANIFEST, {**manifest, "seal": seal(manifest)})
 
 
 @dataclass(frozen=True)
@@ -80,10 +80,10 @@ class _Duplicates:
     chunks: list[Path]
 
     @classmethod
-    def of(cls, folders: Folders, done: Sequence[Done], runs: int) -> _Duplicates:
+    def of(cls, context: RunContext, done: Sequence[Done], runs: int) -> _Duplicates:
         stems = [label(each.name) for each in done if each.duplicates]
-        tiles = [folders.scratch / f"{stem}-duplicates.npy" for stem in stems]
-        chunks = [folders.scratch / f"run-{number:05d}-duplicates.npy" for number in range(runs)]
+        tiles = [context.scratch / f"{stem}-duplicates.npy" for stem in stems]
+        chunks = [context.scratch / f"run-{number:05d}-duplicates.npy" for number in range(runs)]
         sizes = {path: len(np.load(path, mmap_mode="r")) for path in chunks}
         count = sum(sizes.values()) + sum(each.duplicates for each in done)
         return cls(count, tiles, [path for path, size in sizes.items() if size])
@@ -113,19 +113,19 @@ def _by_kind(done: Sequence[Done]) -> list[Done]:
     return sorted(done, key=lambda each: (each.name >= 0, abs(each.name)))
 
 
-def _shard_name(folders: Folders, done: Done) -> str:
-    return f"{label(done.name)}.{folders.shards}"
+def _shard_name(context: RunContext, done: Done) -> str:
+    return f"{label(done.name)}.{context.shards}"
 
 
-def _shard(folders: Folders, done: Done) -> dict[str, Any]:
-    name = _shard_name(folders, done)
-    size = (folders.out / name).stat().st_size
+def _shard(context: RunContext, done: Done) -> dict[str, Any]:
+    name = _shard_name(context, done)
+    size = (context.out / name).stat().st_size
     found = {"file": name, "triangles": done.triangles, "bytes": size}
     return {**found, "sha256": done.shards[name], **extent_in_manifest(done)}
 
 
-def _check_edges(folders: Folders, root: Done, hull: int) -> None:
-    left = np.load(folders.scratch / f"{label(root.name)}-edges.npy", mmap_mode="r")
+def _check_edges(context: RunContext, root: Done, hull: int) -> None:
+    left = np.load(context.scratch / f"{label(root.name)}-edges.npy", mmap_mode="r")
     if len(left) != hull:
         raise RuntimeError(
             f"{len(left)} edges without a neighbour, but {hull} on the hull: the tiles do not fit "
@@ -133,14 +133,16 @@ def _check_edges(folders: Folders, root: Done, hull: int) -> None:
         )
 
 
-def _beside(runner: Runner, folders: Folders, written: Sequence[Done]) -> dict[str, dict[str, Any]]:
+def _beside(
+    runner: Runner, context: RunContext, written: Sequence[Done]
+) -> dict[str, dict[str, Any]]:
     """Write the links of the shards; state all files beside them."""
-    digests = link_all(runner, folders, written) if folders.neighbors else {}
+    digests = link_all(runner, context, written) if context.neighbors else {}
     for each in written:
         digests |= each.shards
-        del digests[_shard_name(folders, each)]
+        del digests[_shard_name(context, each)]
     return {
-        name: {"bytes": (folders.out / name).stat().st_size, "sha256": digest}
+        name: {"bytes": (context.out / name).stat().st_size, "sha256": digest}
         for name, digest in digests.items()
     }
 

@@ -1,38 +1,36 @@
-"""In which order the tasks of a tiled triangulation run, and who runs them.
+"""In which order the tasks of a tiled triangulation run, who runs them, and which rows are removed.
 
 A runner calls tasks and collects what they return. `Serial` calls one after the other, in this
 process; `liftmesh.dask` hands them to workers.
+
+Scratch space is given back: rows are removed once their tiles are on the disk. No record says that
+a group of tiles was released: the records of its tiles do, which are sealed and name the SHA-256 of
+what was written. So whenever a run is stopped, before, while or after files are removed, the next
+one needs the rows of those groups of which a tile is not done, or is damaged, and no others. Rows
+that are missing then are sorted again from the source (`sorted_chunks.partition`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Progress
-from liftmesh.tiles.release import release
-from liftmesh.tiles.stages import Done, Folders, node
+from liftmesh.tiles.context import Done, RunContext, Runner, label, of_rows
+from liftmesh.tiles.sorted_chunks import stem_of
+from liftmesh.tiles.stages import earlier, node
+from liftmesh.tiles.store import names_to_disk
 
 if TYPE_CHECKING:
+    from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
+
 
 SHARES = {
     "open": 0, "spool": 5, "scan": 1, "check": 0, "partition": 2, "triangulate": 7, "link": 0
 }  # fmt: skip
 """What the stages take of the whole, about; to spool, which is to copy, only if a source is."""
-
-
-class Runner(Protocol):
-    """What calls tasks."""
-
-    def begin(self, rows: int) -> None:
-        """Hear how many rows there are, once they are counted."""
-
-    def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
-        """Call a task with each of some arguments, in any order; return its results in order."""
-
-    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
-        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""
 
 
 class Meter:
@@ -84,23 +82,23 @@ class Serial:
             self._meter.show(stage, len(found) / len(calls))
         return found
 
-    def tree(self, folders: Folders, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+    def tree(self, context: RunContext, plan: Plan, sizes: Sequence[int]) -> list[Done]:
         """Work through a plan; a merge comes as soon as its children are done."""
         done: dict[int, Done] = {}
         rows, total = 0, max(1, sum(sizes))
         for name, children in in_order(plan):
-            done[name] = node(folders, name, [done[child] for child in children], self._threads)
+            done[name] = node(context, name, [done[child] for child in children], self._threads)
             if name < 0:
                 rows += sizes[~name]
-                self._release(folders, folders.groups.of(~name), done)
+                self._release(context, context.groups.of(~name), done)
             self._meter.show("triangulate", rows / total)
         return list(done.values())
 
-    def _release(self, folders: Folders, group: int, done: Mapping[int, Done]) -> None:
+    def _release(self, context: RunContext, group: int, done: Mapping[int, Done]) -> None:
         """Remove the rows of a group when its last tile is done."""
-        tiles = [~tile for tile in folders.groups.tiles_of(group)]
+        tiles = [~tile for tile in context.groups.tiles_of(group)]
         if all(tile in done for tile in tiles):
-            release(folders, group, [done[tile] for tile in tiles])
+            release(context, group, [done[tile] for tile in tiles])
 
 
 def in_order(plan: Plan) -> list[tuple[int, list[int]]]:
@@ -113,3 +111,32 @@ def in_order(plan: Plan) -> list[tuple[int, list[int]]]:
         found.append((name, children))
         waiting += children
     return found[::-1]
+
+
+def release(context: RunContext, group: int, done: Sequence[Done]) -> None:
+    """Remove the rows of a group from all chunks."""
+    if {~each.name for each in done} != {*context.groups.tiles_of(group)}:
+        raise RuntimeError(f"the rows of group {group} are still needed, which is a bug")
+    names_to_disk(context.scratch)  # the records of the tiles
+    for number in range(context.runs):
+        for end in of_rows(group, with_values=bool(context.policy)):
+            Path(f"{stem_of(context, number)}{end}.npy").unlink(missing_ok=True)
+
+
+def released(runner: Runner, context: RunContext) -> frozenset[int]:
+    """Find the groups whose rows are not needed."""
+    groups = context.groups
+    begun = [
+        group
+        for group in range(groups.count)
+        if all((context.scratch / f"{label(~t)}.json").exists() for t in groups.tiles_of(group))
+    ]
+    if not begun:
+        return frozenset()
+    found = runner.each("check", is_done, [(context, group) for group in begun])
+    return frozenset(group for group, done in zip(begun, found, strict=True) if done)
+
+
+def is_done(context: RunContext, group: int) -> bool:
+    """Whether all tiles of a group are done, and their files sound."""
+    return all(earlier(context, ~tile) is not None for tile in context.groups.tiles_of(group))

@@ -7,19 +7,27 @@ was killed goes on where it was.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.base.options import ShardFormat
-from liftmesh.tiles.edges import open_edges, paired
-from liftmesh.tiles.groups import Groups
-from liftmesh.tiles.node import Frontier, Merged, joined, merge
-from liftmesh.tiles.runs import load_plan, tile_records, tile_values
+from liftmesh.tiles.adjacency import open_edges, paired
+from liftmesh.tiles.context import Done, RunContext, label
+from liftmesh.tiles.node import (
+    Frontier,
+    Merged,
+    Vertices,
+    extent_of,
+    joined,
+    merge,
+    numbered,
+    of_rows,
+)
 from liftmesh.tiles.shards import save_shard
+from liftmesh.tiles.sorted_chunks import load_plan, tile_records, tile_values
 from liftmesh.tiles.store import (
     concatenated,
     is_sound,
@@ -28,117 +36,62 @@ from liftmesh.tiles.store import (
     save_array,
     save_record,
 )
-from liftmesh.tiles.vertices import Vertices, extent_of, numbered, of_rows
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
 
 _HOPELESS = 0.98  # a share of rows that goes up; the next level is passed, but not two in a row
 
-JOB = "job.json"
 
-
-@dataclass(frozen=True)
-class Folders:
-    """Where a run writes: the triangles, and what it needs itself."""
-
-    out: Path
-    scratch: Path
-    plan: str = ""
-    held: int = 0
-    runs: int = 0
-    groups: Groups = field(default_factory=Groups)
-    released: frozenset[int] = frozenset()
-    shards: ShardFormat = "npy"
-    neighbors: bool = False
-    policy: str = ""
-
-
-@dataclass(frozen=True)
-class Done:
-    """What a node has done."""
-
-    name: int
-    rows: int
-    rows_up: int
-    bytes_up: int
-    triangles: int
-    duplicates: int
-    is_flat: bool
-    frontier: tuple[int, ...]
-    shards: dict[str, str]
-    notes: dict[str, str]
-    vertices: int = 0
-    overhangs: int = 0
-    extent: tuple[float, ...] = ()
-
-    @classmethod
-    def from_dict(cls, said: Mapping[str, Any]) -> Done:
-        """Return what a record of it says."""
-        lists = {name: tuple(said[name]) for name in ("frontier", "extent")}
-        return cls(**{**said, **lists})
-
-
-def label(name: int) -> str:
-    """Name the files of a node."""
-    return f"seam-{name:05d}" if name >= 0 else f"tile-{~name:05d}"
-
-
-def node_of(stem: str) -> int:
-    """Return the node whose files have a name."""
-    kind, number = stem.split("-")
-    return int(number) if kind == "seam" else ~int(number)
-
-
-def node(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:
+def node(context: RunContext, name: int, children: Sequence[Done], threads: int) -> Done:
     """Do the work of a tile, or merge the frontiers below a cut."""
-    before = earlier(folders, name)
+    before = earlier(context, name)
     if before is not None:
         return before
-    done = _merged(folders, name, children, threads)
-    names_to_disk(folders.out)
-    save_record(_record(folders, name), folders.plan, asdict(done))
+    done = _merged(context, name, children, threads)
+    names_to_disk(context.out)
+    save_record(_record(context, name), context.plan, asdict(done))
     return done
 
 
-def earlier(folders: Folders, name: int) -> Done | None:
+def earlier(context: RunContext, name: int) -> Done | None:
     """Return what a node has done in an earlier run."""
-    before = load_record(_record(folders, name), folders.plan)
+    before = load_record(_record(context, name), context.plan)
     if before is None:
         return None
     done = Done.from_dict(before)
-    is_whole = is_sound(folders.out, done.shards) and is_sound(folders.scratch, done.notes)
+    is_whole = is_sound(context.out, done.shards) and is_sound(context.scratch, done.notes)
     return done if is_whole else None
 
 
-def is_recorded(folders: Folders, name: int) -> bool:
+def is_recorded(context: RunContext, name: int) -> bool:
     """Whether a node was done in an earlier run; its files may be damaged."""
-    return load_record(_record(folders, name), folders.plan) is not None
+    return load_record(_record(context, name), context.plan) is not None
 
 
-def _record(folders: Folders, name: int) -> Path:
-    return folders.scratch / f"{label(name)}.json"
+def _record(context: RunContext, name: int) -> Path:
+    return context.scratch / f"{label(name)}.json"
 
 
-def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int) -> Done:
-    plan = load_plan(folders)
+def _merged(context: RunContext, name: int, children: Sequence[Done], threads: int) -> Done:
+    plan = load_plan(context)
     is_root = _is_root(plan, name)
     handed, given = sum(c.rows_up for c in children), sum(c.rows for c in children)
     were_merged = all(child.frontier == (child.name,) for child in children)
     if children and not is_root and were_merged and handed > _HOPELESS * given:
         below = tuple(source for child in children for source in child.frontier)
         return Done(name, given, handed, 0, 0, 0, all(c.is_flat for c in children), below, {}, {})
-    rows, found, surface, corners = _decided(folders, plan, name, children, threads)
+    rows, found, surface, corners = _decided(context, plan, name, children, threads)
     up = found.frontier
     keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
     if is_root:
         keeps["hull"] = found.hull
-    if folders.neighbors:
-        keeps["links"], keeps["edges"] = _linked(folders, name, found, children)
+    if context.neighbors:
+        keeps["links"], keeps["edges"] = _linked(context, name, found, children)
     if surface is not None:
         keeps |= {"values": surface.up, "heights": surface.heights}
-    shards = _saved_shard(folders, label(name), found, surface, corners)
-    notes = _saved(folders.scratch, label(name), keeps)
+    shards = _saved_shard(context, label(name), found, surface, corners)
+    notes = _saved(context.scratch, label(name), keeps)
     done = Done(
         name,
         rows,
@@ -155,30 +108,30 @@ def _merged(folders: Folders, name: int, children: Sequence[Done], threads: int)
 
 
 def _decided(
-    folders: Folders, plan: Plan, name: int, children: Sequence[Done], threads: int
+    context: RunContext, plan: Plan, name: int, children: Sequence[Done], threads: int
 ) -> tuple[int, Merged, Vertices | None, Integers]:
     """Merge what comes to a node; return how much that is, and what writing shards needs of it."""
-    part = Frontier(tile_records(folders, ~name)) if name < 0 else _below(folders, children)
+    part = Frontier(tile_records(context, ~name)) if name < 0 else _below(context, children)
     rows = len(part)
-    corners = part.records if folders.shards == "ply" else part.records[:0]
-    if folders.policy:
+    corners = part.records if context.shards == "ply" else part.records[:0]
+    if context.policy:
         part, corners = numbered(part)
-    boxes = np.load(folders.scratch / "boxes.npy")[plan.others(name)]
+    boxes = np.load(context.scratch / "boxes.npy")[plan.others(name)]
     found = merge(
         part,
         plan.cells[name],
         boxes[boxes[:, 0] <= boxes[:, 2]],
         is_root=_is_root(plan, name),
-        with_neighbors=folders.neighbors,
+        with_neighbors=context.neighbors,
         threads=threads,
-        scratch=str(folders.scratch) if children and rows > folders.held else None,
+        scratch=str(context.scratch) if children and rows > context.held else None,
     )
     del part
-    if not folders.policy:
+    if not context.policy:
         return rows, found, None, corners
-    values = tile_values(folders, ~name) if name < 0 else _values_below(folders, children)
+    values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = of_rows(found, corners, values, folders.policy, repeated)
+    surface = of_rows(found, corners, values, context.policy, repeated)
     return rows, surface.merged, surface, corners
 
 
@@ -198,17 +151,17 @@ def _with_vertices(done: Done, surface: Vertices) -> Done:
 
 
 def _saved_shard(
-    folders: Folders, stem: str, found: Merged, surface: Vertices | None, corners: Integers
+    context: RunContext, stem: str, found: Merged, surface: Vertices | None, corners: Integers
 ) -> dict[str, str]:
     """Write triangles and what stands beside them; return the SHA-256 of the files."""
     if not len(found.triangles):
         return {}
-    shard = f"{stem}.{folders.shards}"
-    saved = {shard: save_shard(folders.out / shard, found.triangles, corners)}
-    beside: dict[str, Array] = {"neighbors": found.neighbors} if folders.neighbors else {}
+    shard = f"{stem}.{context.shards}"
+    saved = {shard: save_shard(context.out / shard, found.triangles, corners)}
+    beside: dict[str, Array] = {"neighbors": found.neighbors} if context.neighbors else {}
     if surface is not None:
         beside |= {"vertices": surface.shard, "faces": surface.faces}
-    return saved | _saved(folders.out, stem, beside)
+    return saved | _saved(context.out, stem, beside)
 
 
 def _saved(folder: Path, stem: str, arrays: Mapping[str, Array]) -> dict[str, str]:
@@ -220,25 +173,25 @@ def _saved(folder: Path, stem: str, arrays: Mapping[str, Array]) -> dict[str, st
 
 
 def _linked(
-    folders: Folders, name: int, found: Merged, children: Sequence[Done]
+    context: RunContext, name: int, found: Merged, children: Sequence[Done]
 ) -> tuple[Integers, Integers]:
     """Pair the open edges of a node and of those below it; return links, and what goes up."""
-    below = [folders.scratch / f"{label(each)}-edges.npy" for c in children for each in c.frontier]
+    below = [context.scratch / f"{label(each)}-edges.npy" for c in children for each in c.frontier]
     edges = [open_edges(name, found.triangles, found.neighbors), *map(np.load, below)]
     return paired(np.concatenate(edges))
 
 
-def _below(folders: Folders, children: Sequence[Done]) -> Frontier:
+def _below(context: RunContext, children: Sequence[Done]) -> Frontier:
     """Read what the children handed up."""
     names = [label(source) for child in children for source in child.frontier]
     files = [
-        [folders.scratch / f"{name}-{what}.npy" for what in ("records", "rim")] for name in names
+        [context.scratch / f"{name}-{what}.npy" for what in ("records", "rim")] for name in names
     ]
     parts = [Frontier(np.load(records, mmap_mode="r"), np.load(rim)) for records, rim in files]
     return joined(parts)
 
 
-def _values_below(folders: Folders, children: Sequence[Done]) -> Array:
+def _values_below(context: RunContext, children: Sequence[Done]) -> Array:
     """Read the values of what the children handed up."""
     names = [label(source) for child in children for source in child.frontier]
-    return concatenated([np.load(folders.scratch / f"{name}-values.npy") for name in names])
+    return concatenated([np.load(context.scratch / f"{name}-values.npy") for name in names])

@@ -5,6 +5,9 @@ only the run needs. A record of what a task has done names the SHA-256 of each f
 written after them, so a task is either done and its files are sound, or it is done again. Each
 record is sealed with its own SHA-256 and that of the plan: a damaged one, and one of another plan,
 count as none.
+
+A tile reads some values of a large file of every chunk, so this has to be quick: `fill` does not
+parse headers.
 """
 
 from __future__ import annotations
@@ -210,3 +213,33 @@ def _to_disk(stream: Any) -> None:
     """Wait for the disk: what is named done must outlast a loss of power."""
     stream.flush()
     os.fsync(stream.fileno())
+
+
+_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
+_WORD = np.dtype(np.int64)
+
+
+def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:
+    """Read some values of an NPY file that `save_array` has written."""
+    values = np.empty(end - begin, dtype=kind)
+    fill(values, path, begin)
+    return values
+
+
+def fill(values: Array, path: Path, begin: int) -> None:
+    """Read values of an NPY file that `save_array` has written into an array."""
+    rest = values.reshape(-1).view(np.uint8).data
+    with opened(path, os.O_RDONLY) as file:
+        begun = os.pread(file, _NPY_LENGTH + 4, 0)
+        size = 2 if begun[_NPY_VERSION : _NPY_VERSION + 1] == b"\1" else 4
+        length = int.from_bytes(begun[_NPY_LENGTH : _NPY_LENGTH + size], "little")
+        at = _NPY_LENGTH + size + length + values.dtype.itemsize * begin
+        while len(rest) and (count := os.preadv(file, [rest], at)):
+            at, rest = at + count, rest[count:]
+    if len(rest):
+        raise FormatError(f"{path}: truncated: tile the source again")
+
+
+def kind_of(path: Path) -> np.dtype[Any]:
+    """Read the type of the values in an NPY file that `save_array` has written."""
+    return mapped(path).dtype

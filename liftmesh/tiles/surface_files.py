@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh.tiles.stages import label
-from liftmesh.tiles.vertices import overhangs_apart
+from liftmesh.tiles.context import label
+from liftmesh.tiles.node import overhangs_apart
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.stages import Done, Folders
+    from liftmesh.tiles.context import Done, RunContext
 
 
 def vertices_name(shard: str) -> str:
@@ -38,13 +38,13 @@ def extent_in_manifest(done: Done) -> dict[str, Any]:
 
 
 def about_surface(
-    folders: Folders, identity: Mapping[str, Any], done: Sequence[Done], parts: int
+    context: RunContext, identity: Mapping[str, Any], done: Sequence[Done], parts: int
 ) -> dict[str, Any]:
     """Say what was found of a surface."""
     if "surface" not in identity:
         return {}
-    apart = [folders.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
-    tiles = [folders.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
+    apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
+    tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
     within = sum(each.overhangs for each in done)
     boxes = np.array([each.extent for each in done if each.vertices])
     extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]

@@ -1,34 +1,44 @@
 """Rasters of tiled surfaces, window by window: bit for bit those of `Surface.raster`.
 
-The raster is cut into windows; for each, the faces that touch the centres of its pixels are read
-(`windows.py`), or with natural neighbours those whose circles do (`circles.py`). A window with too
-many faces is cut again, so memory is bounded: by the faces of two large shards, and by the pixels
-of a window where these go to a file.
+The raster is cut into windows. For each, the faces that touch the centres of its pixels are read,
+or with natural neighbours those whose circles do. A window with too many faces is cut again, so
+memory is bounded: by the faces of two large shards, and by the pixels of a window where these go to
+a file.
+
+By heredity (ARCHITECTURE.md), the triangulation of the corners of some faces has all these faces;
+what else it has is masked. What a surface answers at a point depends on the faces that contain the
+point, or by natural neighbours on those that have it inside their circles, and on nothing else:
+these have the same part of it in the triangulation of any of the points that holds their corners.
+So within a window, some faces answer as the whole.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import DTypeLike
 
-from liftmesh._typing import Array, Floats, Progress
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
+from liftmesh.errors import FormatError, InputError
+from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster, check_name, written_system
+from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.raster import Wanted, unit_of
-from liftmesh.tiles.circles import Circles
-from liftmesh.tiles.windows import part_of, touching
+from liftmesh.terrain.report import Report
+from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
     from liftmesh.tiles.tiled_surface import TiledSurface
+
 
 _SIDE = 1024  # pixels of a window, a multiple of the blocks of a file
 _FACES = 1 << 16  # which a window may have at least
@@ -272,3 +282,154 @@ def _windows(
     if quantity == "height":
         wanted.check_range(np.array(tiled.extent)[[2, 5]])
     return _Windows(tiled, layout, wanted, method, threads), wanted
+
+
+Bounds: TypeAlias = tuple[float, float, float, float]
+
+_BLOCK = 1 << 19  # triangles that are looked at at once
+
+
+def part_of(
+    tiled: TiledSurface, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
+) -> Surface | int:
+    """Make a surface of some faces."""
+    held: list[Rows] = []
+    corners: list[Any] = []
+    count = 0
+    for vertices, faces in near:
+        count += len(faces)
+        if count > most:
+            return count
+        held.append(faces)
+        corners.append(vertices)
+    if not count:
+        return 0
+    rows = np.concatenate([each["row"] for each in corners])
+    _, first, place = np.unique(rows, return_index=True, return_inverse=True)
+    points = np.concatenate([_points_of(each) for each in corners])[first]
+    begins = np.cumsum([0, *(len(each) for each in corners)])
+    parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
+    try:
+        return _surface(points, np.concatenate(parts), tiled.crs, threads)
+    except InputError as error:  # a folder whose manifest was made to fit
+        raise FormatError(
+            f"{tiled.directory}: the shards hold no faces of a triangulation ({error}): tile the "
+            "source again"
+        ) from error
+
+
+def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
+    """Yield the faces whose own boxes touch a box, and their corners."""
+    for shard in tiled.manifest["shards"]:
+        west, south, _, east, north, _ = shard["extent"]
+        if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
+            continue
+        vertices, faces = mesh_of(tiled, shard)
+        xs, ys = (np.ascontiguousarray(vertices[name]) for name in ("x", "y"))
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            touches = _overlaps(xs[block], box[0], box[2])
+            touches &= _overlaps(ys[block], box[1], box[3])
+            if touches.any():
+                yield apart(vertices, block[touches])
+
+
+def mesh_of(tiled: TiledSurface, shard: Mapping[str, Any]) -> tuple[Any, Rows]:
+    """Map a shard."""
+    return tiled._vertices(shard), tiled._faces(shard)  # noqa: SLF001 - one of its parts
+
+
+def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
+    """Take some faces and their corners out of a shard."""
+    is_corner = np.zeros(len(vertices), dtype=np.bool_)
+    is_corner[faces.reshape(-1)] = True
+    number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)
+    return vertices[is_corner], number[faces]
+
+
+def _overlaps(along: Floats, low: float, high: float) -> Array:
+    """Whether the corners of each triangle reach into a range."""
+    a, b, c = along.T
+    least, greatest = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
+    found: Array = (least <= high) & (greatest >= low)
+    return found
+
+
+def _points_of(vertices: Array) -> Floats:
+    return np.stack([vertices[name] for name in ("x", "y", "z")], axis=1)
+
+
+def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None) -> Surface:
+    frame = resolve_plane("xy", points)
+    solved = delaunay(frame.planar(points), threads=threads)
+    mask = ~np.isin(_names(solved.simplices), _names(faces))
+    if len(mask) - np.count_nonzero(mask) != len(faces):
+        raise InputError("some are no part of the triangulation of their corners")
+    return Surface(
+        vertices=points,
+        faces=solved.simplices[~mask],
+        triangulation=solved,
+        frame=frame,
+        report=_report(len(points), len(faces)),
+        crs=crs,
+        mask=mask if mask.any() else None,
+    )
+
+
+def _names(triangles: Array) -> Integers:
+    """Name triangles by their least corner and the next: no others have this directed edge."""
+    first, every = np.argmin(triangles, axis=1), np.arange(len(triangles))
+    following = triangles[every, (first + 1) % 3].astype(np.int64)
+    names: Integers = triangles[every, first].astype(np.int64) << 32 | following
+    return names
+
+
+def _report(rows: int, faces: int) -> Report:
+    none: dict[str, Any] = {
+        "left_out": np.empty(0, np.int32),
+        "representatives": np.empty(0, np.int32),
+    }
+    return Report(rows, rows, 0, 0, 0, faces, "error", {}, **none)
+
+
+_CIRCLES = 1 << 15  # faces that have one box around their circles
+
+
+class Circles:
+    """Knows how far the circles of a surface reach: 32 bytes for each block of faces."""
+
+    def __init__(self, tiled: TiledSurface) -> None:
+        self._tiled = tiled
+        self._shards = tiled.manifest["shards"]
+        self._boxes = [_boxes(*self._read(shard)[1:]) for shard in self._shards]
+
+    def near(self, box: Bounds) -> Iterator[tuple[Any, Rows]]:
+        """Yield the faces whose circles may have a point of a box inside, shard by shard."""
+        window = np.array([box])
+        for shard, boxes in zip(self._shards, self._boxes, strict=True):
+            meet = (boxes[:, :2] <= window[:, 2:]) & (boxes[:, 2:] >= window[:, :2])
+            blocks = np.flatnonzero(meet.all(axis=1))
+            if not len(blocks):
+                continue
+            vertices, points, faces = self._read(shard)
+            held = [
+                _reaching(points, faces[i * _CIRCLES : (i + 1) * _CIRCLES], window) for i in blocks
+            ]
+            found = np.concatenate(held)
+            if len(found):
+                yield apart(vertices, found)
+
+    def _read(self, shard: Mapping[str, Any]) -> tuple[Any, Floats, Rows]:
+        """Return the vertices of a shard, where they are, and its faces."""
+        vertices, faces = mesh_of(self._tiled, shard)
+        return vertices, np.stack([vertices["x"], vertices["y"]], axis=1), faces
+
+
+def _boxes(points: Floats, faces: Rows) -> Floats:
+    begins = range(0, len(faces), _CIRCLES)
+    return np.concatenate([_kernel.reach_of(points, faces[i : i + _CIRCLES]) for i in begins])
+
+
+def _reaching(points: Floats, faces: Rows, window: Floats) -> Rows:
+    found: Rows = faces[_kernel.find_reaching(points, faces, window)]
+    return found

@@ -17,14 +17,14 @@ from liftmesh.base.threads import as_threads
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
-from liftmesh.tiles.chunks import digests_of
 from liftmesh.tiles.clouds import Reading, planar_of, valued_parts
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
+from liftmesh.tiles.proof import proof_of
 from liftmesh.tiles.shards import open_shard
+from liftmesh.tiles.sorted_chunks import digests_of
 from liftmesh.tiles.sources import files_of, parts_of, planar
 from liftmesh.tiles.store import concatenated, damaged, digest_of, load_json, mapped
-from liftmesh.tiles.surface_proof import proof_of
 from liftmesh.tiles.tiled import Tiled
 
 if TYPE_CHECKING:

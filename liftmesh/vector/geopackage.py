@@ -1,17 +1,15 @@
-"""Geometries and values of a GeoPackage, which the SQLite of the standard library reads.
+"""GeoPackage: geometries and values, which the SQLite of the standard library reads.
 
 A file of SQLite holds statements as well as rows. So it is opened for reading alone, without any
 file beside it, and nothing but rows of ordinary tables is read: views, virtual tables and computed
 columns are refused, functions denied. What is read is counted, and the steps that SQLite takes for
 it: pages that are used many times, as only damaged files have them, end in an error.
 
-Geometries of well-known binary (WKB), of which x and y are read, as objects of GeoJSON.
+Geometries are well-known binary (WKB), of which x and y are read, as objects of GeoJSON. Counts are
+compared with the bytes that are there, and collections may be nested only so deep.
 
-Counts are compared with the bytes that are there, and collections may be nested only so deep.
-
-GeoPackage of lines and other shapes, which geopandas writes.
-
-The file is made in memory, since the database behind it cannot be written to a stream.
+Lines and other shapes are written by geopandas: in memory, since the database behind it cannot be
+written to a stream.
 """
 
 from __future__ import annotations
@@ -134,17 +132,13 @@ class _Package:
         return None
 
     def _columns(self, table: str) -> list[str]:
-        """Return the columns of values: without the number of the row, and none computed."""
-        self._check_table(table)
-        found = self._connection.execute(f"PRAGMA main.{_COLUMNS}({_quoted(table)})").fetchall()
-        if any(each[6] for each in found):
-            raise FormatError(f"{self._path}: layer {shown(table)} has computed columns: refused")
-        return [each[1] for each in found if not each[5]]
+        """Return the columns of values: without the number of the row."""
+        return [each[1] for each in self._described(table) if not each[5]]
 
     def _rows(self, table: str, *columns: str) -> Iterator[tuple[Any, ...]]:
         """Read columns of an ordinary table; what is read may not take more than files can hold."""
         if table != _SCHEMA:
-            self._check_table(table)
+            self._described(table)
         own = _quoted(table)
         names = ", ".join(f"{own}.{_quoted(each)}" for each in columns)
         command = f"SELECT {names} FROM main.{own} NOT INDEXED"  # noqa: S608 - names are quoted
@@ -157,14 +151,21 @@ class _Package:
                 )
             yield row
 
-    def _check_table(self, name: str) -> None:
-        kind, text = self._tables.get(name.lower(), ("nothing", ""))
+    def _described(self, name: object) -> list[tuple[Any, ...]]:
+        """Return what SQLite says of the columns of an ordinary table, none of them computed."""
+        known = name.lower() if isinstance(name, str) else ""
+        kind, text = self._tables.get(known, ("nothing", ""))
         if kind != "table" or not text.startswith("CREATE TABLE "):
             raise FormatError(
                 f"{self._path}: {shown(name)} is no ordinary table but {kind} (views and virtual "
                 "tables are refused): save the layer to a new file"
             )
-        self._allowed.add(name.lower())
+        command = f"PRAGMA main.{_COLUMNS}({_quoted(str(name))})"
+        found = self._connection.execute(command).fetchall()
+        if any(each[6] for each in found):
+            raise FormatError(f"{self._path}: table {shown(name)} has computed columns: refused")
+        self._allowed.add(known)
+        return found
 
     def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
@@ -260,7 +261,7 @@ class _Reader:
         return found.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
 
 
-def write(
+def write_lines(
     stream: BinaryIO,
     points: Floats,
     starts: Array,

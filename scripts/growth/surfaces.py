@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from math import isqrt
@@ -104,6 +105,18 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def compared_beside(points: Points) -> Work:
+    """Prepare two round surfaces with overlapping boxes: their hulls tell that they are apart."""
+    one = surface_over(points)
+    other = surface_over(points + 0.8 * np.ptp(points, axis=0))
+
+    def compare() -> None:
+        with suppress(liftmesh.InputError):
+            one.cut_and_fill(other)
+
+    return Work(compare, len(points))
+
+
 def combed(points: Points) -> Work:
     """Prepare a trim by as many teeth as there are points, each as high as all of them."""
     along = np.linspace(0, 1, len(points))
@@ -176,6 +189,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
     yield "Surface.profile", PLANAR, line, ("uniform", "lattice")
     yield "Surface.cut_and_fill", PLANAR, compared, ("uniform", "lattice")
+    yield "Surface.cut_and_fill beside", PLANAR, compared_beside, ("circle and centre",)
     yield "Surface.cut_and_fill_by_polygon", PLANAR, compared_within, (), LEAST
     closed = on_surface(lambda found: found.solid(thickness=1.0))
     yield "Surface.solid", PLANAR, closed, ("uniform", "lattice"), LEAST

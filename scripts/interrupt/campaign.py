@@ -19,7 +19,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-from process_state import MEGA, RETURNING, State
+from process_state import MEGA, RETURNING, State, halted
 
 from interrupt.jobs import COMMANDS, UNFINISHED
 
@@ -220,9 +220,10 @@ def _signalled(
 ) -> Interrupt:
     child, began = _started(words, folder)
     time.sleep(max(0.0, began + delay - time.monotonic()))
-    opened, told = _open_files(child.pid), _told(child)
-    sent = time.monotonic()
-    child.send_signal(number)
+    with halted(child):
+        opened, told = _open_files(child.pid), _told(child)
+        child.send_signal(number)
+        sent = time.monotonic()
     out, err = child.communicate(timeout=TIMEOUT)
     seconds, out = time.monotonic() - sent, told + out
     if child.returncode == 0:

@@ -17,6 +17,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from process_state import halted
+
 from sweep.jobs import COMMAND, OLD, Job, Known, fill
 
 TIMEOUT = 60.0
@@ -95,9 +97,10 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
         stderr=subprocess.PIPE,
     )
     _wait(child, planned, known)
-    stage = _stage(child)
-    child.send_signal(planned.signals[0])
-    sent, last = time.time(), time.monotonic()
+    with halted(child):
+        stage = _stage(child)
+        child.send_signal(planned.signals[0])
+        sent, last = time.time(), time.monotonic()
     is_late = stage == DURING and _ignores(child)
     for each in planned.signals[1:]:
         time.sleep(planned.gap)

@@ -1,15 +1,39 @@
-"""Commands that are stopped in the middle of a stage; their open files show which stage it is."""
+"""Programs that stop themselves amid the writing of a file, however busy the machine is."""
 
 from __future__ import annotations
 
+import re
+import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator
-from contextlib import suppress
 from pathlib import Path
 
 from commands import COMMAND, PLAIN
 from faults.children import ALONE
+
+# Makes a program stop itself once a file that it writes has grown.
+STOPS = """
+import os, signal
+from liftmesh.io import write
+
+real = write._write
+
+class Stopping:
+    def __init__(self, stream):
+        self.stream, self.left = stream, 1 << 16
+
+    def __getattr__(self, name):
+        return getattr(self.stream, name)
+
+    def write(self, data):
+        written = self.stream.write(data)
+        is_more, self.left = self.left > 0, self.left - written
+        if is_more and self.left <= 0:
+            os.kill(os.getpid(), signal.SIGSTOP)
+        return written
+
+write._write = lambda stream, *rest: real(Stopping(stream), *rest)
+"""
 
 
 def begun(*words: object, cwd: Path, program: str = "") -> subprocess.Popen[str]:
@@ -26,40 +50,17 @@ def begun(*words: object, cwd: Path, program: str = "") -> subprocess.Popen[str]
     )
 
 
-def open_files(child: subprocess.Popen[str]) -> Iterator[tuple[str, int]]:
-    """Yield the links and the sizes of what a child has open; one may close meanwhile."""
-    with suppress(OSError):
-        for each in Path(f"/proc/{child.pid}/fd").iterdir():
-            with suppress(OSError):
-                yield str(each.readlink()), each.stat().st_size
-
-
-def reads(child: subprocess.Popen[str], source: Path) -> bool:
-    """Whether a file is open."""
-    return any(link == str(source) for link, _ in open_files(child))
-
-
-def writes(child: subprocess.Popen[str], folder: Path) -> bool:
-    """Whether a new file in the folder, nameless or hidden, has grown."""
-    return any(
-        size > 1 << 16
-        and link.startswith(f"{folder}/")
-        and (link.endswith(" (deleted)") or "/.liftmesh-" in link)
-        for link, size in open_files(child)
-    )
-
-
-def wait_until(child: subprocess.Popen[str], is_so: Callable[[], bool]) -> None:
-    """Wait for a moment in the life of a child."""
-    end = time.monotonic() + 300
-    while not is_so():
+def wait_until_stopped(child: subprocess.Popen[str]) -> None:
+    """Wait until a child has stopped itself."""
+    status = Path(f"/proc/{child.pid}/status")
+    while not re.search(r"^State:\s+T", status.read_text(), re.MULTILINE):
         assert child.poll() is None, "it ended before: " + str(child.communicate())
-        assert time.monotonic() < end
-        time.sleep(0.001)
+        time.sleep(0.005)
 
 
-def ended(child: subprocess.Popen[str], signal: int) -> tuple[int, str, str]:
-    """Send a signal; the exit code and both streams."""
-    child.send_signal(signal)
+def ended(child: subprocess.Popen[str], *signals: int) -> tuple[int, str, str]:
+    """Send signals to a child that is stopped, and let it go on; its exit code and streams."""
+    for each in (*signals, signal.SIGCONT):
+        child.send_signal(each)
     out, err = child.communicate(timeout=300)
     return child.returncode, out, err

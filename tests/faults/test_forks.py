@@ -2,34 +2,32 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
+import begun_threads
 import pytest
 from faults.children import output
 
+from liftmesh.base.threads import VARIABLE
+
 FORK_AMID = """
-    import os, signal, sys, warnings
-    import numpy as np, liftmesh
     warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
 
-    way, threads = sys.argv[1], int(sys.argv[2])
-    os.environ["LIFTMESH_NUM_THREADS"] = "3"
+    way, threads = os.environ["WAY"], int(os.environ["THREADS"])
     points = np.random.default_rng(0).random((1_500_000, 2))
     few = points[:100_000]
     expected = liftmesh.delaunay(few).simplices
     simplices = liftmesh.delaunay(points).simplices
-    parent, child, most = os.getpid(), None, 0
+    parent, child = os.getpid(), None
 
     def fork(*_):
         global child
         if child is None:
             child = os.fork()
 
-    def look(_):
-        global most
-        most = max(most, len(os.listdir("/proc/self/task")))
-
     if way == "signal":
-        signal.signal(signal.SIGALRM, fork)
-        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        signal.signal(signal.SIGPROF, fork)
+        signal.setitimer(signal.ITIMER_PROF, 0.1)  # of the processor: amid the run
     runs = {
         "delaunay": lambda: liftmesh.delaunay(points, threads=threads, progress=fork).simplices,
         "verify": lambda: bool(liftmesh.verify(points, simplices, threads=threads, progress=fork)),
@@ -41,8 +39,8 @@ FORK_AMID = """
         found = str(error)
     if os.getpid() != parent:  # nothing is left of the run, and threads are to be had again
         right = np.array_equal(liftmesh.delaunay(few).simplices, expected)
-        liftmesh.delaunay(points, progress=look)
-        os._exit(0 if "forked during a run" in str(found) and right and most == 3 else 1)
+        _, most = begun(lambda: liftmesh.delaunay(points))
+        os._exit(0 if "forked during a run" in str(found) and right and most == 2 else 1)
     print(found, os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
 
@@ -50,8 +48,11 @@ FORK_AMID = """
 @pytest.mark.parametrize(
     ("way", "threads"), [("delaunay", 1), ("delaunay", 3), ("verify", 3), ("signal", 3)]
 )
-def test_a_fork_amid_a_run_leaves_the_run_to_the_parent(way: str, threads: int) -> None:
-    assert output(FORK_AMID, way, threads) == "True 0\n"
+def test_a_fork_amid_a_run_leaves_the_run_to_the_parent(
+    way: str, threads: int, tmp_path: Path
+) -> None:
+    given = {"WAY": way, "THREADS": str(threads), VARIABLE: "3", "OPENBLAS_NUM_THREADS": "1"}
+    assert begun_threads.output(FORK_AMID, tmp_path, **given) == "True 0\n"
 
 
 def test_a_fork_amid_a_computed_property_leaves_the_child_its_own() -> None:

@@ -149,7 +149,7 @@ def test_an_interrupt_at_any_call_leaves_all_as_it_was(job: str, tmp_path: Path)
 
 def campaign(*words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(ROOT / "scripts" / "interrupt"), *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
 
 
 def test_the_campaign_interrupts_every_phase() -> None:

@@ -9,14 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faults.stopped import begun, ended, wait_until, writes
+from faults.stopped import STOPS, begun, ended, wait_until_stopped
 
 import liftmesh
 from liftmesh import Cloud
 from liftmesh.cli import exit_codes
 from liftmesh.io import atomic
 
-LIBRARY = """
+LIBRARY = f"""{STOPS}
 import sys
 import numpy as np
 import liftmesh
@@ -25,7 +25,7 @@ if sys.argv[1] == "named":  # as on a file system without nameless files
     atomic._NAMELESS = 0
 liftmesh.write("mesh.obj", np.random.default_rng(0).random((600_000, 3)))
 """
-COMMAND_LINE = """
+COMMAND_LINE = f"""{STOPS}
 import sys
 from liftmesh.cli import main
 from liftmesh.io import atomic
@@ -71,7 +71,7 @@ def test_a_signal_amid_writing_leaves_the_old_file_alone(
     program: str, sent: int, codes: set[int], complaint: str, folder: Path
 ) -> None:
     child = begun("nameless", cwd=folder, program=program)
-    wait_until(child, lambda: writes(child, folder))
+    wait_until_stopped(child)
     code, out, err = ended(child, sent)
     assert code in codes
     assert out == ""
@@ -85,7 +85,7 @@ def test_without_nameless_files_only_what_cannot_be_heard_leaves_a_part(
     sent: int, folder: Path
 ) -> None:
     child = begun("named", cwd=folder, program=COMMAND_LINE)
-    wait_until(child, lambda: writes(child, folder))
+    wait_until_stopped(child)
     ended(child, sent)
     debris = [name for name in names_in(folder) if name != "mesh.obj"]
     assert len(debris) == (1 if sent == signal.SIGKILL else 0)
@@ -156,7 +156,7 @@ def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Pat
         for words, limit in zip(WRITING, cycle((1, 2000)), strict=False)
     ]
     child = begun(cwd=folder, program=KILLED_AMID_WRITING)
-    out, err = child.communicate("".join(lines), timeout=120)
+    out, err = child.communicate("".join(lines), timeout=300)
     assert [int(code) for code in out.splitlines() if code[0] == "-"] == [-signal.SIGXFSZ] * len(
         lines
     ), out + err
@@ -168,8 +168,7 @@ def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Pat
 @pytest.mark.parametrize("way", ["nameless", "named"])
 def test_a_folder_that_vanishes_amid_writing_is_told(what: str, way: str, folder: Path) -> None:
     child = begun(way, cwd=folder, program=COMMAND_LINE)
-    wait_until(child, lambda: writes(child, folder))
-    child.send_signal(signal.SIGSTOP)
+    wait_until_stopped(child)
     elsewhere = folder.parent / f"elsewhere {way} {what}"
     if what == "removed":
         shutil.rmtree(folder)
@@ -177,7 +176,7 @@ def test_a_folder_that_vanishes_amid_writing_is_told(what: str, way: str, folder
         folder.rename(elsewhere)
     if what == "replaced":
         folder.mkdir()
-    code, out, err = ended(child, signal.SIGCONT)
+    code, out, err = ended(child)
     assert (code, out) == (exit_codes.BAD_INPUT, "")
     assert err == (
         f"liftmesh: error: {folder}: cannot write here: "

@@ -51,7 +51,7 @@ def test_a_short_soak_is_flat() -> None:
         capture_output=True,
         text=True,
         env=UNCOUNTED,
-        timeout=400,
+        timeout=1200,
         check=False,
     )
     assert done.returncode == 0, done.stdout + done.stderr

@@ -11,7 +11,7 @@ from commands import ROOT
 
 def sweep(*words: str) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, str(ROOT / "scripts" / "sweep"), "--rows", "500", *words]
-    return subprocess.run(command, capture_output=True, text=True, timeout=400, check=False)
+    return subprocess.run(command, capture_output=True, text=True, timeout=1200, check=False)
 
 
 def test_no_signal_is_lost_in_a_hundred_runs() -> None:

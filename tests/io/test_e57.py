@@ -302,6 +302,7 @@ def test_a_process_that_takes_too_much_is_ended(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(decoding, "PROGRAM", endless)
     with pytest.raises(FormatError, match=r"<stream>: libE57 does not decode it in 1 s, the limit"):
         read(data)
+    monkeypatch.setattr(limits, "of", lambda *_: limits(1 << 28, 300))
     monkeypatch.setattr(decoding, "PROGRAM", fat)
     with pytest.raises(FormatError, match=r"libE57 needs more than 268,435,456 bytes to decode it"):
         read(data)

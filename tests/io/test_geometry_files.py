@@ -221,6 +221,25 @@ def computed(path: Path) -> Path:
     return changed(path, text)
 
 
+def computed_contents(path: Path) -> Path:
+    """A name of 400 MB, each column of which is the one before it twice."""
+    twice = (f"c{k} AS (c{k - 1} || c{k - 1})" for k in range(1, 24))
+    columns = f"data_type, c0, {', '.join(twice)}, table_name AS (c23)"
+    row = f"INSERT INTO gpkg_contents(data_type, c0) VALUES ('features', '{'x' * 50}')"
+    return changed(path, "DROP TABLE gpkg_contents", f"CREATE TABLE gpkg_contents({columns})", row)
+
+
+def nameless(path: Path) -> Path:
+    name = "CREATE TABLE {0} AS SELECT 7 AS table_name, {1}"
+    return changed(
+        path,
+        "DROP TABLE gpkg_contents",
+        "DROP TABLE gpkg_geometry_columns",
+        name.format("gpkg_contents", "'features' AS data_type"),
+        name.format("gpkg_geometry_columns", "'geom' AS column_name, 0 AS srs_id"),
+    )
+
+
 def plain(path: Path) -> Path:
     return changed(path, "DROP TABLE gpkg_contents")
 
@@ -278,7 +297,9 @@ REFUSED = {
     of_contents: "'gpkg_contents' is no ordinary table but view",
     virtual: "'rtree_lots_geom' is no ordinary table but table",
     disguised: "damaged|no ordinary table",
-    computed: "has computed columns",
+    computed: "table 'lots' has computed columns",
+    computed_contents: "table 'gpkg_contents' has computed columns",
+    nameless: "7 is no ordinary table but nothing",
     plain: "no GeoPackage",
     without_geometry: "no layer of features",
     no_column: "has no column 'nothing'",

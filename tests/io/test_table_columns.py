@@ -11,7 +11,7 @@ import pytest
 import liftmesh
 from liftmesh import Cloud, DataWarning, FormatError, InputError
 from liftmesh.io.formats.text.names import meaning
-from liftmesh.io.formats.text.options import checked
+from liftmesh.io.formats.text.options import validate_table_options
 
 ROW = "1.5,2.5,3.5\n"
 POINT = [[1.5, 2.5, 3.5]]
@@ -243,7 +243,7 @@ def test_a_column_whose_name_is_taken_is_left_out_and_named() -> None:
 )
 def test_invalid_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(options))):
-        checked(**options)
+        validate_table_options(**options)
 
 
 def test_other_formats_and_other_options_are_refused() -> None:
@@ -258,3 +258,12 @@ def test_a_wide_header_is_shortened_in_messages() -> None:
     told = refused(f"{names}\n1{',1' * 501}\n")
     assert "and 490 more is known" in told
     assert len(told) < 1200
+
+
+def test_tables_whose_x_may_be_northing_are_told() -> None:
+    rows = "1;2;3;4\n"
+    with pytest.warns(DataWarning, match="'Y' stands before 'X'.* with columns='x=Y,y=X'"):
+        assert read(f"Nr;Y;X;H\n{rows}", columns="z=H").points.tolist() == [[3, 2, 4]]
+    assert read(f"Nr;Y;X;H\n{rows}", columns="x=Y,y=X,z=H").points.tolist() == [[2, 3, 4]]
+    for header in ("Nr;X;Y;Z", "Nr;y;x;z", "X;Nr;Y;Z"):
+        read(f"{header}\n{rows}")

@@ -16,6 +16,7 @@ import pytest
 from commands import (
     COMMAND,
     PLAIN,
+    computed,
     failed,
     liftmesh,
     on_terminal,
@@ -174,12 +175,17 @@ def test_ctrl_c_is_heard_amid_a_long_measurement(tmp_path):
         text=True,
     )
     assert run.stdout.readline().startswith("6 sets of points")  # the estimate is made by now
-    time.sleep(0.5)
+    path = tmp_path / "measurements.csv"
+    while not path.exists() or path.read_bytes().count(b"\n") < 2:
+        time.sleep(0.005)
+    end = computed(run) + 0.5
+    while computed(run) < end:
+        time.sleep(0.005)
     run.send_signal(signal.SIGINT)
     out, err = run.communicate(timeout=300)
     assert (run.returncode, out) == (exit_codes.INTERRUPTED, "")
     assert err == "liftmesh: error: interrupted\n"
-    assert (tmp_path / "measurements.csv").read_text().count("\n") == 2
+    assert path.read_text().count("\n") == 2
 
 
 def test_an_unfinished_end_is_measured_again(made, tmp_path):

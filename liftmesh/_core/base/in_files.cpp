@@ -67,6 +67,7 @@ InFiles::~InFiles() {
 
 void* InFiles::allocate(std::size_t bytes) {
     if (folder_of_thread == nullptr) return nullptr;
+    Maps& all = maps();  // before there is a map to lose
     const int file = open_nameless(folder_of_thread);
     if (file < 0) fail(errno);
     const int code = reserve(file, bytes);
@@ -75,7 +76,6 @@ void* InFiles::allocate(std::size_t bytes) {
     const int why = code != 0 ? code : errno;
     close(file);  // the map keeps it
     if (memory == MAP_FAILED) fail(why);
-    Maps& all = maps();
     const std::lock_guard lock(all.mutex);
     try {
         all.sizes.emplace(memory, bytes);

@@ -67,7 +67,7 @@ class Columns:
             )
 
 
-def described(mapping: Mapping[str, str]) -> str:
+def coordinates_sentence(mapping: Mapping[str, str]) -> str:
     """Say which columns are the coordinates; "" where they are called x, y and z, or come first."""
     planar = {part: name for part, name in mapping.items() if part in POSITION}
     plain = all(name.lower() == part for part, name in planar.items())
@@ -122,7 +122,7 @@ def understood(given: Sequence[str], options: TableOptions, where: str) -> Colum
         given,
         frozenset(left_out),
         choice.negated,
-        notes=tuple(_notes(names, [meaning(each) for each in given])),
+        notes=(*_notes(names, [meaning(each) for each in given]), *_turned(names, given, options)),
     )
 
 
@@ -249,6 +249,18 @@ def _check_once(names: Sequence[str], given: Sequence[str], where: str) -> None:
             f"{where}: the header has {len(those)} columns for {_quoted(twice)}, {shown(those)}: "
             f"read it with {how}"
         )
+
+
+def _turned(names: Sequence[str], given: Sequence[str], options: TableOptions) -> Iterator[str]:
+    """Say that 'Y' before 'X' may be easting and northing, as where X points north."""
+    places = [given.index(each) if each in given else -2 for each in ("Y", "X")]
+    is_chosen = options.names is not None or not {"x", "y"}.isdisjoint(options.chosen)
+    if places[1] - places[0] != 1 or is_chosen or [names[each] for each in places] != ["y", "x"]:
+        return
+    yield (
+        "'Y' stands before 'X', as in surveys where X is northing: if it is here, all is mirrored: "
+        "read it with columns='x=Y,y=X'"
+    )
 
 
 def _notes(names: Sequence[str], found: Sequence[Meaning]) -> Iterator[str]:

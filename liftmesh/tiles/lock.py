@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import errno
 import fcntl
-import hashlib
 import json
 import os
 import re
@@ -22,10 +21,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from liftmesh.base.interruption import opened
-from liftmesh.base.options import as_folder
 from liftmesh.errors import DegenerateInputError, FormatError, InputError
+from liftmesh.tiles.context import JOB, RunContext
 from liftmesh.tiles.manifest import MANIFEST, manifest_of
-from liftmesh.tiles.stages import JOB, Folders
 from liftmesh.tiles.store import load_json, save_json
 
 if TYPE_CHECKING:
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
 
 CLAIM = ".liftmesh-run"
 MARKER = "scratch.json"
-SCRATCH = ".liftmesh-tiles"
 
 _SHARD = re.compile(
     r"(tile|seam)-\d{5,}(\.(npy|parquet|ply)|-(neighbors|links|vertices|faces)\.npy)"
@@ -51,34 +48,24 @@ _CLAIM_BYTES = 1 << 16
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
-def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | None) -> Folders:
-    """Name the folders of a run."""
-    target = Path(os.path.abspath(as_folder("out", out)))  # noqa: PTH100 - links stay
-    if scratch is None:
-        return Folders(target, target / SCRATCH)
-    tag = hashlib.sha256(os.fsencode(target)).hexdigest()[:16]
-    place = os.path.abspath(as_folder("scratch", scratch))  # noqa: PTH100 - as above
-    return Folders(target, Path(place) / f"{SCRATCH}-{tag}")
-
-
 @contextmanager
-def claimed(folders: Folders, *, anew: bool) -> Iterator[None]:
+def locked(context: RunContext, *, anew: bool) -> Iterator[None]:
     """Hold the folders of a run; what is left of it in the end is removed."""
-    if folders.out.exists() and not folders.out.is_dir():
+    if context.out.exists() and not context.out.is_dir():
         reason = "cannot write tiles here: this is a file, not a folder"
-        raise NotADirectoryError(errno.ENOTDIR, reason, str(folders.out))
+        raise NotADirectoryError(errno.ENOTDIR, reason, str(context.out))
     made: list[Path] = []
     try:
-        with _locked(folders.out, made) as lock:
-            _take(lock, folders, made, anew=anew)
+        with _lock_file(context.out, made) as lock:
+            _take(lock, context, made, anew=anew)
             try:
                 yield
             except BaseException as error:
-                if isinstance(error, DegenerateInputError) or not (folders.scratch / JOB).is_file():
-                    _leave(folders)  # nothing could be resumed
+                if isinstance(error, DegenerateInputError) or not (context.scratch / JOB).is_file():
+                    _leave(context)  # nothing could be resumed
                 raise
-            _remove_unnamed(folders.out, os.fstat(lock).st_mtime_ns)
-            _leave(folders)
+            _remove_unnamed(context.out, os.fstat(lock).st_mtime_ns)
+            _leave(context)
     except BaseException:
         for folder in reversed(made):
             with suppress(OSError):  # it holds something, perhaps of another run
@@ -95,28 +82,28 @@ def _make_folders(folder: Path, made: list[Path]) -> None:
                 made.append(each)
 
 
-def check_apart(folders: Folders, parts: Sequence[Part]) -> None:
+def check_apart(context: RunContext, parts: Sequence[Part]) -> None:
     """Raise if a run would overwrite its own source."""
-    out = os.path.realpath(folders.out)
+    out = os.path.realpath(context.out)
     for place in {part.place for part in parts if part.place is not None}:
         real = Path(os.path.realpath(place))
         if str(real.parent) == out and _SHARD.fullmatch(real.name):
             raise InputError(f"{place} would be overwritten: choose another folder than {out}")
 
 
-def release_copies(folders: Folders, parts: Sequence[Part]) -> None:
+def release_copies(context: RunContext, parts: Sequence[Part]) -> None:
     """Remove the copies of what cannot be read by ranges: the next run makes them anew."""
     for place in {part.place for part in parts if part.place is not None}:
         path = Path(place)
-        if path.parent == folders.scratch and _NOTE.fullmatch(path.name):
+        if path.parent == context.scratch and _NOTE.fullmatch(path.name):
             path.unlink(missing_ok=True)
 
 
-def clear(folders: Folders) -> None:
+def clear(context: RunContext) -> None:
     """Remove the triangles of a former run, the manifest first."""
-    (folders.out / MANIFEST).unlink(missing_ok=True)
-    for name in _shards(folders.out):
-        (folders.out / name).unlink()
+    (context.out / MANIFEST).unlink(missing_ok=True)
+    for name in _shards(context.out):
+        (context.out / name).unlink()
 
 
 def _shards(out: Path) -> list[str]:
@@ -156,7 +143,7 @@ def _remove_unnamed(out: Path, began: int) -> None:
 
 
 @contextmanager
-def _locked(out: Path, made: list[Path]) -> Iterator[int]:
+def _lock_file(out: Path, made: list[Path]) -> Iterator[int]:
     """Lock the claim of a folder; both are made if they are missing."""
     path = out / CLAIM
     while True:
@@ -227,35 +214,35 @@ def _is_text(value: object) -> bool:
     return isinstance(value, str) and "\0" not in value
 
 
-def _take(lock: int, folders: Folders, made: list[Path], *, anew: bool) -> None:
+def _take(lock: int, context: RunContext, made: list[Path], *, anew: bool) -> None:
     """Say whose the folders are; a scratch folder that was used before must be known."""
     before = os.fstat(lock).st_size
     try:
         if not before:
-            _check_out(folders.out)
-        _take_scratch(Path(_claim(lock).get("scratch", folders.scratch)), folders, made, anew=anew)
+            _check_out(context.out)
+        _take_scratch(Path(_claim(lock).get("scratch", context.scratch)), context, made, anew=anew)
     except BaseException:
         if not before:  # the claim is new
-            (folders.out / CLAIM).unlink()
+            (context.out / CLAIM).unlink()
         raise
     holder = f"process {os.getpid()} on {socket.gethostname()}"
-    text = json.dumps({"holder": holder, "scratch": str(folders.scratch)})
+    text = json.dumps({"holder": holder, "scratch": str(context.scratch)})
     os.pwrite(lock, text.encode().ljust(before), 0)  # it is never empty again
 
 
-def _take_scratch(before: Path, folders: Folders, made: list[Path], *, anew: bool) -> None:
-    if before != folders.scratch and (before / MARKER).is_file():
+def _take_scratch(before: Path, context: RunContext, made: list[Path], *, anew: bool) -> None:
+    if before != context.scratch and (before / MARKER).is_file():
         if not anew:
             raise InputError(
-                f"{folders.out} holds a run that works in {before}: give the same scratch folder, "
+                f"{context.out} holds a run that works in {before}: give the same scratch folder, "
                 "or begin anew with resume=False"
             )
-        if _out_of(before) == os.path.realpath(folders.out):
+        if _out_of(before) == os.path.realpath(context.out):
             _remove(before)
-    _make(folders, made)
+    _make(context, made)
     if anew:
-        _remove(folders.scratch)
-        _make(folders, made)
+        _remove(context.scratch)
+        _make(context, made)
 
 
 def _out_of(scratch: Path) -> object:
@@ -266,8 +253,8 @@ def _out_of(scratch: Path) -> object:
         return None
 
 
-def _make(folders: Folders, made: list[Path]) -> None:
-    scratch = folders.scratch
+def _make(context: RunContext, made: list[Path]) -> None:
+    scratch = context.scratch
     if scratch.is_symlink():
         raise InputError(f"{scratch} is a link: remove it, or choose another scratch folder")
     _make_folders(scratch, made)
@@ -276,7 +263,7 @@ def _make(folders: Folders, made: list[Path]) -> None:
         raise InputError(
             f"{scratch} was not made by liftmesh: move it, or choose another scratch folder"
         )
-    marker = {"kind": "scratch folder of liftmesh", "out": os.path.realpath(folders.out)}
+    marker = {"kind": "scratch folder of liftmesh", "out": os.path.realpath(context.out)}
     save_json(scratch / MARKER, marker)
 
 
@@ -292,8 +279,8 @@ def _remove(scratch: Path) -> None:
         scratch.rmdir()
 
 
-def _leave(folders: Folders) -> None:
+def _leave(context: RunContext) -> None:
     """Remove the scratch folder, and the claim unless there are shards without a manifest."""
-    _remove(folders.scratch)
-    if (folders.out / MANIFEST).exists() or not _shards(folders.out):
-        (folders.out / CLAIM).unlink()
+    _remove(context.scratch)
+    if (context.out / MANIFEST).exists() or not _shards(context.out):
+        (context.out / CLAIM).unlink()

@@ -7,94 +7,50 @@ files of tasks depend on besides, the plan and the program, is in the hash of th
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.base.options import NonFinite, ShardFormat, as_count, as_switch, check_option, shown
+from liftmesh.base.options import shown
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.terrain.triangulate import check_system
-from liftmesh.tiles.chunks import Scanned, changed, partition, scan
-from liftmesh.tiles.claim import (
-    check_apart,
-    claimed,
-    clear,
-    folders_of,
-    release_copies,
-)
-from liftmesh.tiles.groups import Groups
-from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of
-from liftmesh.tiles.manifest_shape import wrong_job
-from liftmesh.tiles.plan import Plan, planned
+from liftmesh.tiles.context import JOB, Groups, RunContext
+from liftmesh.tiles.lock import check_apart, clear, locked, release_copies
+from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of, wrong_job
+from liftmesh.tiles.options import TILE_ROWS, Options, SurfaceOptions, schema_of_parts
+from liftmesh.tiles.plan import Plan, frequent, planned
 from liftmesh.tiles.publish import publish
-from liftmesh.tiles.release import released
-from liftmesh.tiles.repeated import frequent
-from liftmesh.tiles.runs import earlier_plan, save_boxes, save_plan, tile_sample
+from liftmesh.tiles.schedule import released
 from liftmesh.tiles.shards import check_format
+from liftmesh.tiles.sorted_chunks import (
+    Scanned,
+    changed,
+    earlier_plan,
+    partition,
+    save_boxes,
+    save_plan,
+    scan,
+    tile_sample,
+)
 from liftmesh.tiles.sources import Part, parts_of
-from liftmesh.tiles.stages import JOB, Folders, is_recorded
+from liftmesh.tiles.stages import is_recorded
 from liftmesh.tiles.store import load_record, save_record, seal
-from liftmesh.tiles.surfacing import Surfacing, schema_of_parts
 from liftmesh.tiles.tiled import Tiled, open_tiled
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.schedule import Runner
+    from liftmesh.tiles.context import Runner
 
 Cut = Callable[[object, int, Path], Sequence[Part]]
 
-TILE_ROWS = 1_500_000  # about 300 MB
 _PART_ROWS = 2_000_000
 _SAMPLED = 2_000  # points of a tile
-_LEAST = 16  # rows of a tile
 _LARGE = 2  # times the rows of a tile: it is cut again
 _ROUNDS = 3  # of sorting; what is too large then stays so
-
-_PROCESS_BYTES = 100_000_000  # of a process without work
-ROW_BYTES = 200  # of a tile
-SURFACE_ROW_BYTES = 400  # with a few values
-_SHARE = 0.6  # of a limit: beyond that Dask takes measures
-_FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
-
-
-@dataclass(frozen=True)
-class Options:
-    """The options of `tile`, checked; a size of None is for the run to choose."""
-
-    folders: Folders
-    tile_rows: int | None
-    skips: bool
-    resumes: bool
-    surface: Surfacing | None = None
-
-    @classmethod
-    def checked(
-        cls,
-        out: str | os.PathLike[str],
-        tile_rows: int | Literal["auto"],
-        scratch: str | os.PathLike[str] | None,
-        nonfinite: NonFinite,
-        resume: bool,
-        shards: ShardFormat,
-        neighbors: bool,
-        surface: Surfacing | None = None,
-    ) -> Options:
-        """Check the options."""
-        check_option("nonfinite", nonfinite, NonFinite)
-        resumes = as_switch("resume", resume)
-        is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
-        rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
-        check_option("shards", shards, ShardFormat)
-        if surface is not None:
-            surface.check_shards(shards)
-        is_linked = as_switch("neighbors", neighbors)
-        folders = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
-        return cls(folders, rows, nonfinite == "skip", resumes, surface)
 
 
 def triangulated(
@@ -106,32 +62,32 @@ def triangulated(
     cut: Cut = parts_of,
 ) -> Tiled:
     """Do everything, or what is left to do."""
-    folders = options.folders
-    with claimed(folders, anew=not options.resumes):
-        before = _earlier_rows(folders) if options.resumes else None
+    context = options.context
+    with locked(context, anew=not options.resumes):
+        before = _earlier_rows(context) if options.resumes else None
         rows = options.tile_rows or before or fitting
-        parts = cut(source, min(rows, _PART_ROWS), folders.scratch)
-        check_apart(folders, parts)
+        parts = cut(source, min(rows, _PART_ROWS), context.scratch)
+        check_apart(context, parts)
         count = sum(part.rows for part in parts)
-        check_format(folders.shards, count)
+        check_format(context.shards, count)
         runner.begin(count)
         if options.surface is not None and parts:
             check_system(schema_of_parts(parts).crs, "xy")
         if not options.resumes:
-            clear(folders)
-        Run(folders, parts, rows, options.skips, options.surface).finish(runner)
-    return open_tiled(folders.out)
+            clear(context)
+        Run(context, parts, rows, options.skips, options.surface).finish(runner)
+    return open_tiled(context.out)
 
 
 @dataclass(frozen=True)
 class Run:
     """What is triangulated, and how, in folders that are claimed."""
 
-    folders: Folders
+    context: RunContext
     parts: Sequence[Part]
     tile_rows: int
     skips: bool
-    surface: Surfacing | None = None
+    surface: SurfaceOptions | None = None
 
     def finish(self, runner: Runner) -> None:
         """Do everything, or what is left to do."""
@@ -143,34 +99,34 @@ class Run:
         begun = self._begun(plan, identity)
         plan = begun or plan
         for _ in range(0 if begun else _ROUNDS):
-            folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
-            finer = self._cut_again(plan, folders, sizes)
+            context, sizes, skipped = self._sorted(runner, plan, identity, scanned)
+            finer = self._cut_again(plan, context, sizes)
             if finer.tiles == plan.tiles:
                 break
             plan = finer
         else:
-            folders, sizes, skipped = self._sorted(runner, plan, identity, scanned)
-        release_copies(folders, self.parts)
-        done = runner.tree(folders, plan, sizes)
-        publish(runner, folders, self.parts, plan, identity, done, skipped)
+            context, sizes, skipped = self._sorted(runner, plan, identity, scanned)
+        release_copies(context, self.parts)
+        done = runner.tree(context, plan, sizes)
+        publish(runner, context, self.parts, plan, identity, done, skipped)
 
     def _sorted(
         self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
-    ) -> tuple[Folders, list[int], Integers]:
+    ) -> tuple[RunContext, list[int], Integers]:
         """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
-        folders = self._folders(plan, identity)
-        save_plan(folders, plan)
-        folders = replace(folders, released=released(runner, folders))
+        context = self._context(plan, identity)
+        save_plan(context, plan)
+        context = replace(context, released=released(runner, context))
         numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
-        calls = [(folders, part, i, first, found.as_chunk) for i, (part, first, found) in numbered]
+        calls = [(context, part, i, first, found.as_chunk) for i, (part, first, found) in numbered]
         runner.each("partition", partition, calls)
-        return folders, *save_boxes(folders, plan)
+        return context, *save_boxes(context, plan)
 
-    def _folders(self, plan: Plan, identity: Mapping[str, Any]) -> Folders:
+    def _context(self, plan: Plan, identity: Mapping[str, Any]) -> RunContext:
         """Say what the files of a plan depend on."""
         groups = Groups.of_plan(plan.tiles, max(part.rows for part in self.parts))
         return replace(
-            self.folders,
+            self.context,
             plan=seal(_program(), identity, plan.as_dict(), groups.count),
             held=2 * self.tile_rows,
             runs=len(self.parts),
@@ -180,19 +136,19 @@ class Run:
 
     def _begun(self, first: Plan, identity: Mapping[str, Any]) -> Plan | None:
         """Return the plan of an earlier run that has done a tile: it was not to be cut again."""
-        plan = earlier_plan(self.folders)
+        plan = earlier_plan(self.context)
         if plan is None or not plan.extends(first):
             return None
-        folders = self._folders(plan, identity)
-        has_begun = any(is_recorded(folders, ~tile) for tile in range(plan.tiles))
+        context = self._context(plan, identity)
+        has_begun = any(is_recorded(context, ~tile) for tile in range(plan.tiles))
         return plan if has_begun else None
 
-    def _cut_again(self, plan: Plan, folders: Folders, sizes: Sequence[int]) -> Plan:
+    def _cut_again(self, plan: Plan, context: RunContext, sizes: Sequence[int]) -> Plan:
         """Cut the tiles that came out too large, by a sample of their own rows."""
         for tile, size in enumerate(sizes):
             if size > _LARGE * self.tile_rows:
                 wanted = -(-size // self.tile_rows)
-                sample = tile_sample(folders, tile, _SAMPLED * wanted)
+                sample = tile_sample(context, tile, _SAMPLED * wanted)
                 plan = plan.cut_again(tile, planned(sample, wanted))
         return plan
 
@@ -227,8 +183,8 @@ class Run:
             "version": VERSION,
             "tile_rows": self.tile_rows,
             "nonfinite": "skip" if self.skips else "error",
-            "shard_format": self.folders.shards,
-            "neighbors": self.folders.neighbors,
+            "shard_format": self.context.shards,
+            "neighbors": self.context.neighbors,
             "chunks": chunks,
         }
         if self.surface is None:
@@ -237,17 +193,17 @@ class Run:
 
     def _is_finished(self, identity: Mapping[str, Any]) -> bool:
         """Whether it is all done; raise if something else is, or was begun."""
-        if (self.folders.out / MANIFEST).exists():
-            before = manifest_of(self.folders.out)
+        if (self.context.out / MANIFEST).exists():
+            before = manifest_of(self.context.out)
             self._check_options(before, "the triangles", identity)
             if before["chunks"] != identity["chunks"]:
                 raise InputError(
-                    f"{self.folders.out} holds the triangles of other points: choose another "
+                    f"{self.context.out} holds the triangles of other points: choose another "
                     "folder, or replace them with resume=False"
                 )
-            if Tiled(self.folders.out, before).is_sound():
+            if Tiled(self.context.out, before).is_sound():
                 return True
-        record = self.folders.scratch / JOB
+        record = self.context.scratch / JOB
         if record.exists():
             job = load_record(record, "")
             if wrong_job(job) is not None:
@@ -255,7 +211,7 @@ class Run:
             self._check_options(job, "a run", identity)
             self._check_chunks(job["chunks"], identity["chunks"])
         save_record(record, "", identity)
-        (self.folders.out / MANIFEST).unlink(missing_ok=True)
+        (self.context.out / MANIFEST).unlink(missing_ok=True)
         return False
 
     def _check_options(self, before: Mapping[str, Any], what: str, now: Mapping[str, Any]) -> None:
@@ -266,7 +222,7 @@ class Run:
             kinds = ("triangles alone", "a surface")
             held, asked = kinds if one is None else kinds[::-1]
             raise InputError(
-                f"{self.folders.out} holds {held}, not {asked}: choose another folder, or begin "
+                f"{self.context.out} holds {held}, not {asked}: choose another folder, or begin "
                 "anew with resume=False"
             )
         for name in other or {}:
@@ -275,7 +231,7 @@ class Run:
     def _check_same(self, what: str, name: str, before: object, now: object) -> None:
         if before != now:
             raise InputError(
-                f"{self.folders.out} holds {what} with {name} {shown(before)}, not {shown(now)}: "
+                f"{self.context.out} holds {what} with {name} {shown(before)}, not {shown(now)}: "
                 "use the same, or begin anew with resume=False"
             )
 
@@ -283,7 +239,7 @@ class Run:
         same = [i for i, chunk in enumerate(now) if before[i : i + 1] == [chunk]]
         if not same:
             raise InputError(
-                f"{self.folders.out} holds a run with other points: choose another folder, or "
+                f"{self.context.out} holds a run with other points: choose another folder, or "
                 "begin anew with resume=False"
             )
         for number, part in enumerate(self.parts):
@@ -297,12 +253,12 @@ class Run:
             )
 
 
-def _earlier_rows(folders: Folders) -> int | None:
+def _earlier_rows(context: RunContext) -> int | None:
     """Return how many rows the tiles of a run have that was begun, or is finished."""
-    record = load_record(folders.scratch / JOB, "")
+    record = load_record(context.scratch / JOB, "")
     job = None if wrong_job(record) else record
-    if job is None and (folders.out / MANIFEST).exists():
-        job = manifest_of(folders.out)
+    if job is None and (context.out / MANIFEST).exists():
+        job = manifest_of(context.out)
     return None if job is None else int(job["tile_rows"])
 
 
@@ -310,14 +266,3 @@ def _program() -> str:
     from liftmesh import __version__  # noqa: PLC0415 - it is found when it is asked for
 
     return __version__
-
-
-def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
-    """Return how large tiles may be."""
-    least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
-    if memory < least:
-        raise InputError(
-            f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
-            f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
-        )
-    return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)

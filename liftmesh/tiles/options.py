@@ -1,18 +1,30 @@
-"""What a surface in tiles takes besides the options of `tile`: a policy, and how rows are read."""
+"""The options of `tile` and `tile_surface`, checked, and how many rows of a tile fit in memory."""
 
 from __future__ import annotations
 
+import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.base.options import Duplicates, ShardFormat, as_folder, check_option, shown
+from liftmesh.base.options import (
+    Duplicates,
+    NonFinite,
+    ShardFormat,
+    as_count,
+    as_folder,
+    as_switch,
+    check_option,
+    shown,
+)
 from liftmesh.errors import InputError
 from liftmesh.tiles.clouds import Reading, Valued
+from liftmesh.tiles.context import RunContext
 
 if TYPE_CHECKING:
     from liftmesh.tiles.schema import Schema
@@ -27,7 +39,7 @@ _WHOLE = {
 
 
 @dataclass(frozen=True)
-class Surfacing:
+class SurfaceOptions:
     """The options of a surface, checked."""
 
     duplicates: str
@@ -36,7 +48,7 @@ class Surfacing:
     @classmethod
     def checked(
         cls, duplicates: str, plane: object, crs: str | None, options: Mapping[str, Any]
-    ) -> Surfacing:
+    ) -> SurfaceOptions:
         """Check the options."""
         check_option("duplicates", duplicates, Duplicates)
         if not isinstance(plane, str) or plane != "xy":
@@ -91,3 +103,83 @@ def _plain(name: str, value: Any) -> Any:
         return [_plain(name, each) for each in value]
     except TypeError as error:
         raise InputError(f"{name} is {shown(value)}: give numbers, names or lists") from error
+
+
+TILE_ROWS = 1_500_000  # about 300 MB
+
+
+_LEAST = 16  # rows of a tile
+
+
+_PROCESS_BYTES = 100_000_000  # of a process without work
+
+
+ROW_BYTES = 200  # of a tile
+
+
+SURFACE_ROW_BYTES = 400  # with a few values
+
+
+_SHARE = 0.6  # of a limit: beyond that Dask takes measures
+
+
+_FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of `tile`, checked; a size of None is for the run to choose."""
+
+    context: RunContext
+    tile_rows: int | None
+    skips: bool
+    resumes: bool
+    surface: SurfaceOptions | None = None
+
+    @classmethod
+    def checked(
+        cls,
+        out: str | os.PathLike[str],
+        tile_rows: int | Literal["auto"],
+        scratch: str | os.PathLike[str] | None,
+        nonfinite: NonFinite,
+        resume: bool,
+        shards: ShardFormat,
+        neighbors: bool,
+        surface: SurfaceOptions | None = None,
+    ) -> Options:
+        """Check the options."""
+        check_option("nonfinite", nonfinite, NonFinite)
+        resumes = as_switch("resume", resume)
+        is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
+        rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
+        check_option("shards", shards, ShardFormat)
+        if surface is not None:
+            surface.check_shards(shards)
+        is_linked = as_switch("neighbors", neighbors)
+        context = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
+        return cls(context, rows, nonfinite == "skip", resumes, surface)
+
+
+def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
+    """Return how large tiles may be."""
+    least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
+    if memory < least:
+        raise InputError(
+            f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
+            f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
+        )
+    return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)
+
+
+SCRATCH = ".liftmesh-tiles"
+
+
+def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | None) -> RunContext:
+    """Name the folders of a run."""
+    target = Path(os.path.abspath(as_folder("out", out)))  # noqa: PTH100 - links stay
+    if scratch is None:
+        return RunContext(target, target / SCRATCH)
+    tag = hashlib.sha256(os.fsencode(target)).hexdigest()[:16]
+    place = os.path.abspath(as_folder("scratch", scratch))  # noqa: PTH100 - as above
+    return RunContext(target, Path(place) / f"{SCRATCH}-{tag}")

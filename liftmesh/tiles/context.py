@@ -1,16 +1,22 @@
-"""Groups of tiles: the rows of each are in files of their own, which can be removed by themselves.
+"""What the tasks of a run are told: folders, groups of tiles, and who calls tasks.
 
 The rows of a chunk are sorted by tile. In one file, they would all be needed until the last tile is
 done. So there is a file for each group of consecutive tiles, and when all tiles of a group are on
-the disk, its files of all chunks are removed (`release.py`): the triangles take their place.
+the disk, its files of all chunks are removed (`schedule.release`): the triangles take their place.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Protocol
 
 from liftmesh._typing import Array
+from liftmesh.base.options import ShardFormat
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.plan import Plan
 
 _MOST = 16  # more would hardly save anything: a sixteenth of the rows is 1.5 bytes a point
 _ROWS = 50_000  # of a file on average: sorting them takes a hundred times what a file takes
@@ -70,3 +76,71 @@ def suffix(group: int) -> str:
 def of_rows(group: int, *, with_values: bool) -> list[str]:
     """List the ends of the names of the rows of a group in each chunk."""
     return [f"{suffix(group)}{what}" for what in (_OF_ROWS if with_values else _OF_ROWS[:1])]
+
+
+JOB = "job.json"
+
+
+@dataclass(frozen=True)
+class RunContext:
+    """Where a run writes: the triangles, and what it needs itself."""
+
+    out: Path
+    scratch: Path
+    plan: str = ""
+    held: int = 0
+    runs: int = 0
+    groups: Groups = field(default_factory=Groups)
+    released: frozenset[int] = frozenset()
+    shards: ShardFormat = "npy"
+    neighbors: bool = False
+    policy: str = ""
+
+
+@dataclass(frozen=True)
+class Done:
+    """What a node has done."""
+
+    name: int
+    rows: int
+    rows_up: int
+    bytes_up: int
+    triangles: int
+    duplicates: int
+    is_flat: bool
+    frontier: tuple[int, ...]
+    shards: dict[str, str]
+    notes: dict[str, str]
+    vertices: int = 0
+    overhangs: int = 0
+    extent: tuple[float, ...] = ()
+
+    @classmethod
+    def from_dict(cls, said: Mapping[str, Any]) -> Done:
+        """Return what a record of it says."""
+        lists = {name: tuple(said[name]) for name in ("frontier", "extent")}
+        return cls(**{**said, **lists})
+
+
+def label(name: int) -> str:
+    """Name the files of a node."""
+    return f"seam-{name:05d}" if name >= 0 else f"tile-{~name:05d}"
+
+
+def node_of(stem: str) -> int:
+    """Return the node whose files have a name."""
+    kind, number = stem.split("-")
+    return int(number) if kind == "seam" else ~int(number)
+
+
+class Runner(Protocol):
+    """What calls tasks."""
+
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are, once they are counted."""
+
+    def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
+        """Call a task with each of some arguments, in any order; return its results in order."""
+
+    def tree(self, context: RunContext, plan: Plan, sizes: Sequence[int]) -> list[Done]:
+        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""

@@ -1,0 +1,255 @@
+"""The tasks of chunks of a source, a first reading and sorting by tile; and the rows so sorted.
+
+As in `stages.py`, what is done and sound is not done again. No table has the tiles of all chunks at
+once: with 10,000 of each it would have 10^8 numbers. A tile reads from each sorted chunk where its
+rows are, then these rows.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Integers
+from liftmesh.base.arrays import non_finite
+from liftmesh.errors import FormatError, InputError, NonFiniteError
+from liftmesh.io.surface_rows import classes_of
+from liftmesh.tiles.clouds import read_part
+from liftmesh.tiles.context import suffix
+from liftmesh.tiles.manifest import PLAN
+from liftmesh.tiles.plan import Plan, set_apart
+from liftmesh.tiles.store import (
+    fill,
+    is_sound,
+    kind_of,
+    load_json,
+    load_record,
+    save_array,
+    save_record,
+    values_of,
+)
+
+if TYPE_CHECKING:
+    from liftmesh.tiles.context import RunContext
+    from liftmesh.tiles.sources import Part
+
+
+def tile_records(context: RunContext, tile: int) -> Integers:
+    """Read the rows of a tile from all runs, in their order."""
+    runs = [*_runs(context, tile)]
+    records = np.empty((_count(runs), 3), dtype=np.int64)
+    at = 0
+    for stem, begin, end in runs:
+        fill(records[at : at + end - begin], Path(f"{stem}.npy"), 3 * begin)
+        at += end - begin
+    return records
+
+
+def tile_values(context: RunContext, tile: int) -> Array:
+    """Read the values of a tile's rows from all runs, in the order of `tile_records`."""
+    runs = [*_runs(context, tile)]
+    group = suffix(context.groups.of(tile))
+    kind = kind_of(Path(f"{stem_of(context, 0)}{group}-values.npy"))  # of all runs
+    values = np.empty(_count(runs), kind)
+    at = 0
+    for stem, begin, end in runs:
+        fill(values[at : at + end - begin], Path(f"{stem}-values.npy"), begin)
+        at += end - begin
+    return values
+
+
+def tile_sample(context: RunContext, tile: int, count: int) -> Floats:
+    """Draw rows of a tile from all runs, evenly."""
+    runs = [*_runs(context, tile)]
+    step = max(1, _count(runs) // count)
+    found = [
+        np.array(np.load(f"{stem}.npy", mmap_mode="r")[begin:end:step]) for stem, begin, end in runs
+    ]
+    return np.concatenate(found).view(np.float64)[:, 1:]
+
+
+def stem_of(context: RunContext, number: int) -> str:
+    """Return how the names of the files of a part begin, with the folder."""
+    return str(context.scratch / f"run-{number:05d}")
+
+
+def _runs(context: RunContext, tile: int) -> Iterator[tuple[str, int, int]]:
+    """Find the rows of a tile in all runs: how the names of the files begin, and which rows."""
+    group = context.groups.of(tile)
+    first = context.groups.tiles_of(group).start
+    for number in range(context.runs):
+        stem = stem_of(context, number)
+        begins = values_of(Path(f"{stem}-begins.npy"), first, tile + 2).tolist()
+        if begins[-2] < begins[-1]:
+            yield f"{stem}{suffix(group)}", begins[-2] - begins[0], begins[-1] - begins[0]
+
+
+def _count(runs: list[tuple[str, int, int]]) -> int:
+    return sum(end - begin for _, begin, end in runs)
+
+
+def save_boxes(context: RunContext, plan: Plan) -> tuple[list[int], Integers]:
+    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles."""
+    sizes = np.zeros(plan.tiles, dtype=np.int64)
+    tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
+    skipped = [np.empty(0, dtype=np.int64)]
+    for number in range(context.runs):
+        stem = stem_of(context, number)
+        sizes += np.diff(np.load(f"{stem}-begins.npy"))
+        boxes = np.load(f"{stem}-boxes.npy")
+        tight[:, :2] = np.minimum(tight, boxes)[:, :2]
+        tight[:, 2:] = np.maximum(tight, boxes)[:, 2:]
+        skipped.append(np.load(f"{stem}-skipped.npy"))
+    save_array(context.scratch / "boxes.npy", plan.around(tight))
+    counts: list[int] = sizes.tolist()
+    return counts, np.concatenate(skipped)
+
+
+def save_plan(context: RunContext, plan: Plan) -> None:
+    """Write where the tiles are."""
+    save_record(context.scratch / PLAN, context.plan, plan.as_dict())
+
+
+def earlier_plan(context: RunContext) -> Plan | None:
+    """Read where the tiles of an earlier run are."""
+    try:
+        name = load_json(context.scratch / PLAN).get("plan")
+    except (FileNotFoundError, FormatError):
+        return None
+    lists = load_record(context.scratch / PLAN, name) if isinstance(name, str) else None
+    return None if lists is None else Plan.from_dict(lists)
+
+
+def load_plan(context: RunContext) -> Plan:
+    """Read where the tiles are."""
+    lists = load_record(context.scratch / PLAN, context.plan)
+    if lists is None:
+        raise FormatError(f"{context.scratch / PLAN}: not of this run: tile the source again")
+    return Plan.from_dict(lists)
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """What a first reading of a part tells; of a surface, its values have a digest, too."""
+
+    rows: int
+    digest: str
+    sample: Floats
+    values: str = ""
+    classes: Mapping[int, int] = field(default_factory=dict)
+
+    @property
+    def as_chunk(self) -> dict[str, Any]:
+        """What a manifest says of the part."""
+        said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
+        said |= {"values": self.values} if self.values else {}
+        classes = {str(each): rows for each, rows in self.classes.items()}
+        return said | ({"classes": classes} if classes else {})
+
+
+def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
+    """Read a part for the first time."""
+    rows, values = read_part(part)
+    digest, others = digests_of(rows, values)
+    finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
+    if values is not None:
+        finite &= np.isfinite(values["z"])
+    is_whole = bool(finite.all())
+    if not (skips or is_whole):
+        row = int(finite.argmin())
+        place = rows[row] if values is None else np.append(rows[row], values["z"][row])
+        raise _non_finite(part, row, first, place)
+    pool = rows if is_whole else rows[finite]
+    rng = np.random.default_rng(int(digest[:16], 16))
+    drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
+    classes = {} if values is None else classes_in(values)
+    return Scanned(len(rows), digest, pool[np.sort(drawn)] + 0.0, others, classes)
+
+
+def classes_in(values: Array) -> dict[int, int]:
+    """Count the rows of each class of lidar, as a `Report` does; empty if there are none."""
+    return classes_of({name: values[name] for name in values.dtype.names or ()})
+
+
+def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:
+    """Hash planar positions, and the values of a surface."""
+    others = "" if values is None else hashlib.sha256(values.view(np.uint8).data).hexdigest()
+    return hashlib.sha256(rows.data).hexdigest(), others
+
+
+def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteError:
+    """Name a row by its file, its number there, and its number among all."""
+    error = non_finite(first + row, values)
+    if part.place is None:
+        return error
+    within = part.origin.row + row
+    where = "" if within == first + row else f", its row {within}"
+    return NonFiniteError(f"{part.origin.source}{where}: {error}", row=first + row)
+
+
+def partition(
+    context: RunContext, part: Part, number: int, first: int, chunk: Mapping[str, Any]
+) -> None:
+    """Sort the rows of a part by tile into files of the scratch folder, one for each group."""
+    stem = Path(stem_of(context, number))
+    record = stem.with_suffix(".json")
+    digests: dict[str, str] = load_record(record, context.plan) or {}
+    missing = _missing(context, stem.name, digests)
+    if not missing:
+        return
+    rows, values = read_part(part)
+    if digests_of(rows, values) != (chunk["sha256"], chunk.get("values", "")):
+        raise changed(part)
+    arrays = sorted_by_tile(load_plan(context), rows, first, values, context.policy)
+    parts = context.groups.apart(arrays)
+    for end, name in missing.items():
+        digests[name] = save_array(context.scratch / name, parts[end])
+    save_record(record, context.plan, digests)
+
+
+def _missing(context: RunContext, stem: str, digests: Mapping[str, str]) -> dict[str, str]:
+    """List the files of a part that are needed and not there, by the ends of their names."""
+    ends = context.groups.names(with_values=bool(context.policy), without=context.released)
+    names = {end: f"{stem}{end}.npy" for end in ends}
+    return {
+        end: name
+        for end, name in names.items()
+        if name not in digests or not is_sound(context.scratch, {name: digests[name]})
+    }
+
+
+def sorted_by_tile(
+    plan: Plan, rows: Floats, first: int, values: Array | None, policy: str
+) -> dict[str, Array]:
+    """Sort rows by tile."""
+    if values is not None:
+        rows[~np.isfinite(values["z"])] = np.nan
+    heights = None if values is None else values["z"]
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, policy)
+    records, begins, boxes, skipped = plan.partition(rows, first)
+    pairs = first + np.column_stack((apart, firsts[which]))
+    found = {
+        "": records,
+        "-begins": begins,
+        "-boxes": boxes,
+        "-skipped": np.setdiff1d(skipped, pairs[:, 0]),
+        "-duplicates": pairs,
+    }
+    if values is not None:
+        found["-values"] = values[records[:, 0] - first]
+        found["-apart"] = np.column_stack((which.astype(np.float64), values["z"][apart]))
+    return found
+
+
+def changed(part: Part) -> InputError:
+    """Return the exception for rows that are not what they were."""
+    first = part.origin.row
+    return InputError(
+        f"{part.origin.source}: rows {first:,} to {first + part.rows - 1:,} have changed since "
+        "this triangulation was begun: restore them, or begin anew with resume=False"
+    )

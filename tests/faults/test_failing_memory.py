@@ -1,0 +1,105 @@
+"""Whichever allocation fails: batches change all or nothing, and maps of files are given back."""
+
+from __future__ import annotations
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+SOURCE = Path(__file__).with_name("failing_memory.cpp")
+SETUP = """
+import ctypes
+import numpy as np
+import liftmesh
+
+memory = ctypes.CDLL(None)
+line = np.column_stack([np.arange(150.0), np.zeros(150)])
+cloud = np.unique(np.random.default_rng(0).integers(0, 40, (200, 2)).astype(float), axis=0)
+both = np.concatenate([line[:60], cloud[:100] + [0, 50]])
+
+def state(tri):
+    return tri.vertices.tolist(), tri.simplices.tolist(), tri.find(both).tolist()
+
+def failures(start, change):
+    "How many allocations of a change have failed, each once, and changed nothing."
+    for number in range(1, 10_000):
+        tri = liftmesh.DynamicTriangulation(start)
+        before = state(tri)
+        memory.fail_at(number)
+        try:
+            change(tri)
+        except MemoryError:
+            assert state(tri) == before, number
+            change(tri)  # as if nothing had been
+            again = liftmesh.DynamicTriangulation(start)
+            change(again)
+            assert state(tri)[0] == state(again)[0]
+        if memory.allocations_left() > 0:
+            return number - 1
+"""
+CASES = {
+    "to a line": ("line[:20]", "insert(line[20:])"),
+    "off a line": ("line[:20]", "insert(cloud)"),
+    "one off a line": ("line[:5]", "insert([[2.0, 7.0]])"),
+    "to a cloud": ("cloud[:60]", "insert(cloud[60:])"),
+    "from a cloud": ("cloud", "remove(tri.vertices[:100])"),
+    "down to a line": ("both", "remove(np.arange(60, 160))"),
+    "from a line": ("line", "remove(np.arange(60, 150))"),
+    "all": ("cloud", "remove(tri.vertices)"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_batch_that_memory_fails_changes_nothing(case: str, tmp_path: Path) -> None:
+    start, change = CASES[case]
+    program = f"print(failures({start}, lambda tri: tri.{change}))"
+    assert int(output(program, tmp_path)) > 10
+
+
+def test_maps_of_files_are_given_back(tmp_path: Path) -> None:
+    program = """
+points = np.random.default_rng(0).random((300_000, 2))
+
+def maps():
+    with open("/proc/self/maps") as lines:
+        return lines.read().count("(deleted)")
+
+liftmesh.delaunay(points, scratch=FOLDER)  # which imports the kernel
+before, most, number, is_done = maps(), 0, 0, False
+while not is_done:
+    number += 1
+    memory.fail_at(number)
+    try:
+        found = liftmesh.delaunay(points, scratch=FOLDER, threads=1)
+        most = maps()
+        del found
+    except MemoryError:
+        pass
+    is_done = memory.allocations_left() > 0
+    memory.fail_at(0)
+    assert maps() == before, number
+print(number if most > before else 0)
+"""
+    assert int(output(program.replace("FOLDER", repr(str(tmp_path))), tmp_path)) > 10
+
+
+def output(program: str, folder: Path) -> str:
+    """What a program prints in which allocations of the kernel can fail."""
+    library = folder / "failing_memory.so"
+    compiler = shlex.split(os.environ.get("CXX", "c++"))
+    flags = ["-std=c++17", "-O1", "-shared", "-fPIC", "-Wall", "-Werror"]
+    subprocess.run([*compiler, *flags, str(SOURCE), "-o", str(library)], check=True)
+    done = subprocess.run(
+        [sys.executable, "-c", SETUP + program],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "LD_PRELOAD": str(library)},
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
