@@ -13,7 +13,7 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.cli.notes import lidar_counts, notes, parts_not_read
 from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
-from liftmesh.planar.positions import find_positions, pieces
+from liftmesh.planar.points import find_positions, pieces
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

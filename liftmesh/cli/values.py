@@ -162,7 +162,7 @@ def metric(text: str) -> Any:
     values = _exactly(3, text)
     if values is None:
         raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.metric import as_metric  # noqa: PLC0415 - help and --version do without
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
 
     a, b, c = values
     with _refusing("metric"):

@@ -184,8 +184,7 @@ def _verify(
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.member import options_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
 
     if not lifting:
         return options_of(cloud)

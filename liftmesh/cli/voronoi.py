@@ -132,7 +132,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
         raise typer.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
-    from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import read_domain  # noqa: PLC0415 - as above
     from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
 
     shape, crs = read_domain(path)
@@ -141,7 +141,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
 
 def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import chosen, named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
 
     planar = cloud.points[:, :2]
     if weights is None and radii is None:
@@ -152,7 +152,7 @@ def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> C
 
 def _cells_of_disks(cloud: Cloud, area: Any, disks: str, tolerance: float | None) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values  # noqa: PLC0415 - as above
 
     radii = named_values(cloud, "disks", disks)
     return liftmesh.apollonius_diagram(cloud.points[:, :2], radii, domain=area, tolerance=tolerance)
@@ -167,7 +167,7 @@ def _note_rows_elsewhere(cells: ClippedCells) -> None:
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.columns import free_name  # noqa: PLC0415 - as above
+    from liftmesh.cells.clipped import free_name  # noqa: PLC0415 - as above
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}

@@ -127,14 +127,14 @@ class Raster:
         >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").name
         'dtm.tif'
         """
-        found = Path(path)
-        check_name(found)
+        target = Path(path)
+        check_name(target)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)
         packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
-        with replacing(found) as stream:
+        with replacing(target) as stream:
             writer.write(stream, self.values, self.transform, crs, **packed)
-        return found
+        return target
 
 
 def written_system(crs: str | None, quantity: str) -> str | None:

@@ -23,7 +23,7 @@ from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
-from liftmesh.planar.regular_triangulation import RegularTriangulation
+from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
 
@@ -118,14 +118,14 @@ def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
     if len(old.skipped):
         planar = planar.copy()
         planar[old.skipped] = np.nan
-    found = _at(planar, old)
+    triangulation = _at(planar, old)
     row, kept = old.duplicates.T
-    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(found):
+    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(triangulation):
         raise InputError(
             "the moved vertices have another triangulation than the surface: triangulate them, "
             "or move them along the normal of the plane only"
         )
-    return found
+    return triangulation
 
 
 def _at(planar: Floats, old: Triangulation) -> Triangulation:
@@ -137,10 +137,10 @@ def _at(planar: Floats, old: Triangulation) -> Triangulation:
     return Triangulation(*same, metric=old.metric)
 
 
-def _is_canonical(found: Triangulation) -> bool:
+def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
-    certificate = found.verify()
-    hidden = found.hidden if isinstance(found, RegularTriangulation) else ()
+    certificate = triangulation.verify()
+    hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
     return certificate.canonical and certificate.hidden == len(hidden)
 
 

@@ -219,11 +219,11 @@ class Contours:
         >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").name
         'lines.geojson'
         """
-        found = Path(path)
-        check_name(found)
+        target = Path(path)
+        check_name(target)
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        write_lines(found, self.points, self.starts, columns, self.crs, "contours")
-        return found
+        write_lines(target, self.points, self.starts, columns, self.crs, "contours")
+        return target
 
 
 def length_of(length: Any) -> float:
@@ -278,12 +278,12 @@ def wanted_levels(
 def _levels(name: str, values: Any) -> Floats:
     """Convert levels to finite numbers, ascending, each once."""
     try:
-        found = np.unique(as_reals(values))
+        heights = np.unique(as_reals(values))
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
-    if found.ndim != 1 or not np.isfinite(found).all():
+    if heights.ndim != 1 or not np.isfinite(heights).all():
         raise InputError(f"{name} are {shown(values)}: give finite heights")
-    return found
+    return heights
 
 
 def _multiples(

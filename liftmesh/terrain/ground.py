@@ -126,10 +126,10 @@ def classify_ground(
     points -= points.min(axis=0) if len(points) else 0.0
     _check_size(points, resolution)
     is_ground = _filtered(points, resolution, rigidness, threshold)
-    found = rows[is_ground]
+    ground = rows[is_ground]
     cells, bare = _bare_cells(points, is_ground, resolution)
     counts = {
-        "rows": len(source), "ground": len(found), "method": method, "resolution": resolution,
+        "rows": len(source), "ground": len(ground), "method": method, "resolution": resolution,
         "rigidness": rigidness, "threshold": threshold, "unit_known": is_known,
         "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
@@ -137,7 +137,7 @@ def classify_ground(
         warnings.warn(bare_warning(counts), DataWarning, stacklevel=2)
     return replace(
         source,
-        attributes={**source.attributes, **_classes(source, found)},
+        attributes={**source.attributes, **_classes(source, ground)},
         metadata={**source.metadata, "ground": counts},
     )
 
@@ -159,13 +159,13 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
 
 def _is_for_cloth(cloud: Cloud) -> Array:
     """Whether rows are finite, and neither noise nor withheld."""
-    found = np.isfinite(cloud.points).all(axis=1)
+    is_taken = np.isfinite(cloud.points).all(axis=1)
     name, withheld = class_column(cloud.attributes), cloud.attributes.get("withheld")
     if name is not None:
-        found &= ~np.isin(cloud.attributes[name], _NOISE)
+        is_taken &= ~np.isin(cloud.attributes[name], _NOISE)
     if withheld is not None and withheld.ndim == 1:
-        found &= np.asarray(withheld == 0)
-    return np.asarray(found)
+        is_taken &= np.asarray(withheld == 0)
+    return np.asarray(is_taken)
 
 
 def _check_size(points: Floats, resolution: float) -> None:

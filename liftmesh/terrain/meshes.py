@@ -21,8 +21,8 @@ from liftmesh.io.metadata import is_read, lifted_by
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
-from liftmesh.planar.weights import named_values
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
@@ -150,8 +150,8 @@ def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
 
 def _remedy(cloud: Cloud, points: str) -> str:
     """Say what to do about faces; of a format that rounds, why they are not those written."""
-    found = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
-    if found is None or "float64" in found.keeps:
+    origin = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
+    if origin is None or "float64" in origin.keeps:
         return f"triangulate the {points}"
     return (
         f"triangulate the {points}; the file holds single precision, which has moved them: write "

@@ -97,10 +97,10 @@ def _corners(line: Any) -> Floats:
 def _distances(corners: Floats) -> Floats:
     """Return how far along the line its corners are."""
     with np.errstate(over="ignore"):
-        found = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
-    if not np.isfinite(found[-1]):
+        distances = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
+    if not np.isfinite(distances[-1]):
         raise InputError("the line is longer than the largest double: scale the coordinates")
-    return found
+    return distances
 
 
 def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
@@ -162,18 +162,18 @@ class Draped:
 
 def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
     """Drape lines over the faces of a surface."""
-    found = [profile_along(surface, line) for line in lines]
-    counts = [len(each.starts) - 1 for each in found]
+    profiles = [profile_along(surface, line) for line in lines]
+    counts = [len(each.starts) - 1 for each in profiles]
     if not any(counts):
         if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
             raise InputError("all corners of a line are at one position: it has no length")
         raise InputError("no part of a line is over faces: are both in the same system?")
-    sizes = np.concatenate([np.diff(each.starts) for each in found])
+    sizes = np.concatenate([np.diff(each.starts) for each in profiles])
     return Draped(
-        np.concatenate([each.points for each in found]),
-        np.concatenate([each.distances for each in found]),
+        np.concatenate([each.points for each in profiles]),
+        np.concatenate([each.distances for each in profiles]),
         np.concatenate([[0], np.cumsum(sizes)]),
-        np.repeat(np.arange(len(found)), counts),
+        np.repeat(np.arange(len(profiles)), counts),
         plane_system(surface),
     )
 
@@ -217,13 +217,13 @@ class LineCrossings:
         rows, places = np.unique(faces, return_inverse=True)
         turns = orient2d(p, q, self._points[rows]) if len(rows) else np.zeros(0, np.int8)
         sides = _sides_across(faces, turns[places.reshape(-1, 3)])
-        found = [
+        places_met = [
             (ends, _AT_VERTEX),
             (self._vertices(rows[turns == 0], p, q), _AT_VERTEX),
             (self._crossings(sides, p, q), _AT_CROSSING),
         ]
-        kinds = np.concatenate([np.full(len(each), kind) for each, kind in found])
-        return np.column_stack([np.concatenate([each for each, _ in found]), kinds])
+        kinds = np.concatenate([np.full(len(each), kind) for each, kind in places_met])
+        return np.column_stack([np.concatenate([each for each, _ in places_met]), kinds])
 
     def _vertices(self, rows: Rows, p: Floats, q: Floats) -> Floats:
         """Return the vertices on the line that are between its ends."""
@@ -296,5 +296,5 @@ def _between(tails: Floats, heads: Floats, share: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         steps = heads - tails
         near = tails + share * steps
-    found = np.where(np.isfinite(steps), near, tails * (1 - share) + heads * share)
-    return np.clip(found, np.minimum(tails, heads), np.maximum(tails, heads))
+    values = np.where(np.isfinite(steps), near, tails * (1 - share) + heads * share)
+    return np.clip(values, np.minimum(tails, heads), np.maximum(tails, heads))

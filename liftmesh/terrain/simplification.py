@@ -46,7 +46,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve
-from liftmesh.planar.positions import pieces
+from liftmesh.planar.points import pieces
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
@@ -158,9 +158,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     chosen = _kernel.simplify(positions, altitudes, hull, bound, most, prunes, between)
     kept, is_within = np.sort(used[chosen[0]]), chosen[1]
     _check_count(len(kept), most)
-    found = _surface(whole, kept, start)
+    simplified = _surface(whole, kept, start)
     rest = stages(_DONE_AFTER["choose"], _DONE_AFTER["check"])
-    checked = deviation(found.triangulation, heights[kept], positions, altitudes, bound, rest)
+    checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
     told = {
         "rows": len(whole.vertices),
@@ -171,7 +171,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
         "within": is_within,
         "merged": of_rows(heights, whole.report.left_out, whole.report.representatives),
     }
-    return replace(found, metadata={**whole.metadata, "simplification": told})
+    return replace(simplified, metadata={**whole.metadata, "simplification": told})
 
 
 def _limits(max_error: object, max_points: object) -> tuple[float, int]:
@@ -240,9 +240,9 @@ def _scaled(progress: Progress | None) -> Any:
     return stage
 
 
-def _check_count(found: int, most: int) -> None:
-    if most and found > most:
-        raise InputError(f"max_points is {most}, and the hull has {found} corners: give more")
+def _check_count(corners: int, most: int) -> None:
+    if most and corners > most:
+        raise InputError(f"max_points is {most}, and the hull has {corners} corners: give more")
 
 
 def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
@@ -301,8 +301,8 @@ def deviation(
         rows = triangulation.simplices[triangulation.find_simplex(points[part])]
         sample = np.column_stack([points[part], z[part]])
         for few in pieces(len(sample), _CACHED):
-            found = _compared(corners[rows[few]], sample[few], bound)
-            largest, beyond = max(largest, found.largest), beyond + found.beyond
+            worst = _compared(corners[rows[few]], sample[few], bound)
+            largest, beyond = max(largest, worst.largest), beyond + worst.beyond
         if progress is not None:
             progress(min(part.stop / len(points), 1.0))
     return Deviation(float(largest), beyond)
@@ -332,8 +332,8 @@ def _compared(corners: Array, sample: Floats, bound: float) -> Deviation:
 
 
 def _is_corner(corners: Array, sample: Floats) -> Array:
-    found: Array = (corners == sample[:, None]).all(axis=2).any(axis=1)
-    return found
+    is_corner: Array = (corners == sample[:, None]).all(axis=2).any(axis=1)
+    return is_corner
 
 
 def _within(corners: Array, sample: Floats, bound: float) -> Array:
@@ -349,16 +349,16 @@ def _within(corners: Array, sample: Floats, bound: float) -> Array:
     to_a, to_b, rise, most = np.where(is_exact, heights, 0).astype(np.int64)
     whole = ax * by - ay * bx
     excess = rise * whole - to_a * (x * by - y * bx) - to_b * (ax * y - ay * x)
-    found: Array = is_exact & (np.abs(excess) <= most * np.abs(whole))
-    return found
+    is_within: Array = is_exact & (np.abs(excess) <= most * np.abs(whole))
+    return is_within
 
 
 def _difference(numbers: Floats, less: Floats) -> tuple[Floats, Array]:
     """Subtract; and whether no difference of a sample is rounded (D. E. Knuth's TwoSum)."""
-    found = numbers - less
-    back = found - numbers
-    error = (numbers - (found - back)) + (-less - back)
-    return found, (error == 0).all(axis=(0, 1))
+    difference = numbers - less
+    back = difference - numbers
+    error = (numbers - (difference - back)) + (-less - back)
+    return difference, (error == 0).all(axis=(0, 1))
 
 
 def _in_steps(values: Floats) -> tuple[Floats, Array]:
@@ -409,10 +409,10 @@ def _exactly(corners: Array, sample: Floats) -> Iterator[Fraction]:
 def _upwards(value: Fraction) -> float:
     """Round to a double that is not less."""
     try:
-        found = float(value)
+        nearest = float(value)
     except OverflowError:
         return math.inf
-    return found if Fraction(found) >= value else math.nextafter(found, math.inf)
+    return nearest if Fraction(nearest) >= value else math.nextafter(nearest, math.inf)
 
 
 def of_rows(heights: Floats, left_out: Rows, representatives: Rows) -> float:

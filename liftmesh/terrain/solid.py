@@ -110,10 +110,10 @@ class _Parts:
                 np.column_stack([planar - low, (each - self.lower.min()) * rise]) * scale
                 for each in (self.heights, self.lower)
             )
-        found: Floats = np.concatenate([upper, lower[self._own()]])
-        if not np.isfinite(found).all():
+        points: Floats = np.concatenate([upper, lower[self._own()]])
+        if not np.isfinite(points).all():
             raise InputError("the solid is beyond the largest double: give a smaller length")
-        return found
+        return points
 
     def _above(self) -> Array:
         return np.searchsorted(self.top, self.surface.faces)

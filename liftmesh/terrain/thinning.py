@@ -130,13 +130,13 @@ def thin(
 
 
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
-    found = {key: value for key, value in given.items() if value is not None}
-    if len(found) != 1:
-        several = " and ".join(found) or "none"
+    ways = {key: value for key, value in given.items() if value is not None}
+    if len(ways) != 1:
+        several = " and ".join(ways) or "none"
         raise InputError(
             f"{several} of every, random, cell, distance and adaptive are given: give one"
         )
-    return next(iter(found.items()))
+    return next(iter(ways.items()))
 
 
 def _size(name: str, value: object) -> float:
@@ -175,10 +175,10 @@ def _at_random(count: int, wanted: int, seed: int) -> Array:
 def _mixed(values: Array, seed: int) -> Array:
     """Hash 64 bits as splitmix64 does, which maps no two values to one."""
     with np.errstate(over="ignore"):
-        found = values + np.uint64(0x9E3779B97F4A7C15) * np.uint64(seed + 1)
-        found = (found ^ (found >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        found = (found ^ (found >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        mixed: Array = found ^ (found >> np.uint64(31))
+        bits = values + np.uint64(0x9E3779B97F4A7C15) * np.uint64(seed + 1)
+        bits = (bits ^ (bits >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        bits = (bits ^ (bits >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mixed: Array = bits ^ (bits >> np.uint64(31))
     return mixed
 
 
@@ -213,11 +213,11 @@ def _apart(points: Floats, distance: float) -> Array:
 def _cells(points: Floats, size: float, asked: str) -> Array:
     """Return the cells of points, two whole numbers each; say what was asked if there are none."""
     with np.errstate(over="ignore"):
-        found = np.floor(points[:, :2] / size)
-    if len(found) and not np.abs(found).max() <= _MOST_CELLS:
-        row = int(np.abs(found).max(axis=1).argmax())
+        cells = np.floor(points[:, :2] / size)
+    if len(cells) and not np.abs(cells).max() <= _MOST_CELLS:
+        row = int(np.abs(cells).max(axis=1).argmax())
         raise InputError(f"{asked}, too small for coordinates such as {points[row, :2].tolist()}")
-    return found.astype(np.int64)
+    return cells.astype(np.int64)
 
 
 class _Grid:
@@ -292,11 +292,11 @@ class _Rounds:
     def _is_near(self, points: Array, chosen: Array) -> Array:
         """Whether points are in the cell of one that stays, or too near to one around."""
         cells = self._grid.of_point[points]
-        found = np.asarray(chosen[cells] >= 0)
+        is_near = np.asarray(chosen[cells] >= 0)
         for near in self._near:
             other = self._points_of(near[cells], chosen)
-            found |= (other >= 0) & self._are_near(points, other)
-        return found
+            is_near |= (other >= 0) & self._are_near(points, other)
+        return is_near
 
     def _points_of(self, cells: Array, points: Array) -> Array:
         return np.where(cells >= 0, points[cells], -1)

@@ -44,8 +44,10 @@ def geometries(tree: object, properties: Mapping[str, Any] = _NONE) -> Iterator[
 
 def coordinates_of(tree: object, kind: str) -> Iterator[Any]:
     """Yield the coordinates of all geometries of one kind, those of a Multi one by one."""
-    for found, coordinates, _ in geometries(tree):
-        parts = [coordinates] if found == kind else coordinates if found == f"Multi{kind}" else ()
+    for own_kind, coordinates, _ in geometries(tree):
+        parts = (
+            [coordinates] if own_kind == kind else coordinates if own_kind == f"Multi{kind}" else ()
+        )
         yield from (part for part in parts if part)
 
 

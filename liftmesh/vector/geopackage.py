@@ -90,12 +90,12 @@ class _Package:
         columns = self._columns(name)
         if key not in columns:
             raise FormatError(f"{self._path}: layer {shown(name)} has no column {shown(key)}")
-        found = []
+        features = []
         for row in self._rows(name, *columns):
             values = dict(zip(columns, row, strict=True))
             shape = _geometry(values.pop(key))
-            found.append({"type": "Feature", "properties": values, "geometry": shape})
-        return {"type": "FeatureCollection", "features": found}, self._system(system)
+            features.append({"type": "Feature", "properties": values, "geometry": shape})
+        return {"type": "FeatureCollection", "features": features}, self._system(system)
 
     def _layer(self) -> tuple[str, str, int]:
         """Return the table of the first layer, its column of geometries, and its system."""
@@ -256,9 +256,9 @@ class _Reader:
         return int(count)
 
     def _corners(self, order: str, count: int, width: int) -> list[list[float]]:
-        found = np.frombuffer(self._data, order + "f8", count * width, self._place)
-        self._place += found.nbytes
-        return found.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
+        numbers = np.frombuffer(self._data, order + "f8", count * width, self._place)
+        self._place += numbers.nbytes
+        return numbers.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
 
 
 def write_lines(

@@ -96,10 +96,10 @@ def _polygons(described: object) -> list[Polygon]:
     if not isinstance(described, Mapping):
         return [[_ring(described)]]
     try:
-        found = [list(rings) for rings in coordinates_of(described, "Polygon")]
+        polygons = [list(rings) for rings in coordinates_of(described, "Polygon")]
     except (TypeError, RecursionError) as error:
         raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
-    return [[_ring(ring) for ring in rings] for rings in found]
+    return [[_ring(ring) for ring in rings] for rings in polygons]
 
 
 def _found(polygons: list[T]) -> list[T]:
@@ -122,9 +122,9 @@ def contains(polygons: list[Polygon], points: Floats) -> Array:
         first, last = np.searchsorted(lined[:, 1], (heights.min(), heights.max()))
         if first < last:
             is_inside[first:last] |= _is_in(rings, lined[first:last])
-    found = np.empty_like(is_inside)
-    found[order] = is_inside
-    return found
+    in_given_order = np.empty_like(is_inside)
+    in_given_order[order] = is_inside
+    return in_given_order
 
 
 def _is_in(rings: Polygon, lined: Floats) -> Array:
@@ -162,9 +162,9 @@ def _left_of(low: Floats, high: Floats, bounds: Indices, strip: Floats) -> Indic
     counts = len(left) - np.cumsum(np.bincount(near[0], minlength=len(points) + 1))[:-1]
     counts += _compared(low[passes], high[passes], *near, points)
     first, last = bounds[:, ~passes]
-    found = _compared(low[~passes], high[~passes], first, last, strip)
-    found[order] += counts
-    return found
+    counts_in_order = _compared(low[~passes], high[~passes], first, last, strip)
+    counts_in_order[order] += counts
+    return counts_in_order
 
 
 def _compared(low: Floats, high: Floats, first: Indices, last: Indices, points: Floats) -> Indices:
