@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,14 +10,14 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Mask, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.kinds import as_weights
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class DiskGraph:
+class DiskGraph(FrozenResult):
     """The arrays of an `ApolloniusGraph`, which says what each holds."""
 
     centers: Floats
@@ -30,12 +29,6 @@ class DiskGraph:
     hidden: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
 
 def as_disks(

@@ -8,7 +8,6 @@ star of the point is part of it. Stars of points with different metrics need not
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,7 +15,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Integers, Mask, Progress, Rows
 from liftmesh.base.arrays import as_coordinates, as_floats, of_one_array, unmasked
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.delaunay import delaunay
@@ -177,7 +176,7 @@ def _named(matrices: Floats, row: int) -> str:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class AnisotropicStars:
+class AnisotropicStars(FrozenResult):
     """The stars of points, each in the metric of its point, as returned by `anisotropic_stars`.
 
     Every index is a row of the caller's arrays. The arrays are read-only.
@@ -217,12 +216,6 @@ class AnisotropicStars:
     hull: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""

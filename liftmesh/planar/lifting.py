@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_reals, as_rows3, read_only
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.planar.points import rows_of
@@ -187,7 +187,7 @@ class Heights:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LowerHull:
+class LowerHull(FrozenResult):
     """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
     Parameters
@@ -217,12 +217,6 @@ class LowerHull:
     q: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"

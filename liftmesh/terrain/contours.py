@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_number, as_reals
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_count, as_thousands, shown
 from liftmesh.base.threads import as_threads
 from liftmesh.errors import InputError
@@ -65,7 +65,7 @@ class Contour:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Contours:
+class Contours(FrozenResult):
     """Contours of a surface, as `Surface.contours` returns them: a sequence of lines; read-only.
 
     A slice of them is `Contours`, too.
@@ -103,12 +103,6 @@ class Contours:
     closed: Array
     index: Array
     crs: str | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<Contours: {len(self):,} lines at {len(np.unique(self.levels)):,} levels>"

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, as_reals, read_only
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import DegenerateInputError, InputError
 
@@ -46,7 +46,7 @@ _REMEDY = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class Frame(FrozenResult):
     """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
     Parameters
@@ -70,12 +70,6 @@ class Frame:
     name: str
     origin: Floats
     axes: Floats
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     @property
     def normal(self) -> Floats:

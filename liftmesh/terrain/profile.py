@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import as_pairs, starts_of_runs
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
@@ -37,7 +37,7 @@ Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale the
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Profile:
+class Profile(FrozenResult):
     """A line draped over a surface, as `Surface.profile` returns it; read-only.
 
     Parameters
@@ -63,12 +63,6 @@ class Profile:
     points: Floats
     distances: Floats
     starts: Array
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Rows
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
 from liftmesh.crs.transformation import sentence, told_of
 from liftmesh.io.formats.text.columns import coordinates_sentence
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class Report(FrozenResult):
     """Summary of the use of every input row.
 
     ``rows`` is the sum of ``used``, ``duplicates``, ``overhangs``, ``skipped`` and ``hidden``.
@@ -88,12 +88,6 @@ class Report:
     unused: int = 0
     classes: Mapping[int, int] = field(default_factory=dict, repr=False)
     transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __str__(self) -> str:
         stages = ", ".join(f"{stage} {seconds:.3f}" for stage, seconds in self.seconds.items())
