@@ -111,6 +111,13 @@ def as_decimal(value: ArrayLike) -> Fraction:
     return Fraction(repr(number))
 
 
+def starts_of_runs(rows: Array) -> Mask:
+    """Tell which rows, (n, k), differ from the one before; the first does."""
+    starts = np.ones(len(rows), np.bool_)
+    starts[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    return starts
+
+
 def read_only(array: Array) -> Array:
     """Return a view that cannot be written to, of an array that remains as it is."""
     view: Array = array.view()

@@ -1,7 +1,12 @@
-"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures."""
+"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures.
+
+Values of rows may go with cells, as columns. Cells have columns of their own, such as ``area``.
+Where the caller has one of that name, ours is called ``cell_area``: no value is replaced.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -10,15 +15,16 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import read_only
-from liftmesh.cells.columns import common_crs, frame_of, free_name
-from liftmesh.cells.parts import parts_of
+from liftmesh.base.options import counted, shown
+from liftmesh.cells.rings import parts_of
+from liftmesh.crs.comparison import common_system, given_system, system_of
 from liftmesh.crs.description import looked_up
+from liftmesh.errors import InputError
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
-    from liftmesh.cells.exact import DomainCorners
-    from liftmesh.cells.rings import Rings
+    from liftmesh.cells.rings import DomainCorners, Rings
 
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
@@ -256,3 +262,55 @@ class ClippedCells:
 def _starts(names: Array, count: int) -> NDArray[np.int64]:
     """Return where the items of each of so many names start, in order, and the end."""
     return read_only(np.concatenate([[0], np.cumsum(np.bincount(names, minlength=count))]))
+
+
+def frame_of(data: Any, rows: int) -> Any:
+    """Convert values of rows to a DataFrame, without a geometry."""
+    pandas = load("pandas", extra="shapes")
+    if isinstance(data, pandas.DataFrame):
+        _check_length("data", len(data), rows)
+        return pandas.DataFrame(data.drop(columns=_geometry_of(data)))
+    if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
+        raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
+    names = getattr(data, "columns", () if data is None else data)
+    found = {name: _values(name, data[name], rows) for name in names}
+    return pandas.DataFrame(found, index=pandas.RangeIndex(rows))
+
+
+def _geometry_of(data: Any) -> list[Any]:
+    """The column that is the geometry of a GeoDataFrame."""
+    name = getattr(data, "active_geometry_name", None)
+    return [] if name is None else [name]
+
+
+def _values(name: Any, given: Any, rows: int) -> Any:
+    if isinstance(given, str | bytes) or not hasattr(given, "__len__"):
+        raise InputError(f"column {name!r} is {shown(given)}: give a value for each row")
+    _check_length(f"column {name!r}", len(given), rows)
+    values = getattr(given, "array", given)  # of a Series, without its index
+    if np.ndim(values) > 1:
+        raise InputError(f"column {name!r} has the shape {np.shape(values)}: give a value each")
+    return values
+
+
+def _check_length(what: str, count: int, rows: int) -> None:
+    if count != rows:
+        raise InputError(
+            f"{what} has {counted(count, 'value')} for {counted(rows, 'row')}: give one for each"
+        )
+
+
+def free_name(name: str, taken: Iterable[Any]) -> str:
+    """Return a name for a column of ours that no other column has, in any letters."""
+    others = {str(each).casefold() for each in taken}
+    while name.casefold() in others:
+        name = f"cell_{name}"
+    return name
+
+
+def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
+    """Return the coordinate system that is given, or that of a table or of cells with one."""
+    wanted = None if crs is None else given_system(crs)
+    own = system_of(data) if _geometry_of(data) else None
+    found = common_system(own, wanted, ("data", "crs"))
+    return common_system(found, cells, ("data or crs", "the cells"))

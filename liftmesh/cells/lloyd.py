@@ -18,12 +18,10 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import read_only
 from liftmesh.base.options import as_count, counted, shown
-from liftmesh.cells.cells import Cells
-from liftmesh.cells.density import as_density
 from liftmesh.cells.domain import as_domain
-from liftmesh.cells.dual import dual_of
-from liftmesh.cells.measure import Measure, check_extent, total_mass
-from liftmesh.cells.sites import sites_of
+from liftmesh.cells.dual import dual_of, sites_of
+from liftmesh.cells.measure import Measure, as_density, check_extent, total_mass
+from liftmesh.cells.voronoi import Cells
 from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
 

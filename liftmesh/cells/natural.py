@@ -17,10 +17,10 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_pairs, as_reals, check_finite, read_only
 from liftmesh.base.options import counted, shown
 from liftmesh.base.threads import as_threads
-from liftmesh.cells.sites import sites_of
+from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.member import options_of
+from liftmesh.planar.kinds import options_of
 from liftmesh.planar.triangulation import Triangulation
 
 

@@ -5,7 +5,7 @@ the domain, and the parts inside are sides of both cells. The rings of the domai
 too: between two crossings they run through one cell. Of each cell, one part starts where another
 ends, so the parts are linked to rings. Nothing is decided by coordinates but by `crossings.py`.
 
-A ring of the domain that nothing crosses is in one cell, which `locating.py` finds.
+A ring of the domain that nothing crosses is in one cell, which `crossings.py` finds.
 """
 
 from __future__ import annotations
@@ -17,11 +17,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.cells.crossings import Crossings, crossings, lies_inside
-from liftmesh.cells.exact import DomainCorners, Exact, as_exact, turn
-from liftmesh.cells.locating import cell_at
-from liftmesh.cells.rings import Rings
-from liftmesh.cells.untying import untied
+from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
+from liftmesh.cells.tie_resolution import untied
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 

@@ -26,13 +26,11 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_reals, read_only
 from liftmesh.base.options import as_count, as_switch, counted, shown
-from liftmesh.cells.cells import Cells
-from liftmesh.cells.density import Density, as_density
 from liftmesh.cells.domain import Domain, as_domain
-from liftmesh.cells.dual import Dual, dual_of
+from liftmesh.cells.dual import Dual, dual_of, sites_of
 from liftmesh.cells.lloyd import as_tolerance
-from liftmesh.cells.measure import Measure, check_extent, total_mass
-from liftmesh.cells.sites import sites_of
+from liftmesh.cells.measure import Density, Measure, as_density, check_extent, total_mass
+from liftmesh.cells.voronoi import Cells
 from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load

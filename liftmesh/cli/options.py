@@ -1,16 +1,80 @@
-"""Options shared by several commands: their help, and the parsing of their values."""
+"""Options that several commands have, and groups of options that a command takes as one.
+
+A parameter of a command that is annotated with a `Group` stands for all options of the function
+that the group is parsed by. A group may hold groups. An option of the command's own takes the place
+of one of that name in a group, which then has its default.
+"""
 
 from __future__ import annotations
 
-import math
-import re
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import NonFinite, as_count
-from liftmesh.errors import InputError
+from liftmesh.base.options import Duplicates as Policy, NonFinite, Returns
+from liftmesh.cli import values
+
+
+@dataclass(frozen=True)
+class Group:
+    """Says which function parses the options of a group to the value of a parameter."""
+
+    parse: Callable[..., Any]
+
+
+def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a function the options of its groups one by one, as typer knows them."""
+    signature = inspect.signature(function, eval_str=True)
+    groups = {
+        each.name: with_single_options(kind.parse)
+        for each in signature.parameters.values()
+        for kind in get_args(each.annotation)
+        if isinstance(kind, Group)
+    }
+    if not groups:
+        return function
+    own = signature.parameters.keys() - groups.keys()
+    taken = {
+        name: [each for each in _parameters(parse) if each.name not in own]
+        for name, parse in groups.items()
+    }
+    single: list[inspect.Parameter] = []
+    for each in signature.parameters.values():
+        single += taken.get(each.name, [each])
+
+    @wraps(function)
+    def command(**options: Any) -> Any:
+        for name, parse in groups.items():
+            names = [each.name for each in taken[name] if each.name in options]
+            options[name] = parse(**{each: options.pop(each) for each in names})
+        return function(**options)
+
+    return with_parameters(command, single)
+
+
+def with_parameters(
+    function: Callable[..., Any], parameters: list[inspect.Parameter]
+) -> Callable[..., Any]:
+    """State the parameters of a function that takes any."""
+    named = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in parameters]
+    function.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
+    function.__annotations__ = {each.name: each.annotation for each in named}
+    return function
+
+
+def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
+    return list(inspect.signature(function, eval_str=True).parameters.values())
+
+
+def given(**options: Any) -> dict[str, Any]:
+    """Return the options that were given: those that are neither None nor False."""
+    return {name: each for name, each in options.items() if each is not None and each is not False}
+
 
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
@@ -19,51 +83,56 @@ SourceFormat: TypeAlias = Annotated[
     str | None,
     typer.Option("--from", metavar="FORMAT", help="Format of the input, instead of its suffix."),
 ]
+TargetFormat: TypeAlias = Annotated[
+    str | None,
+    typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
+]
 Plane: TypeAlias = Annotated[
-    str,
+    Any,
     typer.Option(
         metavar="PLANE",
+        parser=values.plane,
         help="Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
         "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
         "to plane coordinates.",
     ),
 ]
+Duplicates: TypeAlias = Annotated[
+    Policy,
+    typer.Option(help="Which of several rows at one planar position is used as the vertex."),
+]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
 ]
 Threads: TypeAlias = Annotated[
-    str | None,
+    int | None,
     typer.Option(
-        "--threads",
         metavar="N",
+        parser=values.threads,
+        callback=values.checked_threads,
         help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
     ),
 ]
-TargetFormat: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-]
 MaxBytes: TypeAlias = Annotated[
-    str | None,
+    int | None,
     typer.Option(
-        "--max-bytes",
         metavar="SIZE",
+        parser=values.size,
         help="Limit of what a compressed, instanced or very wide file may expand to in memory, as "
         "500M or 4G.",
     ),
 ]
 ColorDepth: TypeAlias = Annotated[
-    str | None,
+    int | None,
     typer.Option(
-        "--color-depth",
         metavar="BITS",
+        parser=values.color_depth,
         help="Bits per channel of integer colours, 8 or 16; by default their values decide.",
     ),
 ]
 Weights: TypeAlias = Annotated[
     str | None,
     typer.Option(
-        "--weights",
         metavar="COLUMN",
         help="Values of IN that are weights: makes the regular triangulation, the dual of the "
         "power diagram, which may hide rows.",
@@ -71,159 +140,159 @@ Weights: TypeAlias = Annotated[
 ]
 Radii: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        "--radii", metavar="COLUMN", help="The same with radii, whose squares are weights."
-    ),
+    typer.Option(metavar="COLUMN", help="The same with radii, whose squares are weights."),
 ]
 Metric: TypeAlias = Annotated[
-    str | None,
+    Any,
     typer.Option(
-        "--metric",
         metavar="A,B,C",
+        parser=values.metric,
         help="Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 
 
-def parse_plane(text: str) -> Any:
-    """Parse the value of ``--plane`` to an argument of `liftmesh.triangulate`."""
-    if text in {"xy", "xz", "yz", "fit"}:
-        return text
-    numbers = _numbers(text, 3) or _numbers(text, 4)
-    return _matrix(text) if numbers is None else numbers
+def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
+    """Return the option that says by what points are lifted, of which there may be one."""
+    found = given(weights=weights, radii=radii, metric=metric)
+    if len(found) > 1:
+        raise typer.BadParameter(f"--{' and --'.join(found)} are given: give one of them")
+    return found
 
 
-def parse_box(text: str) -> tuple[float, ...] | None:
-    """Parse a box of four numbers separated by commas."""
-    return _numbers(text, 4)
+def table(
+    columns: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAMES",
+            help="Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
+            "of all in order, as id,x,y,z; - leaves one out.",
+        ),
+    ] = None,
+    flat: Annotated[
+        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
+    ] = False,
+    delimiter: Annotated[
+        str | None,
+        typer.Option(metavar="MARK", help="Tables: what separates values, as ';', tab or space."),
+    ] = None,
+    decimal: Annotated[
+        str | None, typer.Option(metavar="MARK", help="Tables: the decimal mark, . or ,")
+    ] = None,
+    skip_rows: Annotated[
+        int,
+        typer.Option(metavar="N", parser=values.count(0), help="Tables: skip the first N lines."),
+    ] = 0,
+    no_header: Annotated[
+        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
+    ] = False,
+    nodata: Annotated[
+        str | None,
+        typer.Option(
+            metavar="VALUE",
+            help="Tables and rasters: what stands for a missing value, as -9999; none if nothing "
+            "does.",
+        ),
+    ] = None,
+    end: Annotated[
+        str | None, typer.Option(metavar="LINE", help="Tables: the line that ends them, as END.")
+    ] = None,
+    encoding: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of tables, and return those given, as `liftmesh.read` has them."""
+    found = given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
+    found |= given(end=end, encoding=encoding, flat=flat)
+    found |= {"header": False} if no_header else {}
+    found |= given(skip_rows=skip_rows or None)
+    if found:
+        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
+
+        with values.as_option():
+            validate_table_options(**found)
+    return found
 
 
-def parse_q(text: str) -> Any:
-    """Parse the value of ``--q`` to an argument q of `liftmesh`."""
-    if text in {"median", "origin"}:
-        return text
-    numbers = _numbers(text, 2)
-    if numbers is None or not all(map(math.isfinite, numbers)):
-        raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or a finite QX,QY")
-    return numbers
+def _selection(
+    classes: Annotated[
+        Any,
+        typer.Option(
+            metavar="CLASSES",
+            parser=values.classes,
+            help="Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+        ),
+    ] = None,
+    returns: Annotated[
+        Returns | None,
+        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+    ] = None,
+    bbox: Annotated[
+        Any,
+        typer.Option(
+            metavar="X0,Y0,X1,Y1",
+            parser=values.ends,
+            help="Rows inside a rectangle, or on its border.",
+        ),
+    ] = None,
+    z_range: Annotated[
+        Any,
+        typer.Option(metavar="Z0,Z1", parser=values.ends, help="Rows of these heights."),
+    ] = None,
+    every: Annotated[
+        int,
+        typer.Option(
+            metavar="N", parser=values.count(1), help="Every n-th of the rows that are left."
+        ),
+    ] = 1,
+    withheld: Annotated[
+        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
+    ] = False,
+    resolution: Annotated[
+        float | None,
+        typer.Option(
+            metavar="D",
+            parser=values.positive,
+            help="Of a COPC file, points at about this distance.",
+        ),
+    ] = None,
+    band: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N",
+            parser=values.count(1),
+            help="Rasters: the band that holds the heights; the first is 1.",
+        ),
+    ] = None,
+    from_crs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CRS",
+            help="The coordinate system of the file, as EPSG:25832, in place of what it states; of "
+            "several, of those that state none, or the same without heights.",
+        ),
+    ] = None,
+    to_crs: Annotated[
+        str | None,
+        typer.Option(
+            metavar="CRS", help="Transform the coordinates to this system, as EPSG:25832."
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the conditions on rows, and return those given, with where the rows are read to."""
+    found = given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    found |= given(every=every if every > 1 else None, withheld=withheld, resolution=resolution)
+    if found:
+        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
+
+        with values.as_option():
+            validate_selection(**found)
+    return found | given(to_crs=to_crs, crs=from_crs, band=band)
 
 
-def parse_member(weights: str | None, radii: str | None, metric: str | None) -> dict[str, Any]:
-    """Parse the options that say by what points are lifted."""
-    options = {"weights": weights, "radii": radii, "metric": parse_metric(metric)}
-    given = {name: each for name, each in options.items() if each is not None}
-    if len(given) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(given)} are given: give one of them")
-    return given
-
-
-def parse_metric(text: str | None) -> Any:
-    """Parse the value of ``--metric``, before the work starts."""
-    if text is None:
-        return None
-    numbers = _numbers(text, 3)
-    if numbers is None:
-        raise typer.BadParameter(f"--metric {text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.metric import as_metric  # noqa: PLC0415 - help and --version do without
-
-    a, b, c = numbers
-    try:
-        as_metric([[a, b], [b, c]])
-    except InputError as error:
-        raise typer.BadParameter(f"--{error}") from error
-    return (a, b), (b, c)
-
-
-def parse_size(text: str | None, option: str = "--max-bytes") -> int | None:
-    """Parse the value of an option that is a size."""
-    if text is None:
-        return None
-    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
-    size = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
-    if not size:
-        raise typer.BadParameter(f"{option} {text!r} is not a size: give one as 500M or 4G")
-    return size
-
-
-def parse_count(option: str, text: str, least: int) -> int:
-    """Parse the value of an option that is a whole number."""
-    try:
-        return as_count(option, _whole(text), least)
-    except InputError as error:
-        raise typer.BadParameter(str(error)) from error
-
-
-def parse_length(option: str, text: str) -> float:
-    """Parse a positive number, before the work starts."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise typer.BadParameter(f"{option} {text!r} is not a positive number")
-    return value
-
-
-def _whole(text: str) -> int | str:
-    """Convert digits, and leave other text."""
-    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", text) else text
-
-
-def parse_threads(text: str | None) -> int | None:
-    """Parse the value of ``--threads``, before the work starts."""
-    threads: Any = None if text is None else _whole(text)
-    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
-
-    try:
-        as_threads(threads, MOST_ROWS)
-    except InputError as error:
-        option = "--" if threads is not None else ""
-        raise typer.BadParameter(f"{option}{error}") from error
-    return None if text is None else int(text)
-
-
-def parse_color_depth(text: str | None) -> int | None:
-    """Parse the value of ``--color-depth``, before the work starts."""
-    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
-
-    depth = None if text is None else _whole(text)
-    if depth is not None and depth not in DEPTHS:
-        raise typer.BadParameter(f"--color-depth {text} is not a depth: give 8, 16, 32 or 64")
-    return None if depth is None else int(depth)
-
-
-def _numbers(text: str, count: int) -> tuple[float, ...] | None:
-    """Parse numbers separated by commas; None if the text is not that many numbers."""
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        return None
-    return numbers if len(numbers) == count else None
-
-
-def _read_npy(path: Path) -> Any:
-    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
-
-    with path.open("rb") as stream:
-        return read_array(stream, path.name)
-
-
-def _matrix(text: str) -> Any:
-    """Read a 4x4 matrix from a text or .npy file."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
-
-    path = Path(text)
-    if not path.is_file():
-        raise typer.BadParameter(
-            f"--plane {text!r} is neither a known name nor a file: "
-            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
-        )
-    try:
-        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
-    except (ValueError, OSError) as error:
-        raise typer.BadParameter(f"--plane {path}: cannot read a matrix: {error}") from error
-    if matrix.shape != (4, 4):
-        raise typer.BadParameter(f"--plane {path}: the matrix is {matrix.shape}, not 4x4")
-    return matrix
+Table: TypeAlias = Annotated[dict[str, Any], Group(table)]
+Selection: TypeAlias = Annotated[dict[str, Any], Group(_selection)]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli import outputs, terminal, values
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -87,9 +87,11 @@ def run(
         bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
     ] = False,
     seeds: Annotated[
-        str | None,
+        int | None,
         typer.Option(
-            metavar="N", help="Number of random sets of each size; by default 3, or 1 with --quick."
+            metavar="N",
+            parser=values.count(1),
+            help="Number of random sets of each size; by default 3, or 1 with --quick.",
         ),
     ] = None,
     table: Annotated[
@@ -97,9 +99,12 @@ def run(
         typer.Option(help="5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
     ] = "both",
     sizes: Annotated[
-        list[str] | None,
+        list[int] | None,
         typer.Option(
-            "--n", metavar="N", help="Number of points, instead of the paper's; repeatable."
+            "--n",
+            metavar="N",
+            parser=values.count(3),
+            help="Number of points, instead of the paper's; repeatable.",
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
@@ -113,13 +118,11 @@ def run(
     if figures:
         _check_drawing()
     out = out or Path("out/paper-quick" if quick else "out/paper")
-    counts = tuple(options.parse_count("--n", size, 3) for size in sizes or ())
-    sets = None if seeds is None else options.parse_count("--seeds", seeds, 1)
-    choice = _Choice(quick, sets, table, counts, machine)
+    choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
     results = Results(out, settings)
-    with standard_streams.dispensable_stdout():
+    with outputs.dispensable_stdout():
         _measure(results, settings.trials(choice.tables))
         _finish(out, results, settings, choice, figures=figures)
 

@@ -1,28 +1,31 @@
-"""The values of options, converted from text without pydantic.
+"""The values of options, parsed from text before a command runs.
 
-Some versions of typer convert values with pydantic, whose import and schemas take longer than most
-commands. The options here have a handful of simple types, and those are converted by themselves:
-typer asks each parameter by `get_runtime_param` for what converts its value. A parameter of another
-type, or of a typer that is made otherwise, is left as it is.
+typer calls a parser with what was typed. A `WrongValue` is told after the name of the option. What
+the library refuses of values that were parsed is told as wrong usage, too (`as_usage`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+import re
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import partial
 from pathlib import Path
-from types import NoneType, UnionType
-from typing import Any, Literal, Union, get_args, get_origin
+from typing import Any, NamedTuple
 
 import typer
 
-from liftmesh.cli.python_options import as_on_command_line
+from liftmesh.base.options import as_count
+from liftmesh.cli.wording import as_on_command_line
 from liftmesh.errors import InputError
 
 
+class WrongValue(typer.BadParameter):
+    """What an option refuses: the message follows the name of the option, or the hint."""
+
+
 @contextmanager
-def checked() -> Iterator[None]:
+def as_usage() -> Iterator[None]:
     """Tell what the library refuses of the values of options as wrong usage."""
     try:
         yield
@@ -30,49 +33,214 @@ def checked() -> Iterator[None]:
         raise typer.BadParameter(as_on_command_line(str(error))) from error
 
 
-def convert_simply(parameters: list[Any]) -> list[Any]:
-    """Let parameters of simple types convert their values themselves."""
-    for each in parameters:
-        kind = getattr(getattr(each, "type_descriptor", None), "annotation", None)
-        if hasattr(each, "get_runtime_param") and _is_simple(_wanted(kind)):
-            each.get_runtime_param = partial(_Conversion, _wanted(kind))
-    return parameters
+@contextmanager
+def as_option() -> Iterator[None]:
+    """The same of messages that begin with the name of an option of the library."""
+    try:
+        yield
+    except InputError as error:
+        name, _, reason = str(error).partition(" ")
+        raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}") from error
 
 
-class _Conversion:
-    """What typer calls for a value of the type."""
-
-    def __init__(self, kind: Any) -> None:
-        self.kind = kind
-
-    def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Convert the value of a parameter, or the values of one that may have several."""
-        if param.multiple or isinstance(value, list | tuple):
-            return [self._one(each, param, ctx) for each in value or ()]
-        return self._one(value, param, ctx)
-
-    def _one(self, value: Any, param: Any, ctx: Any) -> Any:
-        if not isinstance(value, str):
-            return value
-        try:
-            return _converted(self.kind, value)
-        except ValueError as error:
-            raise typer.BadParameter(f"{value!r} is no such value", ctx=ctx, param=param) from error
+@contextmanager
+def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
+    """Tell what the library refuses of a value of this name as that of the option."""
+    try:
+        yield
+    except InputError as error:
+        raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
 
 
-def _wanted(kind: Any) -> Any:
-    """Return the type of one value: X of ``X | None`` and of ``list[X]``."""
-    if get_origin(kind) in (UnionType, Union):
-        kinds = [each for each in get_args(kind) if each is not NoneType]
-        return _wanted(kinds[0]) if len(kinds) == 1 else kind
-    return get_args(kind)[0] if get_origin(kind) is list else kind
+def count(least: int) -> Callable[[str], int]:
+    """Make a parser of whole numbers from a least one."""
+
+    def parse(text: str) -> int:
+        with _refusing("value"):
+            return as_count("value", _whole(text), least)
+
+    return parse
 
 
-def _is_simple(kind: Any) -> bool:
-    return kind in (str, int, bool, Path) or get_origin(kind) is Literal
+def number(text: str) -> float:
+    """Parse a finite number."""
+    value = _float(text)
+    if not math.isfinite(value):
+        raise WrongValue(f"{text!r} is not a number")
+    return value
 
 
-def _converted(kind: Any, text: str) -> Any:
-    if kind is bool or (get_origin(kind) is Literal and text not in get_args(kind)):
-        raise ValueError(text)  # a flag takes no text
-    return text if get_origin(kind) is Literal else kind(text)
+def positive(text: str) -> float:
+    """Parse a positive number."""
+    value = _float(text)
+    if not 0 < value < math.inf:
+        raise WrongValue(f"{text!r} is not a positive number")
+    return value
+
+
+def distance(text: str) -> float:
+    """Parse a number that is not below zero."""
+    value = _float(text)
+    if not 0 <= value < math.inf:
+        raise WrongValue(f"{text!r} is not a distance: 0, or more")
+    return value
+
+
+def numbers(text: str) -> list[float]:
+    """Parse finite numbers separated by commas."""
+    return [number(word) for word in text.split(",")]
+
+
+def ends(text: str) -> list[float]:
+    """Parse numbers separated by commas that bound something, which may be infinite."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise WrongValue(f"{text!r} is no list of numbers, as 0,10") from None
+
+
+def box(text: str) -> tuple[float, ...] | None:
+    """Parse a box of four numbers separated by commas; None if the text is something else."""
+    return _exactly(4, text)
+
+
+def classes(text: str) -> str | list[int]:
+    """Parse classes of rows."""
+    if text in {"ground", "all"}:
+        return text
+    words = text.split(",")
+    if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
+        raise WrongValue(f"{text!r} is unknown: give ground, all or as 2,9")
+    return [int(word) for word in words]
+
+
+def size(text: str) -> int:
+    """Parse a number of bytes."""
+    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    value = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
+    if not value:
+        raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
+    return value
+
+
+def threads(text: str) -> int:
+    """Parse a number of threads."""
+    given: Any = _whole(text)
+    _check_threads(given, "threads")
+    return int(given)
+
+
+def checked_threads(value: int | None) -> int | None:
+    """Check the number of threads that the environment gives, where no option does."""
+    if value is None:
+        from liftmesh.base.threads import VARIABLE  # noqa: PLC0415 - as below
+
+        _check_threads(None, VARIABLE, VARIABLE)
+    return value
+
+
+def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
+    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
+
+    with _refusing(name, hint):
+        as_threads(value, MOST_ROWS)
+
+
+def color_depth(text: str) -> int:
+    """Parse a number of bits of a channel."""
+    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
+
+    depth = _whole(text)
+    if depth not in DEPTHS:
+        raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
+    return int(depth)
+
+
+def metric(text: str) -> Any:
+    """Parse A,B,C to the matrix of a metric."""
+    values = _exactly(3, text)
+    if values is None:
+        raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+
+    a, b, c = values
+    with _refusing("metric"):
+        as_metric([[a, b], [b, c]])
+    return (a, b), (b, c)
+
+
+def vertex(text: str) -> Any:
+    """Parse the vertex of the paraboloid."""
+    if text in {"median", "origin"}:
+        return text
+    place = _exactly(2, text)
+    if place is None or not all(map(math.isfinite, place)):
+        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite QX,QY")
+    return place
+
+
+class Plane(NamedTuple):
+    """A projection plane as `liftmesh.triangulate` takes it, and the file that it is read from."""
+
+    value: Any
+    file: Path | None = None
+
+
+def plane(text: str) -> Plane:
+    """Parse a projection plane."""
+    if text in {"xy", "xz", "yz", "fit"}:
+        return Plane(text)
+    coefficients = _exactly(3, text) or _exactly(4, text)
+    return Plane(coefficients) if coefficients else Plane(_matrix(Path(text), text), Path(text))
+
+
+def _matrix(path: Path, text: str) -> Any:
+    """Read a 4x4 matrix from a text or .npy file."""
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    if not path.is_file():
+        raise WrongValue(
+            f"{text!r} is neither a known name nor a file: "
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
+        )
+    try:
+        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError) as error:
+        raise WrongValue(f"{path}: cannot read a matrix: {error}") from error
+    if matrix.shape != (4, 4):
+        raise WrongValue(f"{path}: the matrix is {matrix.shape}, not 4x4")
+    return matrix
+
+
+def _read_npy(path: Path) -> Any:
+    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
+
+    with path.open("rb") as stream:
+        return read_array(stream, path.name)
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path denotes a standard stream."""
+    return str(path) == "-"
+
+
+def _whole(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _exactly(length: int, text: str) -> tuple[float, ...] | None:
+    """Parse so many numbers separated by commas; None if the text is something else."""
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    return found if len(found) == length else None

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from liftmesh.base.options import NonFinite
-from liftmesh.cli import exit_codes, files, options, overwriting, standard_streams, terminal
+from liftmesh.cli import exit_codes, inputs, options, outputs, terminal, values
+from liftmesh.cli.values import is_stream
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ EXAMPLES = [
 SHOWN = 3  # offenders of a flaw
 
 
-@overwriting.guards("certificate")
+@outputs.guards("certificate")
 def run(
     source: Annotated[
         Path,
@@ -61,8 +61,12 @@ def run(
         str | None, typer.Option(metavar="COLUMN", help="The same with radii, not squared.")
     ] = None,
     metric: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,C", help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?"),
+        Any,
+        typer.Option(
+            metavar="A,B,C",
+            parser=values.metric,
+            help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?",
+        ),
     ] = None,
     points: Annotated[
         list[Path] | None,
@@ -72,24 +76,20 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
-    standard_streams.check_stdout()
-    frame = options.parse_plane(plane)
-    lifting = options.parse_member(weights, radii, metric)
-    count = options.parse_threads(threads)
-    limit = options.parse_size(max_bytes)
-    files.check_place(certificate)
+    outputs.check_stdout()
+    lifting = options.lifting(weights, radii, metric)
+    outputs.check_place(certificate)
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, count, certificate)
+        found = _verify_tiles(source, points, threads, certificate)
     else:
-        found = _verify_file(source, source_format, limit, frame, nonfinite, count, lifting)
+        _check_format(source, source_format)
+        cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
+        found = _verify_file(cloud, source, plane.value, nonfinite, threads, lifting)
     if certificate is not None:
         _write(certificate, found)
-    # Where the certificate itself goes to stdout, what there is to say goes to stderr.
-    aside = certificate is not None and files.is_stream(certificate)
-    place = redirect_stdout(sys.stderr) if aside else nullcontext()
-    with place, standard_streams.after_writing(certificate):
+    with outputs.report_after(certificate):
         if json:
             sys.stdout.write(found.to_json())
         else:
@@ -105,30 +105,21 @@ def _verify_tiles(
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
-    overwriting.check([] if certificate is None else [certificate], tiled_files)
-    with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"verifying {tiled.nsimplex:,} triangles", share - shown[0])
-            shown[0] = share
-
+    outputs.check_lost([] if certificate is None else [certificate], tiled_files)
+    with terminal.share_bar(f"verifying {tiled.nsimplex:,} triangles") as progress:
         return tiled.verify(points, threads=threads, progress=progress)
 
 
 def _verify_file(
+    cloud: Cloud,
     source: Path,
-    source_format: str | None,
-    limit: int | None,
     plane: Any,
     nonfinite: NonFinite,
     threads: int | None,
     lifting: dict[str, Any],
 ) -> Certificate:
-    _check_format(source, source_format)
-    cloud = files.read(source, source_format, limit)
     _note_polygons(cloud)
-    with files.about(source):
+    with inputs.about(source):
         found = _verify(cloud, source, plane, nonfinite, threads, lifting)
         if not found.valid and not lifting:
             _note_part(cloud, plane, threads)
@@ -141,7 +132,7 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
 
     try:
-        with files.without_warnings():
+        with inputs.without_warnings():
             surface = as_surface(cloud, plane=plane, threads=threads)
     except LiftmeshError:  # it is no part of one
         return
@@ -193,8 +184,7 @@ def _verify(
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.member import options_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
 
     if not lifting:
         return options_of(cloud)
@@ -217,7 +207,7 @@ def _note_polygons(cloud: Cloud) -> None:
 def _write(path: Path, found: Certificate) -> None:
     from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
-    if files.is_stream(path):
+    if is_stream(path):
         sys.stdout.write(found.to_json())
         return
     with replacing(path) as stream:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
 import typer
 
-from liftmesh.cli import files, options, overwriting, standard_streams, tables, terminal
+from liftmesh.cli import inputs, options, outputs, terminal, values
+from liftmesh.cli.places import is_table
+from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -30,8 +32,7 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@tables.with_options
+@outputs.guards("target")
 def run(
     source: options.Source,
     target: Annotated[
@@ -65,6 +66,7 @@ def run(
         float | None,
         typer.Option(
             metavar="LENGTH",
+            parser=float,
             help="How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
         ),
@@ -74,29 +76,29 @@ def run(
         str | None,
         typer.Option("--format", metavar="FORMAT", help="geojson, gpkg, ply or svg, for stdout."),
     ] = None,
-    table: Any = None,
+    *,
+    table: options.Table,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
     if json:
-        standard_streams.check_stdout()
-    limit = options.parse_size(max_bytes)
+        outputs.check_stdout()
     _check_one(weights, radii, disks, tolerance)
     kind = _kind(target, target_format)
-    files.check_place(target)
-    cloud = files.read(source, source_format, limit, _planar(source, source_format, table))
+    outputs.check_place(target)
+    planar = {"flat": None} if is_table(source, source_format) else {}
+    reading = {**planar, **table, "format": source_format, "max_bytes": max_bytes}
+    cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)
-    with files.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
+    with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
         if disks is None:
             cells = _cells(cloud, area, weights, radii)
         else:
             cells = _cells_of_disks(cloud, area, disks, tolerance)
     _note_rows_elsewhere(cells)
     size, dropped = _write(target, cells, kind, cloud, crs)
-    is_stdout = files.is_stream(target)
-    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(target):
+    with outputs.report_after(target):
         _report(target, kind, size, cells, dropped, as_json=json)
 
 
@@ -114,33 +116,23 @@ def _kind(target: Path, name: str | None) -> str:
 
     if name is not None:
         return check_format(name)
-    if files.is_stream(target):
+    if is_stream(target):
         raise typer.BadParameter("stdout has no suffix: give the format with --format geojson")
     return format_of(target)
-
-
-def _planar(source: Path, source_format: str | None, table: dict[str, Any]) -> dict[str, Any]:
-    """Options of a table: cells need x and y only."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
-
-    kind = source_format or suffix_of(source.name)
-    is_table = bool(kind) and find_format(kind, str(source)).name == "text"
-    return {"flat": None, **table} if is_table else table
 
 
 def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
     if text is None or text == "box":
         return None, cloud.crs
-    if (box := options.parse_box(text)) is not None:
+    if (box := values.box(text)) is not None:
         return box, cloud.crs
     path = Path(text).expanduser()
     if not path.exists():
         raise typer.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
-    from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import read_domain  # noqa: PLC0415 - as above
     from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
 
     shape, crs = read_domain(path)
@@ -149,7 +141,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
 
 def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import chosen, named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
 
     planar = cloud.points[:, :2]
     if weights is None and radii is None:
@@ -160,7 +152,7 @@ def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> C
 
 def _cells_of_disks(cloud: Cloud, area: Any, disks: str, tolerance: float | None) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values  # noqa: PLC0415 - as above
 
     radii = named_values(cloud, "disks", disks)
     return liftmesh.apollonius_diagram(cloud.points[:, :2], radii, domain=area, tolerance=tolerance)
@@ -175,7 +167,7 @@ def _note_rows_elsewhere(cells: ClippedCells) -> None:
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.columns import free_name  # noqa: PLC0415 - as above
+    from liftmesh.cells.clipped import free_name  # noqa: PLC0415 - as above
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}
@@ -204,7 +196,7 @@ def _write(
 def _opened(target: Path) -> Iterator[Any]:
     from liftmesh.io.atomic import replacing  # noqa: PLC0415 - as above
 
-    if not files.is_stream(target):
+    if not is_stream(target):
         with replacing(target) as stream:
             yield stream
         return

@@ -20,8 +20,8 @@ from liftmesh.comparison.report import Comparison
 from liftmesh.errors import InputError
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import resolve_q
-from liftmesh.planar.member import options_of
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.surface import Surface

@@ -25,9 +25,8 @@ import numpy as np
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Method
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
-from liftmesh.planar.counters import REJECTIONS
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.lifting import REJECTIONS, resolve_q
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation

@@ -12,7 +12,7 @@ from typing import get_args
 
 from liftmesh.paper.experiments import METHODS, Measurement, Trial
 from liftmesh.paper.printed import TableName
-from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import REJECTIONS
 
 _TIMES = ("seconds", "fastest", "slowest")
 _COUNTS = ("runs", "facets", "calls", "planes", "evaluations", "undecided")

@@ -13,8 +13,7 @@ from statistics import median
 
 from liftmesh.paper.experiments import METHODS, Measurement, Trial
 from liftmesh.paper.printed import TABLES, TableName, Vertex
-from liftmesh.planar.counters import REJECTIONS
-from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.lifting import REJECTIONS, resolve_q
 
 LF, LFRES, INDEXED, ENGINE = METHODS
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from liftmesh.io.atomic import replacing
 from liftmesh.paper.machine import versions
 from liftmesh.paper.summary import ENGINE, INDEXED, LF, LFRES, Row, summarise
-from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import REJECTIONS
 
 if TYPE_CHECKING:
     from liftmesh.paper.printed import TableName

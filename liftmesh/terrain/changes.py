@@ -1,12 +1,10 @@
-"""Changed copies of surfaces: other values for the same vertices, and vertices that were moved.
+"""Changed copies: clouds and surfaces with other values, and surfaces whose vertices were moved.
 
 A surface whose vertices move keeps its faces. If the planar coordinates stay bit for bit, as when
 heights are scaled, it keeps its triangulation too. If they change, the triangles must be those that
 `delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
 triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
 stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
-
-Colours, normals and named values that a caller gives apart from the points.
 """
 
 from __future__ import annotations
@@ -25,12 +23,14 @@ from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
-from liftmesh.planar.regular_triangulation import RegularTriangulation
+from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import AnySurface, SurfaceData
+
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
@@ -118,14 +118,14 @@ def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
     if len(old.skipped):
         planar = planar.copy()
         planar[old.skipped] = np.nan
-    found = _at(planar, old)
+    triangulation = _at(planar, old)
     row, kept = old.duplicates.T
-    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(found):
+    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(triangulation):
         raise InputError(
             "the moved vertices have another triangulation than the surface: triangulate them, "
             "or move them along the normal of the plane only"
         )
-    return found
+    return triangulation
 
 
 def _at(planar: Floats, old: Triangulation) -> Triangulation:
@@ -137,10 +137,10 @@ def _at(planar: Floats, old: Triangulation) -> Triangulation:
     return Triangulation(*same, metric=old.metric)
 
 
-def _is_canonical(found: Triangulation) -> bool:
+def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
-    certificate = found.verify()
-    hidden = found.hidden if isinstance(found, RegularTriangulation) else ()
+    certificate = triangulation.verify()
+    hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
     return certificate.canonical and certificate.hidden == len(hidden)
 
 
@@ -148,9 +148,6 @@ def _from_least(hull: Rows, planar: Floats) -> Rows:
     """Let the rows of a hull begin at the lexicographically least point."""
     x, y = planar[hull].T
     return np.roll(hull, -int(np.lexsort((y, x))[0]))
-
-
-_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:

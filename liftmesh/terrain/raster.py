@@ -98,9 +98,9 @@ def _fill_by(
 
 def owners(surface: SurfaceData, layout: Layout, *, threads: int | None = None) -> Array:
     """Find the face that each pixel of a raster belongs to."""
-    found = np.empty((layout.rows, layout.columns), np.int32)
-    _Scan(surface, layout, as_threads(threads, found.size)).fill(found[:, :, None])
-    return found
+    faces = np.empty((layout.rows, layout.columns), np.int32)
+    _Scan(surface, layout, as_threads(threads, faces.size)).fill(faces[:, :, None])
+    return faces
 
 
 class _Scan:

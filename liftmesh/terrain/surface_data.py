@@ -10,7 +10,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SurfaceData:
+class SurfaceData(FrozenResult):
     """The fields of a `Surface`, which describes them."""
 
     vertices: Floats
@@ -33,12 +33,6 @@ class SurfaceData:
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
     mask: Array | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
 
 AnySurface = TypeVar("AnySurface", bound=SurfaceData)  # of functions that change one

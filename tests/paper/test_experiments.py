@@ -16,7 +16,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.paper import estimate, experiments, machine, printed, records, summary, tables
 from liftmesh.paper.experiments import METHODS, Trial, measure
 from liftmesh.paper.results import Results, Settings
-from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import REJECTIONS
 
 SETTINGS = Settings((20, 30), 2, "a desk")
 

@@ -23,9 +23,8 @@ from liftmesh.paper.geometry import Plane
 from liftmesh.paper.pictures import data, first_edge, lifting, region, section
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.summary import Row, summarise
-from liftmesh.planar.counters import REJECTIONS
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import lift, resolve_q
+from liftmesh.planar.lifting import REJECTIONS, lift, resolve_q
 from liftmesh.predicates import incircle, orient2d
 
 Array = NDArray[np.float64]

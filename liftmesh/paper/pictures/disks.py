@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liftmesh.disks.graph import ApolloniusGraph
+    from liftmesh.disks.apollonius import ApolloniusGraph
 
 LIMITS = (-1.2, 9.0)
 _DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]

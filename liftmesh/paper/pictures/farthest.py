@@ -30,7 +30,7 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
-from liftmesh.planar import farthest
+from liftmesh.planar.delaunay import solve_farthest
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def example_points() -> Floats:
 
 def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
     """Compute the farthest-point Delaunay triangulation."""
-    solution = farthest.solve(points)
+    solution = solve_farthest(points)
     hidden = solution.pop("hidden")
     return Triangulation(**solution), hidden
 

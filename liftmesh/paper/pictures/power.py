@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liftmesh.planar.regular_triangulation import RegularTriangulation
+    from liftmesh.planar.regular import RegularTriangulation
     from liftmesh.planar.triangulation import Triangulation
 
 COUNT = 34

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liftmesh.planar.anisotropic_stars import AnisotropicStars
+    from liftmesh.planar.anisotropic import AnisotropicStars
 
 COUNT = 140
 RATIO = 4.0

@@ -22,7 +22,7 @@ from liftmesh.paper.pictures.style import (
 )
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.summary import INDEXED, LF, LFRES
-from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import REJECTIONS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -25,8 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Rows
-from liftmesh.cells.exact import DomainCorners, Exact, doubled_area, is_within, turn
-from liftmesh.cells.rings import Rings
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, doubled_area, is_within, turn
 
 
 class _Corner(NamedTuple):

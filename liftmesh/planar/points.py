@@ -1,4 +1,4 @@
-"""The distinct positions of planar points, and the distances between nearest neighbours.
+"""Planar points: those of clouds and meshes, their distinct positions, and how near these are.
 
 The segment from a point to its nearest neighbour is an edge of every Delaunay triangulation: the
 circle with this diameter lies inside the circle around the point through the neighbour, so no other
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,6 +22,20 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals, Rows
 from liftmesh.base.arrays import as_coordinates
 from liftmesh.base.threads import as_threads
+
+
+def rows_of(points: Any, *, has_heights: bool = False) -> Any:
+    """Return the points of a cloud or mesh, and anything else as it is."""
+    if isinstance(points, np.ndarray):
+        is_record = points.dtype.names is not None
+    else:
+        is_record = not isinstance(points, list | tuple)
+    if not is_record:
+        return points
+    from liftmesh.io import registry  # noqa: PLC0415 - arrays do without
+
+    return registry.rows_of(points, has_heights=has_heights)
+
 
 _PIECE = 1 << 15  # of so many triangles, the points fit the cache
 

@@ -1,7 +1,11 @@
-"""Where triangles are wrong, in words: descriptions of the places that the kernel reports."""
+"""Where triangles are wrong, in words: descriptions of the places that the kernel reports.
+
+`Violations` is what those of triangles and those of graphs of disks share.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from liftmesh._typing import Array, Reals
@@ -9,10 +13,10 @@ from liftmesh.planar.certificate import Flaw, Offender
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
-    from liftmesh.planar.member import Member
+    from liftmesh.planar.kinds import TriangulationKind
+
 
 Place: TypeAlias = tuple[int, int]
-
 # In the order of the kernel's enumeration: what each kind means, for one and for several.
 MEANINGS = {
     "invalid_index": ("corner is not a row", "corners are not rows"),
@@ -55,38 +59,41 @@ _OF_LIFTED = {
 }
 
 
-def counted(kind: str, count: int, meanings: tuple[str, str], first: list[Offender]) -> Flaw:
-    """Make a flaw whose text says how often it occurs."""
-    one, more = meanings
-    return Flaw(kind, count, f"1 {one}" if count == 1 else f"{count:,} {more}", tuple(first))
+class Violations:
+    """The places that the kernel reports: a method for each kind of flaw describes one of them."""
 
-
-def named(rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> str:
-    """Name rows with their coordinates."""
-    each = [f"{row} ({x!r}, {y!r})" for row, (x, y) in zip(rows, points, strict=True)]
-    listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
-    return f"row{'s' if len(rows) > 1 else ''} {listed}"
-
-
-class Evidence:
-    """Descriptions, coordinates and exact signs of the places that the kernel reports."""
-
-    def __init__(self, rows: Reals, given: Array, member: Member) -> None:
+    def __init__(self, rows: Reals, meanings: Mapping[str, tuple[str, str]]) -> None:
         self._rows = rows
-        self._given = given
-        self._member = member
+        self._meanings = meanings  # of each kind, for one place and for several
 
     def flaw(self, kind: str, count: int, places: list[Place]) -> Flaw:
-        """Describe one kind of flaw."""
-        meanings = MEANINGS if self._member.kind == "delaunay" else MEANINGS | _OF_LIFTED
+        """Describe one kind of flaw, with its first places."""
+        one, more = self._meanings[kind]
         describe = getattr(self, f"_{kind}")
-        return counted(kind, count, meanings[kind], [describe(*place) for place in places])
+        text = f"1 {one}" if count == 1 else f"{count:,} {more}"
+        return Flaw(kind, count, text, tuple(describe(*place) for place in places))
 
     def _points(self, *rows: int) -> tuple[tuple[float, float], ...]:
         return tuple((float(x), float(y)) for x, y in self._rows[list(rows), :2])
 
     def _named(self, *rows: int) -> str:
-        return named(rows, self._points(*rows))
+        """Name rows with their coordinates."""
+        named = zip(rows, self._points(*rows), strict=True)
+        each = [f"{row} ({x!r}, {y!r})" for row, (x, y) in named]
+        listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
+        return f"row{'s' if len(rows) > 1 else ''} {listed}"
+
+    def _at(self, text: str, *rows: int, triangles: tuple[int, ...] = ()) -> Offender:
+        return Offender(text, rows, self._points(*rows), triangles)
+
+
+class TriangleViolations(Violations):
+    """Places where triangles are wrong, with exact signs."""
+
+    def __init__(self, rows: Reals, given: Array, kind: TriangulationKind) -> None:
+        super().__init__(rows, MEANINGS if kind.name == "delaunay" else MEANINGS | _OF_LIFTED)
+        self._given = given
+        self._kind = kind
 
     def _corners(self, triangle: int) -> tuple[int, int, int]:
         a, b, c = self._given[triangle].tolist()
@@ -108,7 +115,7 @@ class Evidence:
         triangle, corner = divmod(place, 3)
         rows = self._corners(triangle)
         text = f"triangle {triangle} has a corner on {self._named(rows[corner])}"
-        return Offender(text, rows, self._points(*rows), (triangle,))
+        return self._at(text, *rows, triangles=(triangle,))
 
     def _at_triangle(self, triangle: int, how: str) -> Offender:
         rows = self._corners(triangle)
@@ -129,10 +136,10 @@ class Evidence:
             f"triangles {triangles[0]} and {triangles[1]} lie on the same side of the edge between "
             f"{self._named(*rows)}"
         )
-        return Offender(text, rows, self._points(*rows), triangles)
+        return self._at(text, *rows, triangles=triangles)
 
     def _at_row(self, row: int, how: str) -> Offender:
-        return Offender(f"{self._named(row)} {how}", (row,), self._points(row))
+        return self._at(f"{self._named(row)} {how}", row)
 
     def _non_manifold_vertices(self, row: int, _: int) -> Offender:
         return self._at_row(row, "is visited by the boundary more than once")
@@ -155,7 +162,7 @@ class Evidence:
         corners = self._turned(beside - 1)
         rows = (*corners, row)
         points = self._points(*rows)
-        sign = self._member.side(rows, points)
+        sign = self._kind.side(rows, points)
         text = (
             f"{self._named(row)} is not a vertex, and its lift is {'below' if sign else 'on'} the "
             f"plane of triangle {beside - 1} of {self._named(*corners)}, not above it"
@@ -174,11 +181,11 @@ class Evidence:
         points = self._points(*rows)
         apex = f"{self._named(rows[3])}, the apex of triangle {other // 3}"
         of = f"triangle {triangle} of {self._named(*corners)}"
-        if self._member.kind == "delaunay":
+        if self._kind.name == "delaunay":
             text = f"the circumcircle of {of} contains{perturbed} {apex}"
         else:
             text = f"the plane of the lifted {of} has below it{perturbed} {apex}"
-        return Offender(text, rows, points, (triangle, other // 3), self._member.side(rows, points))
+        return Offender(text, rows, points, (triangle, other // 3), self._kind.side(rows, points))
 
     def _not_delaunay(self, place: int, other: int) -> Offender:
         return self._across(place, other, "")
