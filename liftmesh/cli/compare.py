@@ -31,31 +31,29 @@ def run(
     source: options.Source,
     q: Annotated[
         Any,
-        typer.Option(
-            metavar="Q",
-            parser=values.vertex,
-            help="Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+        values.option(
+            "Q",
+            "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+            values.vertex,
         ),
     ] = "median",
     lower: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write liftmesh's lower hull of the lifted points."),
+        values.option("FILE", "Write liftmesh's lower hull of the lifted points."),
     ] = None,
     hull: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write trimesh's convex hull of them.")
+        Path | None, values.option("FILE", "Write trimesh's convex hull of them.")
     ] = None,
     proofs: Annotated[
         int,
-        typer.Option(
-            metavar="N", parser=values.count(0), help="Maximum number of proofs to print."
-        ),
+        values.option("N", "Maximum number of proofs to print.", values.whole(0)),
     ] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:

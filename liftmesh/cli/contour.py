@@ -29,29 +29,23 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
     interval: Annotated[
         float | None,
-        typer.Option(
-            metavar="HEIGHT", parser=values.positive, help="Lines at all multiples of this height."
-        ),
+        values.option("HEIGHT", "Lines at all multiples of this height.", values.positive),
     ] = None,
     levels: Annotated[
         Any,
-        typer.Option(
-            metavar="HEIGHTS", parser=values.numbers, help="Lines at these heights, as 1,2.5."
-        ),
+        values.option("HEIGHTS", "Lines at these heights, as 1,2.5.", values.numbers),
     ] = None,
     base: Annotated[
         float,
-        typer.Option(
-            metavar="HEIGHT", parser=values.number, help="Height that multiples are counted from."
-        ),
+        values.option("HEIGHT", "Height that multiples are counted from.", values.number),
     ] = 0,
     index_every: Annotated[
         int,
-        typer.Option(metavar="N", parser=values.count(1), help="Every n-th is an index contour."),
+        values.option("N", "Every n-th is an index contour.", values.whole(1)),
     ] = 5,
     min_length: Annotated[
         float,
-        typer.Option(metavar="LENGTH", parser=values.number, help="Leave out shorter lines."),
+        values.option("LENGTH", "Leave out shorter lines.", values.number),
     ] = 0,
     *,
     reading: surfaces.Reading,

@@ -128,17 +128,11 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 def _writing(
     scale: Annotated[
         float | None,
-        typer.Option(
-            metavar="STEP",
-            parser=values.positive,
-            help="Of LAS: the step that coordinates are rounded to.",
-        ),
+        values.option("STEP", "Of LAS: the step that coordinates are rounded to.", values.positive),
     ] = None,
     point_format: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", parser=values.count(0), help="Of LAS: the point format, 0 to 10."
-        ),
+        values.option("N", "Of LAS: the point format, 0 to 10.", values.whole(0)),
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:

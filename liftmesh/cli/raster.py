@@ -32,17 +32,11 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[
         Any,
-        typer.Option(
-            metavar="SIZE", parser=values.numbers, help="Width and height of a pixel, or X,Y."
-        ),
+        values.option("SIZE", "Width and height of a pixel, or X,Y.", values.numbers),
     ],
     bounds: Annotated[
         Any,
-        typer.Option(
-            metavar="X0,Y0,X1,Y1",
-            parser=values.numbers,
-            help="What to cover, by default the surface.",
-        ),
+        values.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", values.numbers),
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
@@ -50,21 +44,19 @@ def run(
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
-        typer.Option(
-            metavar="FACTOR",
-            parser=values.positive,
-            help="Multiply heights by this before slopes and shades are computed; by default they "
+        values.option(
+            "FACTOR",
+            "Multiply heights by this before slopes and shades are computed; by default they "
             "get the unit of x and y, if the coordinate system says all three.",
+            values.positive,
         ),
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[
-        str, typer.Option(metavar="METHOD", help="deflate, lzw, zstd or none.")
-    ] = "deflate",
+    compress: Annotated[str, values.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
     crs: Annotated[
         str | None,
-        typer.Option(metavar="CRS", help="Coordinate system, as EPSG:25832; IN states no other."),
+        values.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
     ] = None,
     *,
     reading: surfaces.Reading,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import SampleMethod
-from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal, values
 from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
@@ -39,9 +39,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
         Path,
-        typer.Option(
-            metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
-        ),
+        values.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
     ],
     *,
     points: Points,
@@ -51,8 +49,8 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:

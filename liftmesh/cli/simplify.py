@@ -37,19 +37,17 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
-        typer.Option(
-            metavar="Z",
-            parser=values.distance,
-            help="The largest distance along z, in the units of the heights.",
+        values.option(
+            "Z", "The largest distance along z, in the units of the heights.", values.distance
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option(metavar="Z", parser=values.distance, help="Another name of --max-error."),
+        values.option("Z", "Another name of --max-error.", values.distance),
     ] = None,
     max_points: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=values.count(3), help="The most vertices of the mesh."),
+        values.option("N", "The most vertices of the mesh.", values.whole(3)),
     ] = None,
     prune: Annotated[
         bool,
@@ -61,8 +59,8 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     writing: outputs.Writing,

@@ -33,31 +33,21 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
     base: Annotated[
         float | None,
-        typer.Option(metavar="HEIGHT", parser=values.number, help="The height of a flat base."),
+        values.option("HEIGHT", "The height of a flat base.", values.number),
     ] = None,
     thickness: Annotated[
         float | None,
-        typer.Option(
-            metavar="HEIGHT",
-            parser=values.positive,
-            help="The base is the surface itself, so much lower.",
-        ),
+        values.option("HEIGHT", "The base is the surface itself, so much lower.", values.positive),
     ] = None,
     longest: Annotated[
         float | None,
-        typer.Option(
-            metavar="MM",
-            parser=values.positive,
-            help="Scale the longer of width and depth to so many millimetres.",
+        values.option(
+            "MM", "Scale the longer of width and depth to so many millimetres.", values.positive
         ),
     ] = None,
     z_factor: Annotated[
         float | None,
-        typer.Option(
-            metavar="FACTOR",
-            parser=values.positive,
-            help="With --longest: multiply heights by this.",
-        ),
+        values.option("FACTOR", "With --longest: multiply heights by this.", values.positive),
     ] = None,
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")

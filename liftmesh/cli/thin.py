@@ -27,23 +27,17 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 def _thinning(
     random: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=values.count(1), help="Thin: n rows, chosen at random."),
+        values.option("N", "Thin: n rows, chosen at random.", values.whole(1)),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(0),
-            help="Of --random, 0 by default; the same rows on every machine.",
+        values.option(
+            "N", "Of --random, 0 by default; the same rows on every machine.", values.whole(0)
         ),
     ] = None,
     cell: Annotated[
         float | None,
-        typer.Option(
-            metavar="SIZE",
-            parser=values.positive,
-            help="Thin: one row of each square of this size.",
-        ),
+        values.option("SIZE", "Thin: one row of each square of this size.", values.positive),
     ] = None,
     keep: Annotated[
         CellRow | None,
@@ -51,20 +45,16 @@ def _thinning(
     ] = None,
     distance: Annotated[
         float | None,
-        typer.Option(
-            "--min-distance",
-            metavar="D",
-            parser=values.positive,
-            help="Thin: rows of which no two are nearer to each other in the plane.",
+        values.option(
+            "D",
+            "Thin: rows of which no two are nearer to each other in the plane.",
+            values.positive,
+            name="--min-distance",
         ),
     ] = None,
     adaptive: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(3),
-            help="Thin: the n rows without which a surface loses most.",
-        ),
+        values.option("N", "Thin: the n rows without which a surface loses most.", values.whole(3)),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
@@ -91,8 +81,8 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     thin: Thinning,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,

@@ -53,35 +53,26 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        typer.Option(
-            metavar="SIZE",
-            parser=values.size,
-            help="Memory of each process, as 500M or 4G: sizes the tiles.",
+        values.option(
+            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", values.size
         ),
     ] = None,
     tile_rows: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", parser=values.count(16), help="Rows of a tile, in place of --memory."
-        ),
+        values.option("N", "Rows of a tile, in place of --memory.", values.whole(16)),
     ] = None,
     workers: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(1),
-            help="Processes, run by Dask; by default this one alone.",
-        ),
+        values.option("N", "Processes, run by Dask; by default this one alone.", values.whole(1)),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Scheduler of Dask whose workers do the work."),
+        values.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
     ] = None,
     scratch: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT.",
+        values.option(
+            "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
     anew: Annotated[
@@ -96,8 +87,8 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""

@@ -55,26 +55,24 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: between the nodes of the cloth; default: 0.5.",
+        values.option(
+            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", values.positive
         ),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=_rigidness,
-            help="Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+        values.option(
+            "N",
+            "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+            _rigidness,
         ),
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+        values.option(
+            "METRES",
+            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+            values.positive,
         ),
     ] = None,
 ) -> dict[str, Any]:
@@ -105,10 +103,10 @@ def run(
     ] = "auto",
     q: Annotated[
         Any,
-        typer.Option(
-            metavar="Q",
-            parser=values.vertex,
-            help="Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+        values.option(
+            "Q",
+            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+            values.vertex,
         ),
     ] = "origin",
     source_format: options.SourceFormat = None,
@@ -119,8 +117,8 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,

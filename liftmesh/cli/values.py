@@ -24,6 +24,13 @@ class WrongValue(typer.BadParameter):
     """What an option refuses: the message follows the name of the option, or the hint."""
 
 
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, name: str = ""
+) -> Any:
+    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
+    return typer.Option(*filter(None, [name]), metavar=metavar, help=text, parser=parser)
+
+
 @contextmanager
 def as_usage() -> Iterator[None]:
     """Tell what the library refuses of the values of options as wrong usage."""
@@ -52,12 +59,12 @@ def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
         raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
 
 
-def count(least: int) -> Callable[[str], int]:
+def whole(least: int) -> Callable[[str], int]:
     """Make a parser of whole numbers from a least one."""
 
     def parse(text: str) -> int:
         with _refusing("value"):
-            return as_count("value", _whole(text), least)
+            return as_count("value", _digits(text), least)
 
     return parse
 
@@ -125,7 +132,7 @@ def size(text: str) -> int:
 
 def threads(text: str) -> int:
     """Parse a number of threads."""
-    given: Any = _whole(text)
+    given: Any = _digits(text)
     _check_threads(given, "threads")
     return int(given)
 
@@ -151,7 +158,7 @@ def color_depth(text: str) -> int:
     """Parse a number of bits of a channel."""
     from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
 
-    depth = _whole(text)
+    depth = _digits(text)
     if depth not in DEPTHS:
         raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
     return int(depth)
@@ -180,19 +187,21 @@ def vertex(text: str) -> Any:
     return place
 
 
-class Plane(NamedTuple):
+class ProjectionPlane(NamedTuple):
     """A projection plane as `liftmesh.triangulate` takes it, and the file that it is read from."""
 
     value: Any
     file: Path | None = None
 
 
-def plane(text: str) -> Plane:
+def plane(text: str) -> ProjectionPlane:
     """Parse a projection plane."""
     if text in {"xy", "xz", "yz", "fit"}:
-        return Plane(text)
+        return ProjectionPlane(text)
     coefficients = _exactly(3, text) or _exactly(4, text)
-    return Plane(coefficients) if coefficients else Plane(_matrix(Path(text), text), Path(text))
+    if coefficients:
+        return ProjectionPlane(coefficients)
+    return ProjectionPlane(_matrix(Path(text), text), Path(text))
 
 
 def _matrix(path: Path, text: str) -> Any:
@@ -225,7 +234,7 @@ def is_stream(path: Path) -> bool:
     return str(path) == "-"
 
 
-def _whole(text: str) -> int | str:
+def _digits(text: str) -> int | str:
     """Convert digits, and leave other text."""
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
 

@@ -45,9 +45,7 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write what was found as JSON, with SHA-256 sums; - for stdout."
-        ),
+        values.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -55,22 +53,20 @@ def run(
     source_format: options.SourceFormat = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of FILE: is it regular by these weights?"),
+        values.option("COLUMN", "Values of FILE: is it regular by these weights?"),
     ] = None,
     radii: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="The same with radii, not squared.")
+        str | None, values.option("COLUMN", "The same with radii, not squared.")
     ] = None,
     metric: Annotated[
         Any,
-        typer.Option(
-            metavar="A,B,C",
-            parser=values.metric,
-            help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?",
+        values.option(
+            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", values.metric
         ),
     ] = None,
     points: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="The points of a folder, if its source has moved."),
+        values.option("FILE", "The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,

@@ -38,13 +38,11 @@ def run(
     ] = None,
     level: Annotated[
         float | None,
-        typer.Option(metavar="HEIGHT", parser=values.number, help="The level, 0 by default."),
+        values.option("HEIGHT", "The level, 0 by default.", values.number),
     ] = None,
     within: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Measure inside of polygons alone, cut at their borders."
-        ),
+        values.option("FILE", "Measure inside of polygons alone, cut at their borders."),
     ] = None,
     *,
     reading: surfaces.Reading,

@@ -43,41 +43,41 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        typer.Option(
-            metavar="DOMAIN",
-            help="A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
+        values.option(
+            "DOMAIN",
+            "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of IN that are weights: makes power cells."),
+        values.option("COLUMN", "Values of IN that are weights: makes power cells."),
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        typer.Option(
-            metavar="COLUMN",
-            help="Values of IN that are radii of disks: makes cells of what is nearest to their "
+        values.option(
+            "COLUMN",
+            "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option(
-            metavar="LENGTH",
-            parser=float,
-            help="How far the sides of cells of disks may be from the arcs; by default a "
+        values.option(
+            "LENGTH",
+            "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
+            float,
         ),
     ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
-        typer.Option("--format", metavar="FORMAT", help="geojson, gpkg, ply or svg, for stdout."),
+        values.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
     ] = None,
     *,
-    table: options.Table,
+    table: inputs.Table,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
