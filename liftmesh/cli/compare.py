@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,22 +31,22 @@ def run(
     source: options.Source,
     q: Annotated[
         Any,
-        values.option(
+        options.option(
             "Q",
             "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
-            values.vertex,
+            options.vertex,
         ),
     ] = "median",
     lower: Annotated[
         Path | None,
-        values.option("FILE", "Write liftmesh's lower hull of the lifted points."),
+        options.option("FILE", "Write liftmesh's lower hull of the lifted points."),
     ] = None,
     hull: Annotated[
-        Path | None, values.option("FILE", "Write trimesh's convex hull of them.")
+        Path | None, options.option("FILE", "Write trimesh's convex hull of them.")
     ] = None,
     proofs: Annotated[
         int,
-        values.option("N", "Maximum number of proofs to print.", values.whole(0)),
+        options.option("N", "Maximum number of proofs to print.", options.whole(0)),
     ] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",

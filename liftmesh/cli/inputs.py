@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import Returns, counted
-from liftmesh.cli import notes, options, terminal, values
+from liftmesh.cli import notes, options, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.terminal import note
-from liftmesh.cli.values import is_stream
 from liftmesh.errors import (
     DataWarning,
     DegenerateInputError,
@@ -40,7 +40,7 @@ _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 def table(
     columns: Annotated[
         str | None,
-        values.option(
+        options.option(
             "NAMES",
             "Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
             "of all in order, as id,x,y,z; - leaves one out.",
@@ -51,31 +51,31 @@ def table(
     ] = False,
     delimiter: Annotated[
         str | None,
-        values.option("MARK", "Tables: what separates values, as ';', tab or space."),
+        options.option("MARK", "Tables: what separates values, as ';', tab or space."),
     ] = None,
     decimal: Annotated[
-        str | None, values.option("MARK", "Tables: the decimal mark, . or ,")
+        str | None, options.option("MARK", "Tables: the decimal mark, . or ,")
     ] = None,
     skip_rows: Annotated[
         int,
-        values.option("N", "Tables: skip the first N lines.", values.whole(0)),
+        options.option("N", "Tables: skip the first N lines.", options.whole(0)),
     ] = 0,
     no_header: Annotated[
         bool, typer.Option("--no-header", help="Tables: the first line is a row.")
     ] = False,
     nodata: Annotated[
         str | None,
-        values.option(
+        options.option(
             "VALUE",
             "Tables and rasters: what stands for a missing value, as -9999; none if nothing does.",
         ),
     ] = None,
     end: Annotated[
-        str | None, values.option("LINE", "Tables: the line that ends them, as END.")
+        str | None, options.option("LINE", "Tables: the line that ends them, as END.")
     ] = None,
     encoding: Annotated[
         str | None,
-        values.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
+        options.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of tables, and return those given, as `liftmesh.read` has them."""
@@ -86,7 +86,7 @@ def table(
     if found:
         from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
 
-        with values.as_option():
+        with options.as_option():
             validate_table_options(**found)
     return found
 
@@ -94,10 +94,10 @@ def table(
 def _selection(
     classes: Annotated[
         Any,
-        values.option(
+        options.option(
             "CLASSES",
             "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
-            values.classes,
+            options.classes,
         ),
     ] = None,
     returns: Annotated[
@@ -106,32 +106,32 @@ def _selection(
     ] = None,
     bbox: Annotated[
         Any,
-        values.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", values.ends),
+        options.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[
         Any,
-        values.option("Z0,Z1", "Rows of these heights.", values.ends),
+        options.option("Z0,Z1", "Rows of these heights.", options.ends),
     ] = None,
     every: Annotated[
         int,
-        values.option("N", "Every n-th of the rows that are left.", values.whole(1)),
+        options.option("N", "Every n-th of the rows that are left.", options.whole(1)),
     ] = 1,
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
     resolution: Annotated[
         float | None,
-        values.option("D", "Of a COPC file, points at about this distance.", values.positive),
+        options.option("D", "Of a COPC file, points at about this distance.", options.positive),
     ] = None,
     band: Annotated[
         int | None,
-        values.option(
-            "N", "Rasters: the band that holds the heights; the first is 1.", values.whole(1)
+        options.option(
+            "N", "Rasters: the band that holds the heights; the first is 1.", options.whole(1)
         ),
     ] = None,
     from_crs: Annotated[
         str | None,
-        values.option(
+        options.option(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
@@ -139,7 +139,7 @@ def _selection(
     ] = None,
     to_crs: Annotated[
         str | None,
-        values.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
+        options.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
@@ -150,7 +150,7 @@ def _selection(
     if found:
         from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
 
-        with values.as_option():
+        with options.as_option():
             validate_selection(**found)
     return found | options.given(to_crs=to_crs, crs=from_crs, band=band)
 

@@ -1,23 +1,31 @@
-"""Options that several commands have, and groups of options that a command takes as one.
+"""Options of commands: how their values are parsed, those that several have, and groups of them.
 
-A parameter of a command that is annotated with a `Group` stands for all options of the function
-that the group is parsed by. A group may hold groups. An option of the command's own takes the place
-of one of that name in a group, which then has its default.
+*Values.* typer calls a parser with what was typed, before the command runs. A `WrongValue` is told
+after the name of the option. What the library refuses of values that were parsed is told as wrong
+usage, too (`as_usage`).
+
+*Groups.* A parameter of a command that is annotated with a `Group` stands for all options of the
+function that the group is parsed by. A group may hold groups. An option of the command's own takes
+the place of one of that name in a group, which then has its default.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias, get_args
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import Duplicates as Policy, NonFinite
-from liftmesh.cli import values
+from liftmesh.base.options import Duplicates as Policy, NonFinite, as_count
+from liftmesh.cli.wording import as_on_command_line
+from liftmesh.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -76,25 +84,260 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: each for name, each in options.items() if each is not None and each is not False}
 
 
+class WrongValue(typer.BadParameter):
+    """What an option refuses: the message follows the name of the option, or the hint."""
+
+
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, name: str = ""
+) -> Any:
+    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
+    return typer.Option(*filter(None, [name]), metavar=metavar, help=text, parser=parser)
+
+
+@contextmanager
+def as_usage() -> Iterator[None]:
+    """Tell what the library refuses of the values of options as wrong usage."""
+    try:
+        yield
+    except InputError as error:
+        raise typer.BadParameter(as_on_command_line(str(error))) from error
+
+
+@contextmanager
+def as_option() -> Iterator[None]:
+    """The same of messages that begin with the name of an option of the library."""
+    try:
+        yield
+    except InputError as error:
+        name, _, reason = str(error).partition(" ")
+        raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}") from error
+
+
+@contextmanager
+def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
+    """Tell what the library refuses of a value of this name as that of the option."""
+    try:
+        yield
+    except InputError as error:
+        raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """Make a parser of whole numbers from a least one."""
+
+    def parse(text: str) -> int:
+        with _refusing("value"):
+            return as_count("value", _digits(text), least)
+
+    return parse
+
+
+def number(text: str) -> float:
+    """Parse a finite number."""
+    value = _float(text)
+    if not math.isfinite(value):
+        raise WrongValue(f"{text!r} is not a number")
+    return value
+
+
+def positive(text: str) -> float:
+    """Parse a positive number."""
+    value = _float(text)
+    if not 0 < value < math.inf:
+        raise WrongValue(f"{text!r} is not a positive number")
+    return value
+
+
+def distance(text: str) -> float:
+    """Parse a number that is not below zero."""
+    value = _float(text)
+    if not 0 <= value < math.inf:
+        raise WrongValue(f"{text!r} is not a distance: 0, or more")
+    return value
+
+
+def numbers(text: str) -> list[float]:
+    """Parse finite numbers separated by commas."""
+    return [number(word) for word in text.split(",")]
+
+
+def ends(text: str) -> list[float]:
+    """Parse numbers separated by commas that bound something, which may be infinite."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise WrongValue(f"{text!r} is no list of numbers, as 0,10") from None
+
+
+def box(text: str) -> tuple[float, ...] | None:
+    """Parse a box of four numbers separated by commas; None if the text is something else."""
+    return _exactly(4, text)
+
+
+def classes(text: str) -> str | list[int]:
+    """Parse classes of rows."""
+    if text in {"ground", "all"}:
+        return text
+    words = text.split(",")
+    if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
+        raise WrongValue(f"{text!r} is unknown: give ground, all or as 2,9")
+    return [int(word) for word in words]
+
+
+def size(text: str) -> int:
+    """Parse a number of bytes."""
+    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    value = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
+    if not value:
+        raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
+    return value
+
+
+def threads(text: str) -> int:
+    """Parse a number of threads."""
+    given: Any = _digits(text)
+    _check_threads(given, "threads")
+    return int(given)
+
+
+def checked_threads(value: int | None) -> int | None:
+    """Check the number of threads that the environment gives, where no option does."""
+    if value is None:
+        from liftmesh.base.threads import VARIABLE  # noqa: PLC0415 - as below
+
+        _check_threads(None, VARIABLE, VARIABLE)
+    return value
+
+
+def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
+    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
+
+    with _refusing(name, hint):
+        as_threads(value, MOST_ROWS)
+
+
+def color_depth(text: str) -> int:
+    """Parse a number of bits of a channel."""
+    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
+
+    depth = _digits(text)
+    if depth not in DEPTHS:
+        raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
+    return int(depth)
+
+
+def metric(text: str) -> Any:
+    """Parse A,B,C to the matrix of a metric."""
+    values = _exactly(3, text)
+    if values is None:
+        raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+
+    a, b, c = values
+    with _refusing("metric"):
+        as_metric([[a, b], [b, c]])
+    return (a, b), (b, c)
+
+
+def vertex(text: str) -> Any:
+    """Parse the vertex of the paraboloid."""
+    if text in {"median", "origin"}:
+        return text
+    place = _exactly(2, text)
+    if place is None or not all(map(math.isfinite, place)):
+        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite QX,QY")
+    return place
+
+
+class ProjectionPlane(NamedTuple):
+    """A projection plane as `liftmesh.triangulate` takes it, and the file that it is read from."""
+
+    value: Any
+    file: Path | None = None
+
+
+def plane(text: str) -> ProjectionPlane:
+    """Parse a projection plane."""
+    if text in {"xy", "xz", "yz", "fit"}:
+        return ProjectionPlane(text)
+    coefficients = _exactly(3, text) or _exactly(4, text)
+    if coefficients:
+        return ProjectionPlane(coefficients)
+    return ProjectionPlane(_matrix(Path(text), text), Path(text))
+
+
+def _matrix(path: Path, text: str) -> Any:
+    """Read a 4x4 matrix from a text or .npy file."""
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    if not path.is_file():
+        raise WrongValue(
+            f"{text!r} is neither a known name nor a file: "
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
+        )
+    try:
+        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError) as error:
+        raise WrongValue(f"{path}: cannot read a matrix: {error}") from error
+    if matrix.shape != (4, 4):
+        raise WrongValue(f"{path}: the matrix is {matrix.shape}, not 4x4")
+    return matrix
+
+
+def _read_npy(path: Path) -> Any:
+    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
+
+    with path.open("rb") as stream:
+        return read_array(stream, path.name)
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path denotes a standard stream."""
+    return str(path) == "-"
+
+
+def _digits(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _exactly(length: int, text: str) -> tuple[float, ...] | None:
+    """Parse so many numbers separated by commas; None if the text is something else."""
+    try:
+        found = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    return found if len(found) == length else None
+
+
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
     str | None,
-    values.option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
+    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
 ]
 TargetFormat: TypeAlias = Annotated[
     str | None,
-    values.option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
+    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
 ]
 Plane: TypeAlias = Annotated[
     Any,
-    values.option(
+    option(
         "PLANE",
         "Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
         "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
         "to plane coordinates.",
-        values.plane,
+        plane,
     ),
 ]
 Duplicates: TypeAlias = Annotated[
@@ -108,31 +351,31 @@ Threads: TypeAlias = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        parser=values.threads,
-        callback=values.checked_threads,
+        parser=threads,
+        callback=checked_threads,
         help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
     ),
 ]
 MaxBytes: TypeAlias = Annotated[
     int | None,
-    values.option(
+    option(
         "SIZE",
         "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
         "500M or 4G.",
-        values.size,
+        size,
     ),
 ]
 ColorDepth: TypeAlias = Annotated[
     int | None,
-    values.option(
+    option(
         "BITS",
         "Bits per channel of integer colours, 8 or 16; by default their values decide.",
-        values.color_depth,
+        color_depth,
     ),
 ]
 Weights: TypeAlias = Annotated[
     str | None,
-    values.option(
+    option(
         "COLUMN",
         "Values of IN that are weights: makes the regular triangulation, the dual of the "
         "power diagram, which may hide rows.",
@@ -140,14 +383,14 @@ Weights: TypeAlias = Annotated[
 ]
 Radii: TypeAlias = Annotated[
     str | None,
-    values.option("COLUMN", "The same with radii, whose squares are weights."),
+    option("COLUMN", "The same with radii, whose squares are weights."),
 ]
 Metric: TypeAlias = Annotated[
     Any,
-    values.option(
+    option(
         "A,B,C",
         "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
-        values.metric,
+        metric,
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

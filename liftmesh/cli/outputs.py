@@ -24,9 +24,9 @@ import typer
 
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
-from liftmesh.cli import options, terminal, values
+from liftmesh.cli import options, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.signals import Closed
-from liftmesh.cli.values import is_stream
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
@@ -128,11 +128,13 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 def _writing(
     scale: Annotated[
         float | None,
-        values.option("STEP", "Of LAS: the step that coordinates are rounded to.", values.positive),
+        options.option(
+            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
+        ),
     ] = None,
     point_format: Annotated[
         int | None,
-        values.option("N", "Of LAS: the point format, 0 to 10.", values.whole(0)),
+        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import outputs, terminal, values
+from liftmesh.cli import options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -77,7 +77,7 @@ class _Choice:
 def run(
     out: Annotated[
         Path | None,
-        values.option(
+        options.option(
             "DIR",
             "Folder for all files, created if missing; by default out/paper, or "
             "out/paper-quick with --quick.",
@@ -88,10 +88,10 @@ def run(
     ] = False,
     seeds: Annotated[
         int | None,
-        values.option(
+        options.option(
             "N",
             "Number of random sets of each size; by default 3, or 1 with --quick.",
-            values.whole(1),
+            options.whole(1),
         ),
     ] = None,
     table: Annotated[
@@ -100,15 +100,15 @@ def run(
     ] = "both",
     sizes: Annotated[
         list[int] | None,
-        values.option(
+        options.option(
             "N",
             "Number of points, instead of the paper's; repeatable.",
-            values.whole(3),
+            options.whole(3),
             name="--n",
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
-    machine: Annotated[str | None, values.option("TEXT", "Description of the machine.")] = None,
+    machine: Annotated[str | None, options.option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
     from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import counted
-from liftmesh.cli import notes, options, outputs, places, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def run(
     ],
     along: Annotated[
         list[str],
-        values.option(
+        options.option(
             "FILE|X,Y",
             "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from liftmesh.base.options import RasterQuantity, SampleMethod, shown
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.errors import InputError
 
 _ANGLES = ("slope", "hillshade")
@@ -32,11 +32,11 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[
         Any,
-        values.option("SIZE", "Width and height of a pixel, or X,Y.", values.numbers),
+        options.option("SIZE", "Width and height of a pixel, or X,Y.", options.numbers),
     ],
     bounds: Annotated[
         Any,
-        values.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", values.numbers),
+        options.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", options.numbers),
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
@@ -44,19 +44,19 @@ def run(
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
-        values.option(
+        options.option(
             "FACTOR",
             "Multiply heights by this before slopes and shades are computed; by default they "
             "get the unit of x and y, if the coordinate system says all three.",
-            values.positive,
+            options.positive,
         ),
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, values.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    compress: Annotated[str, options.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
     crs: Annotated[
         str | None,
-        values.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
+        options.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
     ] = None,
     *,
     reading: surfaces.Reading,
@@ -108,7 +108,7 @@ def _check(
     from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
     from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
 
-    with values.as_usage():
+    with options.as_usage():
         steps_of(steps)
         if bounds is not None:
             bounds_of(bounds)

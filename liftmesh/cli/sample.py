@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import SampleMethod
-from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal, values
-from liftmesh.cli.values import is_stream
+from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -39,7 +39,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
         Path,
-        values.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
+        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
     ],
     *,
     points: Points,
@@ -100,9 +100,9 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    values = {**own, **asked.attributes}
+    options = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
+    found = replace(asked, points=points, attributes=options, faces=None, crs=crs)
     return found, int(np.count_nonzero(np.isfinite(heights)))
 
 
@@ -117,12 +117,12 @@ class _EmptyFields:
         return False
 
     def write(self, lines: bytes) -> int:
-        values = lines
+        options = lines
         if self._is_amid_names:
-            names, end, values = bytes(lines).partition(b"\n")
+            names, end, options = bytes(lines).partition(b"\n")
             self._is_amid_names = not end
             self._stream.write(names + end)
-        self._stream.write(_NAN.sub(b"", values))
+        self._stream.write(_NAN.sub(b"", options))
         return len(lines)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.io.write import Written
@@ -37,17 +37,17 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
-        values.option(
-            "Z", "The largest distance along z, in the units of the heights.", values.distance
+        options.option(
+            "Z", "The largest distance along z, in the units of the heights.", options.distance
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        values.option("Z", "Another name of --max-error.", values.distance),
+        options.option("Z", "Another name of --max-error.", options.distance),
     ] = None,
     max_points: Annotated[
         int | None,
-        values.option("N", "The most vertices of the mesh.", values.whole(3)),
+        options.option("N", "The most vertices of the mesh.", options.whole(3)),
     ] = None,
     prune: Annotated[
         bool,

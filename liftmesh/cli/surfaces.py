@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import NonFinite, counted
-from liftmesh.cli import inputs, options, terminal, values
+from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
@@ -32,7 +32,7 @@ Source: TypeAlias = Annotated[
 def _trimming(
     max_edge: Annotated[
         float | None,
-        values.option("LENGTH", "Leave out faces with a side that is longer.", values.positive),
+        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -43,15 +43,15 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        values.option(
+        options.option(
             "RADIUS",
             "Leave out faces whose circumcircle is larger: the alpha shape.",
-            values.positive,
+            options.positive,
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        values.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
+        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""

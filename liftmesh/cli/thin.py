@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import CellRow
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -27,17 +27,17 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 def _thinning(
     random: Annotated[
         int | None,
-        values.option("N", "Thin: n rows, chosen at random.", values.whole(1)),
+        options.option("N", "Thin: n rows, chosen at random.", options.whole(1)),
     ] = None,
     seed: Annotated[
         int | None,
-        values.option(
-            "N", "Of --random, 0 by default; the same rows on every machine.", values.whole(0)
+        options.option(
+            "N", "Of --random, 0 by default; the same rows on every machine.", options.whole(0)
         ),
     ] = None,
     cell: Annotated[
         float | None,
-        values.option("SIZE", "Thin: one row of each square of this size.", values.positive),
+        options.option("SIZE", "Thin: one row of each square of this size.", options.positive),
     ] = None,
     keep: Annotated[
         CellRow | None,
@@ -45,16 +45,18 @@ def _thinning(
     ] = None,
     distance: Annotated[
         float | None,
-        values.option(
+        options.option(
             "D",
             "Thin: rows of which no two are nearer to each other in the plane.",
-            values.positive,
+            options.positive,
             name="--min-distance",
         ),
     ] = None,
     adaptive: Annotated[
         int | None,
-        values.option("N", "Thin: the n rows without which a surface loses most.", values.whole(3)),
+        options.option(
+            "N", "Thin: the n rows without which a surface loses most.", options.whole(3)
+        ),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
@@ -53,25 +53,25 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        values.option(
-            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", values.size
+        options.option(
+            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
         ),
     ] = None,
     tile_rows: Annotated[
         int | None,
-        values.option("N", "Rows of a tile, in place of --memory.", values.whole(16)),
+        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
     ] = None,
     workers: Annotated[
         int | None,
-        values.option("N", "Processes, run by Dask; by default this one alone.", values.whole(1)),
+        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
     ] = None,
     scheduler: Annotated[
         str | None,
-        values.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
+        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
     ] = None,
     scratch: Annotated[
         Path | None,
-        values.option(
+        options.option(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
@@ -110,7 +110,7 @@ def run(
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
     rows: Any = "auto" if tile_rows is None else tile_rows
     if memory is not None:
-        with values.as_usage():
+        with options.as_usage():
             rows = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import NonFinite
-from liftmesh.cli import exit_codes, inputs, options, outputs, terminal, values
-from liftmesh.cli.values import is_stream
+from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        values.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
+        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -53,20 +53,20 @@ def run(
     source_format: options.SourceFormat = None,
     weights: Annotated[
         str | None,
-        values.option("COLUMN", "Values of FILE: is it regular by these weights?"),
+        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
     ] = None,
     radii: Annotated[
-        str | None, values.option("COLUMN", "The same with radii, not squared.")
+        str | None, options.option("COLUMN", "The same with radii, not squared.")
     ] = None,
     metric: Annotated[
         Any,
-        values.option(
-            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", values.metric
+        options.option(
+            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
         ),
     ] = None,
     points: Annotated[
         list[Path] | None,
-        values.option("FILE", "The points of a folder, if its source has moved."),
+        options.option("FILE", "The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,

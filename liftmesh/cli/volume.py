@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 if TYPE_CHECKING:
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -38,11 +38,11 @@ def run(
     ] = None,
     level: Annotated[
         float | None,
-        values.option("HEIGHT", "The level, 0 by default.", values.number),
+        options.option("HEIGHT", "The level, 0 by default.", options.number),
     ] = None,
     within: Annotated[
         Path | None,
-        values.option("FILE", "Measure inside of polygons alone, cut at their borders."),
+        options.option("FILE", "Measure inside of polygons alone, cut at their borders."),
     ] = None,
     *,
     reading: surfaces.Reading,

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
 import typer
 
-from liftmesh.cli import inputs, options, outputs, terminal, values
+from liftmesh.cli import inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.places import is_table
-from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -43,7 +43,7 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        values.option(
+        options.option(
             "DOMAIN",
             "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
@@ -51,12 +51,12 @@ def run(
     ] = None,
     weights: Annotated[
         str | None,
-        values.option("COLUMN", "Values of IN that are weights: makes power cells."),
+        options.option("COLUMN", "Values of IN that are weights: makes power cells."),
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        values.option(
+        options.option(
             "COLUMN",
             "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
@@ -64,7 +64,7 @@ def run(
     ] = None,
     tolerance: Annotated[
         float | None,
-        values.option(
+        options.option(
             "LENGTH",
             "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
@@ -74,7 +74,7 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
-        values.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
+        options.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
     ] = None,
     *,
     table: inputs.Table,
@@ -125,7 +125,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
     if text is None or text == "box":
         return None, cloud.crs
-    if (box := values.box(text)) is not None:
+    if (box := options.box(text)) is not None:
         return box, cloud.crs
     path = Path(text).expanduser()
     if not path.exists():
