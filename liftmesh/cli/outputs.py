@@ -210,15 +210,22 @@ def write(
         with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
             return io.write(path, mesh, format=file_format, overwrite=True, **writing)
-    with stdout_of_bytes() as stream:
+    with opened(path) as stream:
         return io.write(stream, mesh, format=file_format, **writing)
 
 
 @contextmanager
-def stdout_of_bytes() -> Iterator[BinaryIO]:
-    """Open stdout for a file, unless a signal came."""
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that is put in place when it is whole, or stdout, unless a signal came."""
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+
+    if not is_stream(path):
+        with terminal.stage(f"writing {path.name}"), replacing(path) as stream:
+            yield stream
+        return
     with terminal.stage("writing stdout"):
         check()
+        # Of its own: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             yield stream
 

@@ -63,7 +63,10 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - help and --version do without
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - as above
 
     outputs.check_stdout()
     check_name(target)
@@ -81,7 +84,8 @@ def run(
             path = tiled.save_raster(
                 target, steps, cog=cog, compress=packing, progress=progress, **wanted
             )
-        _say_tiled(path, quantity, tiled.crs, as_json=json)
+        with load("rasterio", extra="terrain").open(path) as file:
+            _say(path, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
@@ -92,7 +96,10 @@ def run(
         found = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
         path = found.save(target, cog=cog, compress=packing)
-    _say(path, found, notes.provenance(surface), as_json=json)
+    known = int(np.count_nonzero(~np.isnan(found.values)))
+    counts = {"known": known, "unit": found.unit, **notes.provenance(surface)}
+    place = found.transform, found.crs
+    _say(path, quantity, found.values.shape, place, counts, as_json=json)
 
 
 def _check(
@@ -125,31 +132,21 @@ def _system(source: Path, stated: str | None, given: str) -> str:
     return given
 
 
-def _say(path: Path, found: Any, rows_of: dict[str, Any], *, as_json: bool) -> None:
-    import numpy as np  # noqa: PLC0415 - help and --version do without
-
-    rows_, columns = found.values.shape
-    known = int(np.count_nonzero(~np.isnan(found.values)))
+def _say(
+    path: Path,
+    quantity: str,
+    shape: tuple[int, int],
+    place: tuple[Any, str | None],
+    counts: dict[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """Say how large a raster is, and how many pixels have a value, if they were counted."""
+    (rows, columns), (transform, crs) = shape, place
     if as_json:
-        place = {"transform": list(found.transform), "crs": found.crs}
-        counts = {"rows": rows_, "columns": columns, "known": known, "unit": found.unit, **rows_of}
-        terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
+        size = {"rows": rows, "columns": columns}
+        there = {"transform": list(transform)[:6], "crs": crs}
+        terminal.as_json({"path": str(path), "quantity": quantity, **size, **counts, **there})
         return
-    terminal.sentence(
-        f"{path}: {columns:,} x {rows_:,} pixels of {found.quantity}, {known:,} with a value",
-        "good",
-    )
-
-
-def _say_tiled(path: Path, quantity: str, crs: str | None, *, as_json: bool) -> None:
-    """Say how large the raster of a folder is, which was written window by window."""
-    from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
-
-    with load("rasterio", extra="terrain").open(path) as file:
-        rows_, columns, transform = file.height, file.width, list(file.transform)[:6]
-    if as_json:
-        place = {"transform": transform, "crs": crs}
-        counts = {"rows": rows_, "columns": columns}
-        terminal.as_json({"path": str(path), "quantity": quantity, **counts, **place})
-        return
-    terminal.sentence(f"{path}: {columns:,} x {rows_:,} pixels of {quantity}", "good")
+    known = f", {counts['known']:,} with a value" if counts else ""
+    terminal.sentence(f"{path}: {columns:,} x {rows:,} pixels of {quantity}{known}", "good")

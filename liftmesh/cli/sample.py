@@ -128,17 +128,13 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
     from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
         written = outputs.write(target, found, file_format).path
         return None if written is None else Path(written)
-    if is_stream(target):
-        with outputs.stdout_of_bytes() as stream:
-            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-        return None
-    with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
+    with outputs.opened(target) as stream:
         write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-    return target
+    return None if is_stream(target) else target

@@ -119,11 +119,12 @@ def run(
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
-        if workers is None and scheduler is None:
-            found = _alone(surface=surface)(paths, out, threads=threads, **common)
+        by_dask = workers is not None or scheduler is not None
+        make = _maker(surface=surface, by_dask=by_dask)
+        if not by_dask:
+            found = make(paths, out, threads=threads, **common)
         else:
             with _client(workers, scheduler, memory) as client:
-                make = _by_dask(surface=surface)
                 found = make(paths, out, client=client, **common)
     _say(found, json=json)
 
@@ -156,22 +157,15 @@ def _check_options(
             raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
-def _alone(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work in this process."""
-    if surface:
-        from liftmesh.tiles.build import tile_surface  # noqa: PLC0415 - as above
+def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
+    """Return what does the work, in this process or on the workers of Dask."""
+    if by_dask:
+        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
 
-        return tile_surface
-    from liftmesh.tiles.build import tile  # noqa: PLC0415 - as above
+        return triangulate if surface else delaunay
+    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
 
-    return tile
-
-
-def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work on the workers of Dask."""
-    from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
-
-    return triangulate if surface else delaunay
+    return tile_surface if surface else tile
 
 
 @contextmanager

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import NonFinite
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
 from liftmesh.cli.options import is_stream
 from liftmesh.errors import InputError
@@ -82,7 +81,10 @@ def run(
     else:
         _check_format(source, source_format)
         cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
-        found = _verify_file(cloud, source, plane.value, nonfinite, threads, lifting)
+        _note_polygons(cloud)
+        with inputs.about(source):
+            choices = {"nonfinite": nonfinite, "threads": threads}
+            found = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
         _write(certificate, found)
     with outputs.report_after(certificate):
@@ -107,19 +109,19 @@ def _verify_tiles(
 
 
 def _verify_file(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
+    cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    _note_polygons(cloud)
-    with inputs.about(source):
-        found = _verify(cloud, source, plane, nonfinite, threads, lifting)
-        if not found.valid and not lifting:
-            _note_part(cloud, plane, threads)
-        return found
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+
+    if cloud.faces is None or not len(cloud.faces):
+        raise _no_triangles(source)
+    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
+        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
+        found = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not found.valid and not lifting:
+        _note_part(cloud, plane, choices["threads"])
+    return found
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
@@ -157,25 +159,6 @@ def _no_triangles(source: Path) -> InputError:
     return InputError(
         f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
     )
-
-
-def _verify(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
-) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
-
-    if cloud.faces is None or not len(cloud.faces):
-        raise _no_triangles(source)
-    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
-        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        lifted_by = _lifted_by(cloud, lifting)
-        return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads, **lifted_by)
 
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
