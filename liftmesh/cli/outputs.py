@@ -24,9 +24,9 @@ import typer
 
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
-from liftmesh.cli import options, terminal, values
+from liftmesh.cli import options, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.signals import Closed
-from liftmesh.cli.values import is_stream
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
@@ -128,17 +128,13 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 def _writing(
     scale: Annotated[
         float | None,
-        typer.Option(
-            metavar="STEP",
-            parser=values.positive,
-            help="Of LAS: the step that coordinates are rounded to.",
+        options.option(
+            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
         ),
     ] = None,
     point_format: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", parser=values.count(0), help="Of LAS: the point format, 0 to 10."
-        ),
+        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
@@ -214,15 +210,22 @@ def write(
         with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
             return io.write(path, mesh, format=file_format, overwrite=True, **writing)
-    with stdout_of_bytes() as stream:
+    with opened(path) as stream:
         return io.write(stream, mesh, format=file_format, **writing)
 
 
 @contextmanager
-def stdout_of_bytes() -> Iterator[BinaryIO]:
-    """Open stdout for a file, unless a signal came."""
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that is put in place when it is whole, or stdout, unless a signal came."""
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+
+    if not is_stream(path):
+        with terminal.stage(f"writing {path.name}"), replacing(path) as stream:
+            yield stream
+        return
     with terminal.stage("writing stdout"):
         check()
+        # Of its own: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             yield stream
 

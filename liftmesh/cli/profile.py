@@ -44,9 +44,9 @@ def run(
     ],
     along: Annotated[
         list[str],
-        typer.Option(
-            metavar="FILE|X,Y",
-            help="Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
+        options.option(
+            "FILE|X,Y",
+            "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",
         ),
     ],

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import SampleMethod
-from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.values import is_stream
+from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -39,9 +39,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
         Path,
-        typer.Option(
-            metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
-        ),
+        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
     ],
     *,
     points: Points,
@@ -51,8 +49,8 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -102,9 +100,9 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    values = {**own, **asked.attributes}
+    options = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
+    found = replace(asked, points=points, attributes=options, faces=None, crs=crs)
     return found, int(np.count_nonzero(np.isfinite(heights)))
 
 
@@ -119,28 +117,24 @@ class _EmptyFields:
         return False
 
     def write(self, lines: bytes) -> int:
-        values = lines
+        options = lines
         if self._is_amid_names:
-            names, end, values = bytes(lines).partition(b"\n")
+            names, end, options = bytes(lines).partition(b"\n")
             self._is_amid_names = not end
             self._stream.write(names + end)
-        self._stream.write(_NAN.sub(b"", values))
+        self._stream.write(_NAN.sub(b"", options))
         return len(lines)
 
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
     from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
         written = outputs.write(target, found, file_format).path
         return None if written is None else Path(written)
-    if is_stream(target):
-        with outputs.stdout_of_bytes() as stream:
-            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-        return None
-    with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
+    with outputs.opened(target) as stream:
         write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-    return target
+    return None if is_stream(target) else target

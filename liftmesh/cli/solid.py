@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import Pinched
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -33,31 +33,23 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
     base: Annotated[
         float | None,
-        typer.Option(metavar="HEIGHT", parser=values.number, help="The height of a flat base."),
+        options.option("HEIGHT", "The height of a flat base.", options.number),
     ] = None,
     thickness: Annotated[
         float | None,
-        typer.Option(
-            metavar="HEIGHT",
-            parser=values.positive,
-            help="The base is the surface itself, so much lower.",
+        options.option(
+            "HEIGHT", "The base is the surface itself, so much lower.", options.positive
         ),
     ] = None,
     longest: Annotated[
         float | None,
-        typer.Option(
-            metavar="MM",
-            parser=values.positive,
-            help="Scale the longer of width and depth to so many millimetres.",
+        options.option(
+            "MM", "Scale the longer of width and depth to so many millimetres.", options.positive
         ),
     ] = None,
     z_factor: Annotated[
         float | None,
-        typer.Option(
-            metavar="FACTOR",
-            parser=values.positive,
-            help="With --longest: multiply heights by this.",
-        ),
+        options.option("FACTOR", "With --longest: multiply heights by this.", options.positive),
     ] = None,
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
@@ -88,10 +80,10 @@ def run(
 
 def _left_out(surface: Surface, found: Cloud) -> list[str]:
     """Name what a surface has, and no solid of it."""
-    values: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
+    options: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
     if found.crs is None:
-        values["crs"] = surface.crs  # of a solid that is scaled
-    return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
+        options["crs"] = surface.crs  # of a solid that is scaled
+    return [*(name for name in options if options[name] is not None), *sorted(surface.attributes)]
 
 
 def _say(

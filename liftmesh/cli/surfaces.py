@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import NonFinite, counted
-from liftmesh.cli import inputs, options, terminal, values
+from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
@@ -32,11 +32,7 @@ Source: TypeAlias = Annotated[
 def _trimming(
     max_edge: Annotated[
         float | None,
-        typer.Option(
-            metavar="LENGTH",
-            parser=values.positive,
-            help="Leave out faces with a side that is longer.",
-        ),
+        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -47,17 +43,15 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        typer.Option(
-            metavar="RADIUS",
-            parser=values.positive,
-            help="Leave out faces whose circumcircle is larger: the alpha shape.",
+        options.option(
+            "RADIUS",
+            "Leave out faces whose circumcircle is larger: the alpha shape.",
+            options.positive,
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."
-        ),
+        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
@@ -95,8 +89,8 @@ def _reading(
     *,
     trimming: Trimming,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
     rows = options.given(format=source_format, max_bytes=max_bytes)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import GroundMethod, Method
-from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.thin import Thinning, thinned
 from liftmesh.errors import InputError
 
@@ -44,7 +44,7 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise values.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
     return int(text)
 
 
@@ -55,26 +55,24 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: between the nodes of the cloth; default: 0.5.",
+        options.option(
+            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
         ),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=_rigidness,
-            help="Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+        options.option(
+            "N",
+            "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+            _rigidness,
         ),
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+        options.option(
+            "METRES",
+            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+            options.positive,
         ),
     ] = None,
 ) -> dict[str, Any]:
@@ -105,10 +103,10 @@ def run(
     ] = "auto",
     q: Annotated[
         Any,
-        typer.Option(
-            metavar="Q",
-            parser=values.vertex,
-            help="Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+        options.option(
+            "Q",
+            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+            options.vertex,
         ),
     ] = "origin",
     source_format: options.SourceFormat = None,
@@ -119,8 +117,8 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,

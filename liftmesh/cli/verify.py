@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import NonFinite
-from liftmesh.cli import exit_codes, inputs, options, outputs, terminal, values
-from liftmesh.cli.values import is_stream
+from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -45,9 +44,7 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write what was found as JSON, with SHA-256 sums; - for stdout."
-        ),
+        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -55,22 +52,20 @@ def run(
     source_format: options.SourceFormat = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of FILE: is it regular by these weights?"),
+        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
     ] = None,
     radii: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="The same with radii, not squared.")
+        str | None, options.option("COLUMN", "The same with radii, not squared.")
     ] = None,
     metric: Annotated[
         Any,
-        typer.Option(
-            metavar="A,B,C",
-            parser=values.metric,
-            help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?",
+        options.option(
+            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
         ),
     ] = None,
     points: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="The points of a folder, if its source has moved."),
+        options.option("FILE", "The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
@@ -86,7 +81,10 @@ def run(
     else:
         _check_format(source, source_format)
         cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
-        found = _verify_file(cloud, source, plane.value, nonfinite, threads, lifting)
+        _note_polygons(cloud)
+        with inputs.about(source):
+            choices = {"nonfinite": nonfinite, "threads": threads}
+            found = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
         _write(certificate, found)
     with outputs.report_after(certificate):
@@ -111,19 +109,19 @@ def _verify_tiles(
 
 
 def _verify_file(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
+    cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    _note_polygons(cloud)
-    with inputs.about(source):
-        found = _verify(cloud, source, plane, nonfinite, threads, lifting)
-        if not found.valid and not lifting:
-            _note_part(cloud, plane, threads)
-        return found
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+
+    if cloud.faces is None or not len(cloud.faces):
+        raise _no_triangles(source)
+    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
+        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
+        found = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not found.valid and not lifting:
+        _note_part(cloud, plane, choices["threads"])
+    return found
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
@@ -161,25 +159,6 @@ def _no_triangles(source: Path) -> InputError:
     return InputError(
         f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
     )
-
-
-def _verify(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
-) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
-
-    if cloud.faces is None or not len(cloud.faces):
-        raise _no_triangles(source)
-    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
-        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        lifted_by = _lifted_by(cloud, lifting)
-        return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads, **lifted_by)
 
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
