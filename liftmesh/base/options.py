@@ -88,7 +88,7 @@ def _threads_of(text: str) -> int:
 def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return min(len(os.sched_getaffinity(0)), MOST_THREADS)
-    return min(os.cpu_count() or 1, MOST_THREADS)
+    return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux
 
 
 def check_progress(progress: object) -> None:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.cli.files import notes, parts_not_read
-from liftmesh.cli.lidar import counted
+from liftmesh.cli.notes import lidar_counts, notes, parts_not_read
 from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
 from liftmesh.planar.points import find_positions, pieces
@@ -82,7 +81,7 @@ def summarise(cloud: Cloud) -> Summary:
         not_read=parts_not_read(cloud),
         columns=found_columns(cloud.metadata),
         notes=notes(cloud),
-        lidar=counted(cloud),
+        lidar=lidar_counts(cloud),
         raster=_raster(cloud),
         minimum=minimum,
         maximum=maximum,

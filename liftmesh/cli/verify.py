@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import NonFinite
-from liftmesh.cli import exit_codes, files, options, overwriting, standard_streams, terminal
+from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ EXAMPLES = [
 SHOWN = 3  # offenders of a flaw
 
 
-@overwriting.guards("certificate")
+@outputs.guards("certificate")
 def run(
     source: Annotated[
         Path,
@@ -45,9 +44,7 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write what was found as JSON, with SHA-256 sums; - for stdout."
-        ),
+        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -55,41 +52,42 @@ def run(
     source_format: options.SourceFormat = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of FILE: is it regular by these weights?"),
+        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
     ] = None,
     radii: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="The same with radii, not squared.")
+        str | None, options.option("COLUMN", "The same with radii, not squared.")
     ] = None,
     metric: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,C", help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?"),
+        Any,
+        options.option(
+            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
+        ),
     ] = None,
     points: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="The points of a folder, if its source has moved."),
+        options.option("FILE", "The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
-    standard_streams.check_stdout()
-    frame = options.parse_plane(plane)
-    lifting = options.parse_member(weights, radii, metric)
-    count = options.parse_threads(threads)
-    limit = options.parse_size(max_bytes)
-    files.check_place(certificate)
+    outputs.check_stdout()
+    lifting = options.lifting(weights, radii, metric)
+    outputs.check_place(certificate)
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, count, certificate)
+        found = _verify_tiles(source, points, threads, certificate)
     else:
-        found = _verify_file(source, source_format, limit, frame, nonfinite, count, lifting)
+        _check_format(source, source_format)
+        cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
+        _note_polygons(cloud)
+        with inputs.about(source):
+            choices = {"nonfinite": nonfinite, "threads": threads}
+            found = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
         _write(certificate, found)
-    # Where the certificate itself goes to stdout, what there is to say goes to stderr.
-    aside = certificate is not None and files.is_stream(certificate)
-    place = redirect_stdout(sys.stderr) if aside else nullcontext()
-    with place, standard_streams.after_writing(certificate):
+    with outputs.report_after(certificate):
         if json:
             sys.stdout.write(found.to_json())
         else:
@@ -105,34 +103,25 @@ def _verify_tiles(
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
-    overwriting.check([] if certificate is None else [certificate], tiled_files)
-    with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"verifying {tiled.nsimplex:,} triangles", share - shown[0])
-            shown[0] = share
-
+    outputs.check_lost([] if certificate is None else [certificate], tiled_files)
+    with terminal.share_bar(f"verifying {tiled.nsimplex:,} triangles") as progress:
         return tiled.verify(points, threads=threads, progress=progress)
 
 
 def _verify_file(
-    source: Path,
-    source_format: str | None,
-    limit: int | None,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
+    cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    _check_format(source, source_format)
-    cloud = files.read(source, source_format, limit)
-    _note_polygons(cloud)
-    with files.about(source):
-        found = _verify(cloud, source, plane, nonfinite, threads, lifting)
-        if not found.valid and not lifting:
-            _note_part(cloud, plane, threads)
-        return found
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+
+    if cloud.faces is None or not len(cloud.faces):
+        raise _no_triangles(source)
+    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
+        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
+        found = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not found.valid and not lifting:
+        _note_part(cloud, plane, choices["threads"])
+    return found
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
@@ -141,7 +130,7 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
 
     try:
-        with files.without_warnings():
+        with inputs.without_warnings():
             surface = as_surface(cloud, plane=plane, threads=threads)
     except LiftmeshError:  # it is no part of one
         return
@@ -172,25 +161,6 @@ def _no_triangles(source: Path) -> InputError:
     )
 
 
-def _verify(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
-) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
-
-    if cloud.faces is None or not len(cloud.faces):
-        raise _no_triangles(source)
-    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
-        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        lifted_by = _lifted_by(cloud, lifting)
-        return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads, **lifted_by)
-
-
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
     from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
@@ -216,7 +186,7 @@ def _note_polygons(cloud: Cloud) -> None:
 def _write(path: Path, found: Certificate) -> None:
     from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
-    if files.is_stream(path):
+    if is_stream(path):
         sys.stdout.write(found.to_json())
         return
     with replacing(path) as stream:
