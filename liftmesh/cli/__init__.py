@@ -134,7 +134,7 @@ def _fail(error: BaseException, *, debug: bool) -> int:
         with suppress(OSError):  # a full disk, as below
             traceback.print_exc()
     code, message = exit_codes.explain(error)
-    if message:
+    if message:  # pragma: no branch - every error has one
         _print_error(message)
     return code
 
@@ -171,5 +171,5 @@ def _name_stdout(error: BaseException) -> None:
         error.filename = "stdout"
         try:
             sys.stdout.flush()
-        except OSError:
+        except OSError:  # pragma: no cover - it fails once more
             discard_stdout()

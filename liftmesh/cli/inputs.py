@@ -207,7 +207,7 @@ def _about_reading(name: str) -> Iterator[None]:
         yield
     except OSError as error:
         if error.filename is None:
-            error.filename = name
+            error.filename = name  # pragma: no cover - a device that fails while it is read
         raise
 
 
