@@ -45,4 +45,4 @@ def _checked(threads: Any, name: str, given: object) -> int:
 def _cores() -> int:
     if hasattr(os, "sched_getaffinity"):
         return min(len(os.sched_getaffinity(0)), MOST_THREADS)
-    return min(os.cpu_count() or 1, MOST_THREADS)
+    return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux

@@ -47,11 +47,13 @@ class Crossings(NamedTuple):
     """Where segments cross edges, in the order along the segments."""
 
     segment: Indices
-    edge: Rows
-    enters: Mask
-    from_left: Mask
-    points: Floats
-    along_edges: Indices
+    edge: Rows  # of the domain
+    enters: Mask  # whether the segment comes into the domain there
+    from_left: Mask  # whether the edge comes from the left side of the segment
+    points: Floats  # rounded
+    along_edges: Indices  # the crossings by edge, and in the order along these
+    # (t, 4): a corner or an edge of the domain, the other being -1, and the segment twice, where
+    # nothing but the move decided: see `resolve_ties`.
     ties: Indices
 
 

@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_coordinates, read_only
-from liftmesh.cells.clipped import ClippedCells
+from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
 from liftmesh.cells.overlay import overlaid
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
 from liftmesh.crs.comparison import system_of
-from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_tolerance
+from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_chord_tolerance
 from liftmesh.disks.graph import as_disks
 from liftmesh.disks.sides import Traced, traced
 from liftmesh.errors import InputError
@@ -101,7 +101,7 @@ def apollonius_diagram(
     if tolerance is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
         tolerance = max(_FINE * _side_of_cells(area, seen), _least(bounds))
-    return ApolloniusCells(graph, area, as_tolerance(tolerance, bounds))
+    return ApolloniusCells(graph, area, as_chord_tolerance(tolerance, bounds))
 
 
 def _side_of_cells(domain: Domain, count: int) -> float:
@@ -204,7 +204,7 @@ class ApolloniusCells(ClippedCells):
         its number, and -1 twice. A point of an arc: the two disks, and -1.
         """
         edge, other, beyond = self._sources.T
-        own, kinds = self._cell_of_corner.astype(np.int32), self.corner_kinds
+        own, kinds = rows_of_corners(self).astype(np.int32), self.corner_kinds
         found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
         is_vertex, is_crossing, is_arc = (kinds == k for k in (_VERTEX, _CROSSING, _OF_ARC))
         found[is_vertex] = self._simplices[self._vertex[is_vertex]]

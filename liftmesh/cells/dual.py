@@ -26,7 +26,7 @@ from liftmesh.planar.diagram import (
     regions_of,
     rows_without_area,
 )
-from liftmesh.planar.kinds import ONE_EACH, as_weights, named_values
+from liftmesh.planar.kinds import as_weights, named_values, non_finite_value
 from liftmesh.planar.points import rows_of
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
@@ -80,16 +80,17 @@ class Dual:
     """Sites, and which of their cells have a ridge between them."""
 
     points: Floats
-    kind: str
-    values: Floats
+    kind: str  # "plain", "weights" or "radii"
+    values: Floats  # the weights or radii; empty if there are none
     simplices: Rows = field(default_factory=lambda: _NOTHING)
     neighbors: Rows = field(default_factory=lambda: _NOTHING)
+    # Without triangles, the rows with a cell, in the order on their line.
     chain: Rows = field(default_factory=lambda: _NO_ROWS)
-    vertices: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    vertices: Floats = field(default_factory=lambda: np.empty((0, 2)))  # rounded correctly
     simplex_to_vertex: Rows = field(default_factory=lambda: _NO_ROWS)
     duplicates: Rows = field(default_factory=lambda: _NO_PAIRS)
     hidden: Rows = field(default_factory=lambda: _NO_ROWS)
-    degenerate: Rows = field(default_factory=lambda: _NO_ROWS)
+    degenerate: Rows = field(default_factory=lambda: _NO_ROWS)  # in no triangle
 
 
 def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
@@ -163,10 +164,7 @@ def _own(given: Reals) -> Floats:
 def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
     row = error.row
     if np.isfinite(planar[row]).all():
-        return NonFiniteError(
-            f"row {row} has the {ONE_EACH[kind]} {float(values[row])!r}: remove such rows first",
-            row=row,
-        )
+        return non_finite_value(kind, row, values, skippable=False)
     return non_finite(row, planar[row], skippable=False)
 
 

@@ -14,20 +14,22 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
+from numbers import Real
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_reals, read_only
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.arrays import as_numbers, as_reals, read_only
 from liftmesh.base.options import shown
+from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
+from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import binary_scale
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 
 if TYPE_CHECKING:
-    from liftmesh.cells.domain import Domain
     from liftmesh.cells.voronoi import Cells
 
 
@@ -85,10 +87,9 @@ class Measure:
         side = np.flatnonzero(self.cells.beyond >= 0)
         length = np.hypot(*(end[side] - start[side]).T) / 2  # there is a side on either cell
         held = length * ((1 - share) * self._means + share * self.mean)
-        pair = np.sort(np.stack([row[side], self.cells.beyond[side]], axis=1), axis=1)
-        names, place = np.unique(pair @ np.array([1 << 32, 1]), return_inverse=True)
-        total = np.bincount(place.reshape(-1), held, minlength=len(names)).astype(np.float64)
-        return (names >> 32).astype(np.int32), (names & 0xFFFFFFFF).astype(np.int32), total
+        beside = np.sort(np.stack([row[side], self.cells.beyond[side]], axis=1), axis=1)
+        pairs, total = sums_by_pair(beside, held)
+        return pairs[:, 0], pairs[:, 1], total
 
     @cached_property
     def mean(self) -> float:
@@ -107,14 +108,11 @@ class Measure:
         return cast("Density", self.density)
 
     @cached_property
-    def _sides(self) -> tuple[NDArray[np.intp], Floats, Floats]:
+    def _sides(self) -> tuple[Integers, Floats, Floats]:
         """The row of each side, its start and its end."""
         cells = self.cells
-        following = np.arange(1, len(cells.corners) + 1)
-        following[cells.ring_corners[1:] - 1] = cells.ring_corners[:-1]
-        row = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
-        row = np.repeat(np.repeat(row, np.diff(cells.rings)), np.diff(cells.ring_corners))
-        return row, cells.corners, cells.corners[following]
+        end = cells.corners[following_corners(cells.ring_corners)]
+        return rows_of_corners(cells), cells.corners, end
 
     @cached_property
     def _integrals(self) -> Floats:
@@ -163,6 +161,15 @@ def check_extent(domain: Domain, points: Floats) -> None:
         )
 
 
+def as_share(value: object, most: float) -> float:
+    """Convert a tolerance that is a share; below 1 it must be positive."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
+        return number
+    allowed = "from 0" if most == np.inf else f"between 0 and {most}"
+    raise InputError(f"tolerance is {shown(value)}: give a number {allowed}")
+
+
 def as_density(given: Any, domain: Domain) -> Density:
     """Convert the option ``density``."""
     corners = domain.corners
@@ -178,10 +185,7 @@ def as_density(given: Any, domain: Domain) -> Density:
 
 
 def _values(given: Any) -> Array:
-    try:
-        values = as_reals(given)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"density is {shown(given)}: give an image, as an array") from error
+    values = as_numbers("density is", given, "give an image, as an array")
     if values.ndim != 2 or not values.size:
         hint = "; of colours, their mean" if values.ndim == 3 else ""
         raise InputError(f"density has the shape {values.shape}: give an (h, w) array{hint}")
@@ -199,9 +203,9 @@ def _values(given: Any) -> Array:
 class Density:
     """An image over a box, and 0 outside."""
 
-    values: Floats
-    low: Floats
-    pixel: Floats
+    values: Floats  # of each pixel; the first row is the lowest
+    low: Floats  # the lower left corner of the box
+    pixel: Floats  # width and height
     _padded: Floats = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -217,11 +221,13 @@ class Density:
         return before[0], before[1], before[2]
 
     def integrals(self, start: Floats, end: Floats) -> Floats:
-        """Integrate along sides what Green's theorem asks for."""
+        """Integrate along sides what Green's theorem asks for, (k, 5)."""
+        # Added up around a polygon: its mass, its first moments and its second ones in x and y, in
+        # units of pixels from the lower left corner of the box.
         return self._along(start, end, self._integrals, 5)
 
     def means(self, start: Floats, end: Floats) -> Floats:
-        """Average the density along sides, (k,) float64; the ends are as for `integrals`."""
+        """Average the density along sides, (k,)."""
         return self._along(start, end, self._values_there, 1)[:, 0]
 
     def _along(

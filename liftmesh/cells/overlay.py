@@ -19,7 +19,7 @@ import numpy as np
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
 from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
-from liftmesh.cells.tie_resolution import untied
+from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 
@@ -77,7 +77,7 @@ def overlaid(lines: Traced, domain: Domain, default: int) -> tuple[Rings, Polyli
     exact = PolylineCorners(domain, lines)
     line = np.searchsorted(lines.starts, segment[found.ties[:, 2]], side="right") - 1
     ties = np.concatenate([found.ties[:, :2], lines.rows[line]], axis=1).astype(np.int32)
-    return _as_found(untied(rings, exact, ties), found), exact
+    return _as_found(resolve_ties(rings, exact, ties), found), exact
 
 
 def _as_found(rings: Rings, found: Crossings) -> Rings:

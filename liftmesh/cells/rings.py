@@ -15,27 +15,26 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh._typing import Floats, Mask, Rows
+from liftmesh._typing import Floats, Integers, Mask, Rows
+from liftmesh.cells.domain import Domain, following_corners
+from liftmesh.io.faces import places
 from liftmesh.optional import load
-
-if TYPE_CHECKING:
-    from liftmesh.cells.domain import Domain
 
 
 @dataclass(slots=True, eq=False)
 class Rings:
     """Closed chains of corners."""
 
+    # Of each corner: the edge or corner of the domain; the row across the ridge or the triangle;
+    # the row beyond the side to the next corner. See `clip.hpp`.
     sources: Rows
     points: Floats
-    starts: NDArray[np.int64]
-    cells: Rows
-    cut: int
+    starts: Integers  # of rings, and the end
+    cells: Rows  # the row whose cell each ring bounds
+    cut: int  # so many rings have corners of the domain, or on its edges; the others are whole
 
     def of_the_domain(self) -> Rings:
         """Return the rings that are cut."""
@@ -43,11 +42,11 @@ class Rings:
         corners = self.sources[:end], self.points[:end]
         return Rings(*corners, self.starts[: self.cut + 1], self.cells[: self.cut], self.cut)
 
-    def taken(self, chosen: NDArray[np.int64]) -> Rings:
+    def taken(self, chosen: Integers) -> Rings:
         """Return some rings, in ascending order."""
         count = np.diff(self.starts)[chosen]
         starts = np.concatenate([[0], np.cumsum(count)])
-        corners = np.repeat(self.starts[chosen] - starts[:-1], count) + np.arange(starts[-1])
+        corners = places(self.starts[chosen], count)
         cut = int(np.count_nonzero(chosen < self.cut))
         return Rings(self.sources[corners], self.points[corners], starts, self.cells[chosen], cut)
 
@@ -64,17 +63,14 @@ class Rings:
         )
 
     @property
-    def ring_of(self) -> NDArray[np.int64]:
+    def ring_of(self) -> Integers:
         """The ring of each corner."""
         return np.repeat(np.arange(len(self.cells)), np.diff(self.starts))
 
     @property
-    def following(self) -> NDArray[np.int64]:
+    def following(self) -> Integers:
         """The corner after each, in its ring."""
-        following = np.arange(1, len(self.points) + 1)
-        full = np.diff(self.starts) > 0
-        following[self.starts[1:][full] - 1] = self.starts[:-1][full]
-        return following
+        return following_corners(self.starts)
 
 
 def binary_scale(values: Floats) -> int:
@@ -82,8 +78,8 @@ def binary_scale(values: Floats) -> int:
     return int(np.frexp(np.abs(values).max(initial=0.0))[1])
 
 
-def parts_of(rings: Rings, exact: DomainCorners) -> tuple[NDArray[np.int64], Mask]:
-    """Find the part that each ring bounds, and which rings are holes."""
+def parts_of(rings: Rings, exact: DomainCorners) -> tuple[Integers, Mask]:
+    """Find the part that each ring bounds, by cell and outer ring, and which rings are holes."""
     is_hole = np.zeros(len(rings.cells), dtype=np.bool_)
     with np.errstate(over="ignore", invalid="ignore"):  # what is no number is decided exactly
         is_hole[: rings.cut] = _turn_clockwise(rings.of_the_domain(), exact)
@@ -118,9 +114,7 @@ def _turn_clockwise(rings: Rings, exact: DomainCorners) -> Mask:
     return clockwise
 
 
-def _around(
-    holes: NDArray[np.int64], outer: NDArray[np.int64], rings: Rings, exact: DomainCorners
-) -> list[int]:
+def _around(holes: Integers, outer: Integers, rings: Rings, exact: DomainCorners) -> list[int]:
     """Return for each hole the innermost ring of its cell around it."""
     shapely = load("shapely", extra="shapes")
     boxes = _boxes(rings)
@@ -227,7 +221,7 @@ class DomainCorners(ABC):
 
     @abstractmethod
     def at(self, cell: int, edge: int, other: int) -> Exact:
-        """Compute a corner."""
+        """Compute a corner of a cell, from where it comes: the first two `sources` of `Rings`."""
 
     def ends(self, edge: int) -> tuple[Exact, Exact]:
         """Return the ends of an edge of the domain."""

@@ -39,17 +39,17 @@ class _Corner(NamedTuple):
 _Ring = list[_Corner]
 
 
-def untied(rings: Rings, exact: DomainCorners, ties: Rows) -> Rings:
+def resolve_ties(rings: Rings, exact: DomainCorners, ties: Rows) -> Rings:
     """Return rings without what only the perturbation made."""
     suspects = _suspects(rings, exact, ties)
     if not len(suspects):
         return rings
     is_suspect = np.isin(rings.cells, suspects)
-    found = _Untying(exact, ties)
+    known = _Ties(exact, ties)
     repaired: list[tuple[int, _Ring]] = []
     for cell, own in _by_cell(rings, np.flatnonzero(is_suspect)):
-        corners = [found.corners(cell, source) for source in own]
-        repaired += [(cell, ring) for ring in found.untied(cell, corners)]
+        corners = [known.corners(cell, source) for source in own]
+        repaired += [(cell, ring) for ring in known.resolved(cell, corners)]
     cut = np.arange(len(rings.cells)) < rings.cut
     return Rings.joined(
         rings.taken(np.flatnonzero(~is_suspect & cut)),
@@ -94,7 +94,7 @@ def _rings_of(repaired: Sequence[tuple[int, _Ring]]) -> Rings:
     )
 
 
-class _Untying:
+class _Ties:
     """What is known of ties, by pairs of rows, and of places where the domain touches itself."""
 
     def __init__(self, exact: DomainCorners, ties: Rows) -> None:
@@ -119,7 +119,7 @@ class _Untying:
         ]
         return [a for a, b in _sides(ring) if a.at != b.at]
 
-    def untied(self, cell: int, rings: Iterable[_Ring]) -> Iterable[_Ring]:
+    def resolved(self, cell: int, rings: Iterable[_Ring]) -> Iterable[_Ring]:
         """Yield what the rings of a cell are without the perturbation."""
         split = [[piece for side in _sides(ring) for piece in self._pieces(cell, *side)]
                  for ring in rings]  # fmt: skip

@@ -16,11 +16,11 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.options import counted
-from liftmesh.cells.clipped import ClippedCells
+from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact
-from liftmesh.cells.tie_resolution import untied
+from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
@@ -214,7 +214,7 @@ class Cells(ClippedCells):
         found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
         is_vertex, is_crossing = self.corner_kinds == 0, self.corner_kinds == 1
         found[is_vertex] = self._dual.simplices[other[is_vertex]]
-        own = self._cell_of_corner[is_crossing].astype(np.int32)
+        own = rows_of_corners(self)[is_crossing].astype(np.int32)
         found[is_crossing] = np.stack([own, other[is_crossing], edge[is_crossing]], axis=1)
         return read_only(found)
 
@@ -243,7 +243,7 @@ def clip(dual: Dual, domain: Domain) -> tuple[Rings, ExactCorners]:
         ring = int(np.searchsorted(starts, i, side="right")) - 1
         x, y = exact.at(int(cells[ring]), *sources[i, :2].tolist())
         points[i] = float(x), float(y)
-    return untied(rings, exact, ties), exact
+    return resolve_ties(rings, exact, ties), exact
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,31 +31,29 @@ def run(
     source: options.Source,
     q: Annotated[
         Any,
-        typer.Option(
-            metavar="Q",
-            parser=values.vertex,
-            help="Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+        options.option(
+            "Q",
+            "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+            options.vertex,
         ),
     ] = "median",
     lower: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write liftmesh's lower hull of the lifted points."),
+        options.option("FILE", "Write liftmesh's lower hull of the lifted points."),
     ] = None,
     hull: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write trimesh's convex hull of them.")
+        Path | None, options.option("FILE", "Write trimesh's convex hull of them.")
     ] = None,
     proofs: Annotated[
         int,
-        typer.Option(
-            metavar="N", parser=values.count(0), help="Maximum number of proofs to print."
-        ),
+        options.option("N", "Maximum number of proofs to print.", options.whole(0)),
     ] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from liftmesh.base.options import counted
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -29,29 +29,23 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
     interval: Annotated[
         float | None,
-        typer.Option(
-            metavar="HEIGHT", parser=values.positive, help="Lines at all multiples of this height."
-        ),
+        options.option("HEIGHT", "Lines at all multiples of this height.", options.positive),
     ] = None,
     levels: Annotated[
         Any,
-        typer.Option(
-            metavar="HEIGHTS", parser=values.numbers, help="Lines at these heights, as 1,2.5."
-        ),
+        options.option("HEIGHTS", "Lines at these heights, as 1,2.5.", options.numbers),
     ] = None,
     base: Annotated[
         float,
-        typer.Option(
-            metavar="HEIGHT", parser=values.number, help="Height that multiples are counted from."
-        ),
+        options.option("HEIGHT", "Height that multiples are counted from.", options.number),
     ] = 0,
     index_every: Annotated[
         int,
-        typer.Option(metavar="N", parser=values.count(1), help="Every n-th is an index contour."),
+        options.option("N", "Every n-th is an index contour.", options.whole(1)),
     ] = 5,
     min_length: Annotated[
         float,
-        typer.Option(metavar="LENGTH", parser=values.number, help="Leave out shorter lines."),
+        options.option("LENGTH", "Leave out shorter lines.", options.number),
     ] = 0,
     *,
     reading: surfaces.Reading,
@@ -65,7 +59,7 @@ def run(
     if (interval is None) == (levels is None):
         raise typer.BadParameter("give either --interval or --levels")
     wanted = {"levels": levels} if levels is not None else {"interval": interval, "base": base}
-    with values.as_usage():
+    with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
     if source.is_dir():

@@ -1,4 +1,4 @@
-"""Clouds that commands read: one, or several as one; and whose row an error is about."""
+"""Clouds that commands read: options, one file or several as one, and whose row an error is on."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import counted
-from liftmesh.cli import notes, terminal
+from liftmesh.base.options import Returns, counted
+from liftmesh.cli import notes, options, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.terminal import note
-from liftmesh.cli.values import is_stream
 from liftmesh.errors import (
     DataWarning,
     DegenerateInputError,
@@ -37,13 +37,135 @@ _ABOUT_A_FILE = (
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
-def read(path: Path, options: Mapping[str, Any]) -> Cloud:
+def table(
+    columns: Annotated[
+        str | None,
+        options.option(
+            "NAMES",
+            "Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
+            "of all in order, as id,x,y,z; - leaves one out.",
+        ),
+    ] = None,
+    flat: Annotated[
+        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
+    ] = False,
+    delimiter: Annotated[
+        str | None,
+        options.option("MARK", "Tables: what separates values, as ';', tab or space."),
+    ] = None,
+    decimal: Annotated[
+        str | None, options.option("MARK", "Tables: the decimal mark, . or ,")
+    ] = None,
+    skip_rows: Annotated[
+        int,
+        options.option("N", "Tables: skip the first N lines.", options.whole(0)),
+    ] = 0,
+    no_header: Annotated[
+        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
+    ] = False,
+    nodata: Annotated[
+        str | None,
+        options.option(
+            "VALUE",
+            "Tables and rasters: what stands for a missing value, as -9999; none if nothing does.",
+        ),
+    ] = None,
+    end: Annotated[
+        str | None, options.option("LINE", "Tables: the line that ends them, as END.")
+    ] = None,
+    encoding: Annotated[
+        str | None,
+        options.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of tables, and return those given, as `liftmesh.read` has them."""
+    given = options.given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
+    given |= options.given(end=end, encoding=encoding, flat=flat)
+    given |= {"header": False} if no_header else {}
+    given |= options.given(skip_rows=skip_rows or None)
+    if given:
+        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
+
+        with options.as_option():
+            validate_table_options(**given)
+    return given
+
+
+def _selection(
+    classes: Annotated[
+        Any,
+        options.option(
+            "CLASSES",
+            "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+            options.classes,
+        ),
+    ] = None,
+    returns: Annotated[
+        Returns | None,
+        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+    ] = None,
+    bbox: Annotated[
+        Any,
+        options.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends),
+    ] = None,
+    z_range: Annotated[
+        Any,
+        options.option("Z0,Z1", "Rows of these heights.", options.ends),
+    ] = None,
+    every: Annotated[
+        int,
+        options.option("N", "Every n-th of the rows that are left.", options.whole(1)),
+    ] = 1,
+    withheld: Annotated[
+        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
+    ] = False,
+    resolution: Annotated[
+        float | None,
+        options.option("D", "Of a COPC file, points at about this distance.", options.positive),
+    ] = None,
+    band: Annotated[
+        int | None,
+        options.option(
+            "N", "Rasters: the band that holds the heights; the first is 1.", options.whole(1)
+        ),
+    ] = None,
+    from_crs: Annotated[
+        str | None,
+        options.option(
+            "CRS",
+            "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
+            "several, of those that state none, or the same without heights.",
+        ),
+    ] = None,
+    to_crs: Annotated[
+        str | None,
+        options.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the conditions on rows, and return those given, with where the rows are read to."""
+    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    conditions |= options.given(
+        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+    )
+    if conditions:
+        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
+
+        with options.as_option():
+            validate_selection(**conditions)
+    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
+
+
+Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
+Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+
+
+def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
 
-    The options are those of `liftmesh.read`, here and below.
+    What a command reads by are options of `liftmesh.read`, here and below.
     """
-    options = {name: each for name, each in options.items() if each is not None or name == "flat"}
-    if is_stream(path) and "format" not in options:
+    reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
+    if is_stream(path) and "format" not in reading:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
@@ -52,12 +174,12 @@ def read(path: Path, options: Mapping[str, Any]) -> Cloud:
     text = f"reading {name if is_stream(path) else path.name}"
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
-        cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, options)
-    for each in notes.notes(cloud, is_transformed="to_crs" in options):
+        cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
+    for each in notes.notes(cloud, is_transformed="to_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
-    if "color_depth" not in options and cloud.color_depth == 8 and len(cloud):
+    if "color_depth" not in reading and cloud.color_depth == 8 and len(cloud):
         note(
             f"{name}: no colour exceeds 255: they are read as 8-bit colours "
             "(liftmesh triangulate has --color-depth)"
@@ -85,20 +207,20 @@ def _about_reading(name: str) -> Iterator[None]:
         yield
     except OSError as error:
         if error.filename is None:
-            error.filename = name
+            error.filename = name  # pragma: no cover - a device that fails while it is read
         raise
 
 
-def _read_quietly(source: Any, options: Mapping[str, Any]) -> Cloud:
+def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
     """Read without warnings: they are among the notes."""
     from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - help and --version do without
     from liftmesh.crs.description import check_system  # noqa: PLC0415 - as above
     from liftmesh.io import read as io  # noqa: PLC0415 - as above
 
     with without_warnings():
-        if _CRS_OF_OTHERS not in options:
-            return io.read(source, **options)
-        rest = {**options}
+        if _CRS_OF_OTHERS not in reading:
+            return io.read(source, **reading)
+        rest = {**reading}
         crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
         check_system(crs)
         cloud = io.read(source, **rest)
@@ -114,7 +236,7 @@ def without_warnings() -> Iterator[None]:
 
 
 def read_rows(
-    sources: Sequence[Path], options: Mapping[str, Any], *, of_surface: bool = True
+    sources: Sequence[Path], reading: Mapping[str, Any], *, of_surface: bool = True
 ) -> Cloud:
     """Read files and merge them; say on stderr how many rows each adds.
 
@@ -123,17 +245,17 @@ def read_rows(
     from liftmesh.io.surface_rows import check_some, for_surface  # noqa: PLC0415 - help does without
 
     def read_one(path: Path) -> Cloud:
-        file_format = options.get("format")
-        return read(path, for_surface(path, options, file_format) if of_surface else options)
+        file_format = reading.get("format")
+        return read(path, for_surface(path, reading, file_format) if of_surface else reading)
 
     if len(sources) == 1:
         return check_some(read_one(sources[0]), sources[0])
     for path in sources:
         if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    if "crs" in options:
-        rest = {key: each for key, each in options.items() if key != "crs"}
-        options = {**rest, _CRS_OF_OTHERS: options["crs"]}
+    if "crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
     with terminal.few_of_a_kind():
         clouds = [read_one(each) for each in sources]
     cloud = _merged(sources, clouds)
@@ -192,10 +314,10 @@ def check_once(sources: Sequence[Path]) -> None:
 def _identity(path: Path) -> object:
     """Return what two names of one file have in common."""
     try:
-        found = None if is_stream(path) else path.stat()
+        status = None if is_stream(path) else path.stat()
     except OSError:
-        found = None
-    return path if found is None or not found.st_ino else (found.st_dev, found.st_ino)
+        status = None
+    return path if status is None or not status.st_ino else (status.st_dev, status.st_ino)
 
 
 @contextmanager

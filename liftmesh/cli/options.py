@@ -1,23 +1,31 @@
-"""Options that several commands have, and groups of options that a command takes as one.
+"""Options of commands: how their values are parsed, those that several have, and groups of them.
 
-A parameter of a command that is annotated with a `Group` stands for all options of the function
-that the group is parsed by. A group may hold groups. An option of the command's own takes the place
-of one of that name in a group, which then has its default.
+*Values.* typer calls a parser with what was typed, before the command runs. A `WrongValue` is told
+after the name of the option. What the library refuses of values that were parsed is told as wrong
+usage, too (`as_usage`).
+
+*Groups.* A parameter of a command that is annotated with a `Group` stands for all options of the
+function that the group is parsed by. A group may hold groups. An option of the command's own takes
+the place of one of that name in a group, which then has its default.
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+import math
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias, get_args
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import Duplicates as Policy, NonFinite, Returns
-from liftmesh.cli import values
+from liftmesh.base.options import Duplicates as Policy, NonFinite, as_count
+from liftmesh.cli.wording import as_on_command_line
+from liftmesh.errors import InputError
 
 
 @dataclass(frozen=True)
@@ -76,25 +84,260 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: each for name, each in options.items() if each is not None and each is not False}
 
 
+class WrongValue(typer.BadParameter):
+    """What an option refuses: the message follows the name of the option, or the hint."""
+
+
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, name: str = ""
+) -> Any:
+    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
+    return typer.Option(*filter(None, [name]), metavar=metavar, help=text, parser=parser)
+
+
+@contextmanager
+def as_usage() -> Iterator[None]:
+    """Tell what the library refuses of the values of options as wrong usage."""
+    try:
+        yield
+    except InputError as error:
+        raise typer.BadParameter(as_on_command_line(str(error))) from error
+
+
+@contextmanager
+def as_option() -> Iterator[None]:
+    """The same of messages that begin with the name of an option of the library."""
+    try:
+        yield
+    except InputError as error:
+        name, _, reason = str(error).partition(" ")
+        raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}") from error
+
+
+@contextmanager
+def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
+    """Tell what the library refuses of a value of this name as that of the option."""
+    try:
+        yield
+    except InputError as error:
+        raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """Make a parser of whole numbers from a least one."""
+
+    def parse(text: str) -> int:
+        with _refusing("value"):
+            return as_count("value", _digits(text), least)
+
+    return parse
+
+
+def number(text: str) -> float:
+    """Parse a finite number."""
+    value = _float(text)
+    if not math.isfinite(value):
+        raise WrongValue(f"{text!r} is not a number")
+    return value
+
+
+def positive(text: str) -> float:
+    """Parse a positive number."""
+    value = _float(text)
+    if not 0 < value < math.inf:
+        raise WrongValue(f"{text!r} is not a positive number")
+    return value
+
+
+def distance(text: str) -> float:
+    """Parse a number that is not below zero."""
+    value = _float(text)
+    if not 0 <= value < math.inf:
+        raise WrongValue(f"{text!r} is not a distance: 0, or more")
+    return value
+
+
+def numbers(text: str) -> list[float]:
+    """Parse finite numbers separated by commas."""
+    return [number(word) for word in text.split(",")]
+
+
+def ends(text: str) -> list[float]:
+    """Parse numbers separated by commas that bound something, which may be infinite."""
+    try:
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise WrongValue(f"{text!r} is no list of numbers, as 0,10") from None
+
+
+def box(text: str) -> tuple[float, ...] | None:
+    """Parse a box of four numbers separated by commas; None if the text is something else."""
+    return _exactly(4, text)
+
+
+def classes(text: str) -> str | list[int]:
+    """Parse classes of rows."""
+    if text in {"ground", "all"}:
+        return text
+    words = text.split(",")
+    if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
+        raise WrongValue(f"{text!r} is unknown: give ground, all or as 2,9")
+    return [int(word) for word in words]
+
+
+def size(text: str) -> int:
+    """Parse a number of bytes."""
+    match = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    value = 0 if match is None else int(match[1]) * 1000 ** " KMGT".index(match[2].upper() or " ")
+    if not value:
+        raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
+    return value
+
+
+def threads(text: str) -> int:
+    """Parse a number of threads."""
+    given: Any = _digits(text)
+    _check_threads(given, "threads")
+    return int(given)
+
+
+def checked_threads(value: int | None) -> int | None:
+    """Check the number of threads that the environment gives, where no option does."""
+    if value is None:
+        from liftmesh.base.threads import VARIABLE  # noqa: PLC0415 - as below
+
+        _check_threads(None, VARIABLE, VARIABLE)
+    return value
+
+
+def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
+    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
+
+    with _refusing(name, hint):
+        as_threads(value, MOST_ROWS)
+
+
+def color_depth(text: str) -> int:
+    """Parse a number of bits of a channel."""
+    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
+
+    depth = _digits(text)
+    if depth not in DEPTHS:
+        raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
+    return int(depth)
+
+
+def metric(text: str) -> Any:
+    """Parse A,B,C to the matrix of a metric."""
+    values = _exactly(3, text)
+    if values is None:
+        raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+
+    a, b, c = values
+    with _refusing("metric"):
+        as_metric([[a, b], [b, c]])
+    return (a, b), (b, c)
+
+
+def vertex(text: str) -> Any:
+    """Parse the vertex of the paraboloid."""
+    if text in {"median", "origin"}:
+        return text
+    place = _exactly(2, text)
+    if place is None or not all(map(math.isfinite, place)):
+        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite QX,QY")
+    return place
+
+
+class ProjectionPlane(NamedTuple):
+    """A projection plane as `liftmesh.triangulate` takes it, and the file that it is read from."""
+
+    value: Any
+    file: Path | None = None
+
+
+def plane(text: str) -> ProjectionPlane:
+    """Parse a projection plane."""
+    if text in {"xy", "xz", "yz", "fit"}:
+        return ProjectionPlane(text)
+    coefficients = _exactly(3, text) or _exactly(4, text)
+    if coefficients:
+        return ProjectionPlane(coefficients)
+    return ProjectionPlane(_matrix(Path(text), text), Path(text))
+
+
+def _matrix(path: Path, text: str) -> Any:
+    """Read a 4x4 matrix from a text or .npy file."""
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    if not path.is_file():
+        raise WrongValue(
+            f"{text!r} is neither a known name nor a file: "
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
+        )
+    try:
+        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError) as error:
+        raise WrongValue(f"{path}: cannot read a matrix: {error}") from error
+    if matrix.shape != (4, 4):
+        raise WrongValue(f"{path}: the matrix is {matrix.shape}, not 4x4")
+    return matrix
+
+
+def _read_npy(path: Path) -> Any:
+    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
+
+    with path.open("rb") as stream:
+        return read_array(stream, path.name)
+
+
+def is_stream(path: Path) -> bool:
+    """Whether a path denotes a standard stream."""
+    return str(path) == "-"
+
+
+def _digits(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _exactly(length: int, text: str) -> tuple[float, ...] | None:
+    """Parse so many numbers separated by commas; None if the text is something else."""
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    return numbers if len(numbers) == length else None
+
+
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
     str | None,
-    typer.Option("--from", metavar="FORMAT", help="Format of the input, instead of its suffix."),
+    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
 ]
 TargetFormat: TypeAlias = Annotated[
     str | None,
-    typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
+    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
 ]
 Plane: TypeAlias = Annotated[
     Any,
-    typer.Option(
-        metavar="PLANE",
-        parser=values.plane,
-        help="Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
+    option(
+        "PLANE",
+        "Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
         "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
         "to plane coordinates.",
+        plane,
     ),
 ]
 Duplicates: TypeAlias = Annotated[
@@ -108,46 +351,46 @@ Threads: TypeAlias = Annotated[
     int | None,
     typer.Option(
         metavar="N",
-        parser=values.threads,
-        callback=values.checked_threads,
+        parser=threads,
+        callback=checked_threads,
         help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
     ),
 ]
 MaxBytes: TypeAlias = Annotated[
     int | None,
-    typer.Option(
-        metavar="SIZE",
-        parser=values.size,
-        help="Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+    option(
+        "SIZE",
+        "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
         "500M or 4G.",
+        size,
     ),
 ]
 ColorDepth: TypeAlias = Annotated[
     int | None,
-    typer.Option(
-        metavar="BITS",
-        parser=values.color_depth,
-        help="Bits per channel of integer colours, 8 or 16; by default their values decide.",
+    option(
+        "BITS",
+        "Bits per channel of integer colours, 8 or 16; by default their values decide.",
+        color_depth,
     ),
 ]
 Weights: TypeAlias = Annotated[
     str | None,
-    typer.Option(
-        metavar="COLUMN",
-        help="Values of IN that are weights: makes the regular triangulation, the dual of the "
+    option(
+        "COLUMN",
+        "Values of IN that are weights: makes the regular triangulation, the dual of the "
         "power diagram, which may hide rows.",
     ),
 ]
 Radii: TypeAlias = Annotated[
     str | None,
-    typer.Option(metavar="COLUMN", help="The same with radii, whose squares are weights."),
+    option("COLUMN", "The same with radii, whose squares are weights."),
 ]
 Metric: TypeAlias = Annotated[
     Any,
-    typer.Option(
-        metavar="A,B,C",
-        parser=values.metric,
-        help="Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
+    option(
+        "A,B,C",
+        "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
+        metric,
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
@@ -155,144 +398,7 @@ Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON ob
 
 def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
     """Return the option that says by what points are lifted, of which there may be one."""
-    found = given(weights=weights, radii=radii, metric=metric)
-    if len(found) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(found)} are given: give one of them")
-    return found
-
-
-def table(
-    columns: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAMES",
-            help="Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
-            "of all in order, as id,x,y,z; - leaves one out.",
-        ),
-    ] = None,
-    flat: Annotated[
-        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
-    ] = False,
-    delimiter: Annotated[
-        str | None,
-        typer.Option(metavar="MARK", help="Tables: what separates values, as ';', tab or space."),
-    ] = None,
-    decimal: Annotated[
-        str | None, typer.Option(metavar="MARK", help="Tables: the decimal mark, . or ,")
-    ] = None,
-    skip_rows: Annotated[
-        int,
-        typer.Option(metavar="N", parser=values.count(0), help="Tables: skip the first N lines."),
-    ] = 0,
-    no_header: Annotated[
-        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
-    ] = False,
-    nodata: Annotated[
-        str | None,
-        typer.Option(
-            metavar="VALUE",
-            help="Tables and rasters: what stands for a missing value, as -9999; none if nothing "
-            "does.",
-        ),
-    ] = None,
-    end: Annotated[
-        str | None, typer.Option(metavar="LINE", help="Tables: the line that ends them, as END.")
-    ] = None,
-    encoding: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", help="Tables: the encoding of the text, as cp1252, if not UTF."
-        ),
-    ] = None,
-) -> dict[str, Any]:
-    """Check the options of tables, and return those given, as `liftmesh.read` has them."""
-    found = given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
-    found |= given(end=end, encoding=encoding, flat=flat)
-    found |= {"header": False} if no_header else {}
-    found |= given(skip_rows=skip_rows or None)
-    if found:
-        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
-
-        with values.as_option():
-            validate_table_options(**found)
-    return found
-
-
-def _selection(
-    classes: Annotated[
-        Any,
-        typer.Option(
-            metavar="CLASSES",
-            parser=values.classes,
-            help="Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
-        ),
-    ] = None,
-    returns: Annotated[
-        Returns | None,
-        typer.Option(help="Rows of the last or the first return, or of those that are both."),
-    ] = None,
-    bbox: Annotated[
-        Any,
-        typer.Option(
-            metavar="X0,Y0,X1,Y1",
-            parser=values.ends,
-            help="Rows inside a rectangle, or on its border.",
-        ),
-    ] = None,
-    z_range: Annotated[
-        Any,
-        typer.Option(metavar="Z0,Z1", parser=values.ends, help="Rows of these heights."),
-    ] = None,
-    every: Annotated[
-        int,
-        typer.Option(
-            metavar="N", parser=values.count(1), help="Every n-th of the rows that are left."
-        ),
-    ] = 1,
-    withheld: Annotated[
-        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
-    ] = False,
-    resolution: Annotated[
-        float | None,
-        typer.Option(
-            metavar="D",
-            parser=values.positive,
-            help="Of a COPC file, points at about this distance.",
-        ),
-    ] = None,
-    band: Annotated[
-        int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(1),
-            help="Rasters: the band that holds the heights; the first is 1.",
-        ),
-    ] = None,
-    from_crs: Annotated[
-        str | None,
-        typer.Option(
-            metavar="CRS",
-            help="The coordinate system of the file, as EPSG:25832, in place of what it states; of "
-            "several, of those that state none, or the same without heights.",
-        ),
-    ] = None,
-    to_crs: Annotated[
-        str | None,
-        typer.Option(
-            metavar="CRS", help="Transform the coordinates to this system, as EPSG:25832."
-        ),
-    ] = None,
-) -> dict[str, Any]:
-    """Check the conditions on rows, and return those given, with where the rows are read to."""
-    found = given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
-    found |= given(every=every if every > 1 else None, withheld=withheld, resolution=resolution)
-    if found:
-        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
-
-        with values.as_option():
-            validate_selection(**found)
-    return found | given(to_crs=to_crs, crs=from_crs, band=band)
-
-
-Table: TypeAlias = Annotated[dict[str, Any], Group(table)]
-Selection: TypeAlias = Annotated[dict[str, Any], Group(_selection)]
+    chosen = given(weights=weights, radii=radii, metric=metric)
+    if len(chosen) > 1:
+        raise typer.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
+    return chosen

@@ -24,9 +24,9 @@ import typer
 
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
-from liftmesh.cli import options, terminal, values
+from liftmesh.cli import options, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.signals import Closed
-from liftmesh.cli.values import is_stream
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
@@ -112,8 +112,8 @@ def _is_part(target: Path, source: Path) -> bool:
     if where in place.parents:
         return place.is_file() and where.is_dir()
     with suppress(OSError, ValueError):  # missing, or a stdin that is no file
-        found = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
-        return os.path.samestat(found, place.stat()) and place.is_file()
+        status = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
+        return os.path.samestat(status, place.stat()) and place.is_file()
     return place == where
 
 
@@ -128,17 +128,13 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 def _writing(
     scale: Annotated[
         float | None,
-        typer.Option(
-            metavar="STEP",
-            parser=values.positive,
-            help="Of LAS: the step that coordinates are rounded to.",
+        options.option(
+            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
         ),
     ] = None,
     point_format: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", parser=values.count(0), help="Of LAS: the point format, 0 to 10."
-        ),
+        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
@@ -162,16 +158,16 @@ def check_target(
         check_stdout()
     if not (file_format or path.suffix):
         raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
-    found = find_written(file_format or suffix_of(path.name), str(path))
-    if found.write is None:
-        raise FormatError(f"{path}: {found.name} files can be read, not written")
+    kind = find_written(file_format or suffix_of(path.name), str(path))
+    if kind.write is None:
+        raise FormatError(f"{path}: {kind.name} files can be read, not written")
     check_place(path)
     try:
         for each in writing:
-            writer_of(found, str(path), {each: writing[each]})
+            writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
         option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {found.name} files have none") from error
+        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
 
 
 def check_place(path: Path | None) -> None:
@@ -190,17 +186,17 @@ def check_content(
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
-    found = find_format(file_format or path.suffix, str(path))
-    check_before(replace(found, check=None) if "unit" in writing else found, cloud)
-    if "unit" in writing or found.name not in _TAKEN_UNITS:
+    kind = find_format(file_format or path.suffix, str(path))
+    check_before(replace(kind, check=None) if "unit" in writing else kind, cloud)
+    if "unit" in writing or kind.name not in _TAKEN_UNITS:
         return
     system = system_of(cloud)
     if cloud.crs is None:
-        unit = _TAKEN_UNITS[found.name]
-        terminal.note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
+        unit = _TAKEN_UNITS[kind.name]
+        terminal.note(f"{path}: no coordinate system says the unit: {kind.name} states {unit}")
     elif system is not None and system.units[2] is None and system.units[0] is not None:
         unit = system.units[0].name
-        said = f"nothing says the unit of heights: {found.name} states {unit} for them, too"
+        said = f"nothing says the unit of heights: {kind.name} states {unit} for them, too"
         terminal.note(f"{path}: {said}")
 
 
@@ -214,15 +210,22 @@ def write(
         with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
             return io.write(path, mesh, format=file_format, overwrite=True, **writing)
-    with stdout_of_bytes() as stream:
+    with opened(path) as stream:
         return io.write(stream, mesh, format=file_format, **writing)
 
 
 @contextmanager
-def stdout_of_bytes() -> Iterator[BinaryIO]:
-    """Open stdout for a file, unless a signal came."""
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that is put in place when it is whole, or stdout, unless a signal came."""
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+
+    if not is_stream(path):
+        with terminal.stage(f"writing {path.name}"), replacing(path) as stream:
+            yield stream
+        return
     with terminal.stage("writing stdout"):
         check()
+        # Of its own: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             yield stream
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import outputs, terminal, values
+from liftmesh.cli import options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -77,9 +77,9 @@ class _Choice:
 def run(
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder for all files, created if missing; by default out/paper, or "
+        options.option(
+            "DIR",
+            "Folder for all files, created if missing; by default out/paper, or "
             "out/paper-quick with --quick.",
         ),
     ] = None,
@@ -88,10 +88,10 @@ def run(
     ] = False,
     seeds: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(1),
-            help="Number of random sets of each size; by default 3, or 1 with --quick.",
+        options.option(
+            "N",
+            "Number of random sets of each size; by default 3, or 1 with --quick.",
+            options.whole(1),
         ),
     ] = None,
     table: Annotated[
@@ -100,17 +100,15 @@ def run(
     ] = "both",
     sizes: Annotated[
         list[int] | None,
-        typer.Option(
-            "--n",
-            metavar="N",
-            parser=values.count(3),
-            help="Number of points, instead of the paper's; repeatable.",
+        options.option(
+            "N",
+            "Number of points, instead of the paper's; repeatable.",
+            options.whole(3),
+            name="--n",
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
-    machine: Annotated[
-        str | None, typer.Option(metavar="TEXT", help="Description of the machine.")
-    ] = None,
+    machine: Annotated[str | None, options.option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
     from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without

@@ -83,7 +83,7 @@ def group(option: str) -> options.Group:
         plain = {key.removeprefix(f"{option}_"): value for key, value in given.items()}
         file_format = plain.pop("format")
         try:
-            return Places(option, file_format, options.table(**plain))
+            return Places(option, file_format, inputs.table(**plain))
         except typer.BadParameter as error:
             raise typer.BadParameter(error.message.replace("--", f"--{option}-", 1)) from error
 
@@ -110,9 +110,9 @@ def _parameter(name: str, default: Any, kind: Any, info: Any) -> inspect.Paramet
 
 def _table_options() -> dict[str, inspect.Parameter]:
     """Return the options of tables, as typer sees them."""
-    found = dict(inspect.signature(options.table, eval_str=True).parameters)
-    del found[_LEFT_OUT]
-    return found
+    parameters = dict(inspect.signature(inputs.table, eval_str=True).parameters)
+    del parameters[_LEFT_OUT]
+    return parameters
 
 
 def is_shapes(path: Path) -> bool:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from liftmesh.base.options import RasterQuantity, SampleMethod, shown
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.errors import InputError
 
 _ANGLES = ("slope", "hillshade")
@@ -32,17 +32,11 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[
         Any,
-        typer.Option(
-            metavar="SIZE", parser=values.numbers, help="Width and height of a pixel, or X,Y."
-        ),
+        options.option("SIZE", "Width and height of a pixel, or X,Y.", options.numbers),
     ],
     bounds: Annotated[
         Any,
-        typer.Option(
-            metavar="X0,Y0,X1,Y1",
-            parser=values.numbers,
-            help="What to cover, by default the surface.",
-        ),
+        options.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", options.numbers),
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
@@ -50,28 +44,29 @@ def run(
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
-        typer.Option(
-            metavar="FACTOR",
-            parser=values.positive,
-            help="Multiply heights by this before slopes and shades are computed; by default they "
+        options.option(
+            "FACTOR",
+            "Multiply heights by this before slopes and shades are computed; by default they "
             "get the unit of x and y, if the coordinate system says all three.",
+            options.positive,
         ),
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[
-        str, typer.Option(metavar="METHOD", help="deflate, lzw, zstd or none.")
-    ] = "deflate",
+    compress: Annotated[str, options.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
     crs: Annotated[
         str | None,
-        typer.Option(metavar="CRS", help="Coordinate system, as EPSG:25832; IN states no other."),
+        options.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
     ] = None,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - help and --version do without
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - as above
 
     outputs.check_stdout()
     check_name(target)
@@ -89,7 +84,8 @@ def run(
             path = tiled.save_raster(
                 target, steps, cog=cog, compress=packing, progress=progress, **wanted
             )
-        _say_tiled(path, quantity, tiled.crs, as_json=json)
+        with load("rasterio", extra="terrain").open(path) as file:
+            _say(path, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
@@ -97,10 +93,13 @@ def run(
     if quantity in _ANGLES:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage("scanning faces"):
-        found = surface.raster(steps, **wanted)
+        raster = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        path = found.save(target, cog=cog, compress=packing)
-    _say(path, found, notes.provenance(surface), as_json=json)
+        path = raster.save(target, cog=cog, compress=packing)
+    known = int(np.count_nonzero(~np.isnan(raster.values)))
+    counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
+    place = raster.transform, raster.crs
+    _say(path, quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
@@ -116,7 +115,7 @@ def _check(
     from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
     from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
 
-    with values.as_usage():
+    with options.as_usage():
         steps_of(steps)
         if bounds is not None:
             bounds_of(bounds)
@@ -133,31 +132,21 @@ def _system(source: Path, stated: str | None, given: str) -> str:
     return given
 
 
-def _say(path: Path, found: Any, rows_of: dict[str, Any], *, as_json: bool) -> None:
-    import numpy as np  # noqa: PLC0415 - help and --version do without
-
-    rows_, columns = found.values.shape
-    known = int(np.count_nonzero(~np.isnan(found.values)))
+def _say(
+    path: Path,
+    quantity: str,
+    shape: tuple[int, int],
+    place: tuple[Any, str | None],
+    counts: dict[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """Say how large a raster is, and how many pixels have a value, if they were counted."""
+    (rows, columns), (transform, crs) = shape, place
     if as_json:
-        place = {"transform": list(found.transform), "crs": found.crs}
-        counts = {"rows": rows_, "columns": columns, "known": known, "unit": found.unit, **rows_of}
-        terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
+        size = {"rows": rows, "columns": columns}
+        there = {"transform": list(transform)[:6], "crs": crs}
+        terminal.as_json({"path": str(path), "quantity": quantity, **size, **counts, **there})
         return
-    terminal.sentence(
-        f"{path}: {columns:,} x {rows_:,} pixels of {found.quantity}, {known:,} with a value",
-        "good",
-    )
-
-
-def _say_tiled(path: Path, quantity: str, crs: str | None, *, as_json: bool) -> None:
-    """Say how large the raster of a folder is, which was written window by window."""
-    from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
-
-    with load("rasterio", extra="terrain").open(path) as file:
-        rows_, columns, transform = file.height, file.width, list(file.transform)[:6]
-    if as_json:
-        place = {"transform": transform, "crs": crs}
-        counts = {"rows": rows_, "columns": columns}
-        terminal.as_json({"path": str(path), "quantity": quantity, **counts, **place})
-        return
-    terminal.sentence(f"{path}: {columns:,} x {rows_:,} pixels of {quantity}", "good")
+    known = f", {counts['known']:,} with a value" if counts else ""
+    terminal.sentence(f"{path}: {columns:,} x {rows:,} pixels of {quantity}{known}", "good")

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import SampleMethod
-from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.values import is_stream
+from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -39,9 +39,7 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
         Path,
-        typer.Option(
-            metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
-        ),
+        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
     ],
     *,
     points: Points,
@@ -51,8 +49,8 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -65,8 +63,8 @@ def run(
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        found, known = _sampled(surface, asked, method, threads)
-    path = _write(target, found, target_format)
+        sampled, known = _sampled(surface, asked, method, threads)
+    path = _write(target, sampled, target_format)
     with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
@@ -102,10 +100,10 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    values = {**own, **asked.attributes}
+    attributes = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
-    return found, int(np.count_nonzero(np.isfinite(heights)))
+    sampled = replace(asked, points=points, attributes=attributes, faces=None, crs=crs)
+    return sampled, int(np.count_nonzero(np.isfinite(heights)))
 
 
 class _EmptyFields:
@@ -130,17 +128,13 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
     from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
         written = outputs.write(target, found, file_format).path
         return None if written is None else Path(written)
-    if is_stream(target):
-        with outputs.stdout_of_bytes() as stream:
-            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-        return None
-    with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
+    with outputs.opened(target) as stream:
         write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-    return target
+    return None if is_stream(target) else target

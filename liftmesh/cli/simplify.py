@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.io.write import Written
@@ -37,19 +37,17 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
-        typer.Option(
-            metavar="Z",
-            parser=values.distance,
-            help="The largest distance along z, in the units of the heights.",
+        options.option(
+            "Z", "The largest distance along z, in the units of the heights.", options.distance
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option(metavar="Z", parser=values.distance, help="Another name of --max-error."),
+        options.option("Z", "Another name of --max-error.", options.distance),
     ] = None,
     max_points: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=values.count(3), help="The most vertices of the mesh."),
+        options.option("N", "The most vertices of the mesh.", options.whole(3)),
     ] = None,
     prune: Annotated[
         bool,
@@ -61,8 +59,8 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     writing: outputs.Writing,

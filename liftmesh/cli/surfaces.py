@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import NonFinite, counted
-from liftmesh.cli import inputs, options, terminal, values
+from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
@@ -32,11 +32,7 @@ Source: TypeAlias = Annotated[
 def _trimming(
     max_edge: Annotated[
         float | None,
-        typer.Option(
-            metavar="LENGTH",
-            parser=values.positive,
-            help="Leave out faces with a side that is longer.",
-        ),
+        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -47,17 +43,15 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        typer.Option(
-            metavar="RADIUS",
-            parser=values.positive,
-            help="Leave out faces whose circumcircle is larger: the alpha shape.",
+        options.option(
+            "RADIUS",
+            "Leave out faces whose circumcircle is larger: the alpha shape.",
+            options.positive,
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."
-        ),
+        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
@@ -65,8 +59,8 @@ def _trimming(
         raise typer.BadParameter("--boundary-only needs --max-edge")
     if polygon is not None:
         polygon.open("rb").close()
-    found = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
-    return found | options.given(polygon=polygon)
+    trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
+    return trimming | options.given(polygon=polygon)
 
 
 Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
@@ -95,8 +89,8 @@ def _reading(
     *,
     trimming: Trimming,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
     rows = options.given(format=source_format, max_bytes=max_bytes)
@@ -145,12 +139,12 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     if given:
         name = f"--{given[0].lstrip('-').replace('_', '-')}"
         raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
-    found = open_tiled(source)
-    if "surface" not in found.manifest:
+    tiled = open_tiled(source)
+    if "surface" not in tiled.manifest:
         raise InputError(
             f"{source} holds triangles without heights: tile the source with --surface"
         )
-    return found  # type: ignore[return-value]  # the manifest says so
+    return tiled  # type: ignore[return-value]  # the manifest says so
 
 
 def _note_overhangs(source: Path, count: int) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import CellRow
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -27,23 +27,17 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 def _thinning(
     random: Annotated[
         int | None,
-        typer.Option(metavar="N", parser=values.count(1), help="Thin: n rows, chosen at random."),
+        options.option("N", "Thin: n rows, chosen at random.", options.whole(1)),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(0),
-            help="Of --random, 0 by default; the same rows on every machine.",
+        options.option(
+            "N", "Of --random, 0 by default; the same rows on every machine.", options.whole(0)
         ),
     ] = None,
     cell: Annotated[
         float | None,
-        typer.Option(
-            metavar="SIZE",
-            parser=values.positive,
-            help="Thin: one row of each square of this size.",
-        ),
+        options.option("SIZE", "Thin: one row of each square of this size.", options.positive),
     ] = None,
     keep: Annotated[
         CellRow | None,
@@ -51,31 +45,29 @@ def _thinning(
     ] = None,
     distance: Annotated[
         float | None,
-        typer.Option(
-            "--min-distance",
-            metavar="D",
-            parser=values.positive,
-            help="Thin: rows of which no two are nearer to each other in the plane.",
+        options.option(
+            "D",
+            "Thin: rows of which no two are nearer to each other in the plane.",
+            options.positive,
+            name="--min-distance",
         ),
     ] = None,
     adaptive: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(3),
-            help="Thin: the n rows without which a surface loses most.",
+        options.option(
+            "N", "Thin: the n rows without which a surface loses most.", options.whole(3)
         ),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    found = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
-    if len(found) > 1:
+    thinning = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
+    if len(thinning) > 1:
         raise typer.BadParameter(_WAYS)
     if seed is not None and random is None:
         raise typer.BadParameter("--seed is of --random only: give both, or neither")
     if keep is not None and cell is None:
         raise typer.BadParameter("--keep is of --cell only: give both, or neither")
-    return found | options.given(seed=seed, keep=keep)
+    return thinning | options.given(seed=seed, keep=keep)
 
 
 Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
@@ -91,8 +83,8 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     thin: Thinning,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
@@ -134,8 +126,8 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
-        found = thin(cloud, **thinning)
-    told = found.metadata["thinning"].items()
+        kept = thin(cloud, **thinning)
+    told = kept.metadata["thinning"].items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
-    terminal.note(f"thinned to {len(found):,} of {len(cloud):,} rows: {how}")
-    return found
+    terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
+    return kept

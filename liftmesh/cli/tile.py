@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
-from liftmesh.cli import inputs, notes, options, outputs, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
@@ -53,35 +53,26 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        typer.Option(
-            metavar="SIZE",
-            parser=values.size,
-            help="Memory of each process, as 500M or 4G: sizes the tiles.",
+        options.option(
+            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
         ),
     ] = None,
     tile_rows: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", parser=values.count(16), help="Rows of a tile, in place of --memory."
-        ),
+        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
     ] = None,
     workers: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=values.count(1),
-            help="Processes, run by Dask; by default this one alone.",
-        ),
+        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Scheduler of Dask whose workers do the work."),
+        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
     ] = None,
     scratch: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT.",
+        options.option(
+            "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
     anew: Annotated[
@@ -96,8 +87,8 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
@@ -119,7 +110,7 @@ def run(
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
     rows: Any = "auto" if tile_rows is None else tile_rows
     if memory is not None:
-        with values.as_usage():
+        with options.as_usage():
             rows = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}
@@ -128,13 +119,14 @@ def run(
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
-        if workers is None and scheduler is None:
-            found = _alone(surface=surface)(paths, out, threads=threads, **common)
+        by_dask = workers is not None or scheduler is not None
+        make = _maker(surface=surface, by_dask=by_dask)
+        if not by_dask:
+            tiled = make(paths, out, threads=threads, **common)
         else:
             with _client(workers, scheduler, memory) as client:
-                make = _by_dask(surface=surface)
-                found = make(paths, out, client=client, **common)
-    _say(found, json=json)
+                tiled = make(paths, out, client=client, **common)
+    _say(tiled, json=json)
 
 
 @contextmanager
@@ -165,22 +157,15 @@ def _check_options(
             raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
-def _alone(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work in this process."""
-    if surface:
-        from liftmesh.tiles.build import tile_surface  # noqa: PLC0415 - as above
+def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
+    """Return what does the work, in this process or on the workers of Dask."""
+    if by_dask:
+        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
 
-        return tile_surface
-    from liftmesh.tiles.build import tile  # noqa: PLC0415 - as above
+        return triangulate if surface else delaunay
+    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
 
-    return tile
-
-
-def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work on the workers of Dask."""
-    from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
-
-    return triangulate if surface else delaunay
+    return tile_surface if surface else tile
 
 
 @contextmanager
@@ -223,23 +208,23 @@ def _check_address(text: str) -> None:
         )
 
 
-def _say(found: Tiled, *, json: bool) -> None:
-    counts = {name: found.manifest[name] for name in SHOWN}
-    if "surface" in found.manifest:
-        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+def _say(tiled: Tiled, *, json: bool) -> None:
+    counts = {name: tiled.manifest[name] for name in SHOWN}
+    if "surface" in tiled.manifest:
+        counts["overhangs"] = tiled.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
-    classes: dict[int, int] = getattr(found, "classes", {})
+    classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(found.directory), **counts, "classes": classes}
-        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
+        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
-    merges = found.manifest["merges"]
+    merges = tiled.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(found.shards):,} in {found.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
         ]
     )

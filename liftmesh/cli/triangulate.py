@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import typer
 
 from liftmesh.base.options import GroundMethod, Method
-from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.thin import Thinning, thinned
 from liftmesh.errors import InputError
 
@@ -44,7 +44,7 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise values.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
     return int(text)
 
 
@@ -55,35 +55,33 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: between the nodes of the cloth; default: 0.5.",
+        options.option(
+            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
         ),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        typer.Option(
-            metavar="N",
-            parser=_rigidness,
-            help="Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+        options.option(
+            "N",
+            "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+            _rigidness,
         ),
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        typer.Option(
-            metavar="METRES",
-            parser=values.positive,
-            help="Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+        options.option(
+            "METRES",
+            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+            options.positive,
         ),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
-    found = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
-    found |= options.given(rigidness=cloth_rigidness)
-    if found and ground is None:
-        raise typer.BadParameter(f"--cloth-{next(iter(found))} is an option of --ground csf")
-    return {} if ground is None else {"method": ground, **found}
+    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
+    choices |= options.given(rigidness=cloth_rigidness)
+    if choices and ground is None:
+        raise typer.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
+    return {} if ground is None else {"method": ground, **choices}
 
 
 Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
@@ -105,10 +103,10 @@ def run(
     ] = "auto",
     q: Annotated[
         Any,
-        typer.Option(
-            metavar="Q",
-            parser=values.vertex,
-            help="Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+        options.option(
+            "Q",
+            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+            options.vertex,
         ),
     ] = "origin",
     source_format: options.SourceFormat = None,
@@ -119,8 +117,8 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: options.Table,
-    selection: options.Selection,
+    table: inputs.Table,
+    selection: inputs.Selection,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,
@@ -173,12 +171,12 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
         try:
             with inputs.without_warnings():
-                found = classify_ground(cloud, **ground)
+                classified = classify_ground(cloud, **ground)
         except InputError as error:
             said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
             raise
-    counts = found.metadata["ground"]
+    counts = classified.metadata["ground"]
     if not counts["ground"]:
         raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
@@ -191,10 +189,12 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
         terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
     chosen = validate_selection(classes=classes)
-    found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
-    if not len(found):
+    classified = (
+        classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
+    )
+    if not len(classified):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
-    return found
+    return classified
 
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:

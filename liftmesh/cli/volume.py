@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import notes, options, outputs, surfaces, terminal, values
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 if TYPE_CHECKING:
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -25,7 +25,7 @@ EXAMPLES = [
     "liftmesh volume survey.csv --level 0 --max-edge 20 --boundary-only --json",
 ]
 
-_VOLUMES = ("above", "below", "cut", "fill", "net")
+_MEASURES = ("level", "above", "below", "cut", "fill", "net")
 
 
 def run(
@@ -38,13 +38,11 @@ def run(
     ] = None,
     level: Annotated[
         float | None,
-        typer.Option(metavar="HEIGHT", parser=values.number, help="The level, 0 by default."),
+        options.option("HEIGHT", "The level, 0 by default.", options.number),
     ] = None,
     within: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Measure inside of polygons alone, cut at their borders."
-        ),
+        options.option("FILE", "Measure inside of polygons alone, cut at their borders."),
     ] = None,
     *,
     reading: surfaces.Reading,
@@ -72,12 +70,10 @@ def run(
         _check_grounds({source: surface, other: after})
         rows_of["after"] = notes.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
-            measures = _changes(surface.cut_and_fill(after, polygon=within))
+            measures = _values(surface.cut_and_fill(after, polygon=within))
             if within is not None:
                 works = surface.cut_and_fill_by_polygon(after, within)
-                measures["polygons"] = _by_name(
-                    {key: _changes(work) for key, work in works.items()}
-                )
+                measures["polygons"] = _by_name({key: _values(work) for key, work in works.items()})
     _print(measures, rows_of, as_json=json)
 
 
@@ -89,24 +85,12 @@ def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 
 
-def _values(found: Volume) -> dict[str, Any]:
-    return {
-        "level": found.level,
-        "above": found.above,
-        "below": found.below,
-        "net": found.net,
-        "planar_area": found.area,
-        "cubic_metres_per_unit": found.cubic_metres,
-    }
-
-
-def _changes(found: Earthwork) -> dict[str, Any]:
-    return {
-        "cut": found.cut,
-        "fill": found.fill,
-        "net": found.net,
-        "planar_area": found.area,
-        "cubic_metres_per_unit": found.cubic_metres,
+def _values(measures: Volume | Earthwork) -> dict[str, Any]:
+    """Return what was measured, by the names that are printed."""
+    measured = {name: getattr(measures, name) for name in _MEASURES if hasattr(measures, name)}
+    return measured | {
+        "planar_area": measures.area,
+        "cubic_metres_per_unit": measures.cubic_metres,
     }
 
 
@@ -139,7 +123,7 @@ def _line(part: dict[str, Any]) -> str:
 
 
 def _shown(name: str, value: float, unit: float | None) -> str:
-    if name in _VOLUMES:
+    if name in _MEASURES[1:]:
         return _volume(value, unit)
     is_doubtful = name == "surface_area" and unit is None
     return f"{value:.10g}" + ("  (z taken to be in the unit of x and y)" if is_doubtful else "")

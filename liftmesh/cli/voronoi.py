@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
 import typer
 
-from liftmesh.cli import inputs, options, outputs, terminal, values
+from liftmesh.cli import inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.cli.places import is_table
-from liftmesh.cli.values import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -43,41 +39,41 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        typer.Option(
-            metavar="DOMAIN",
-            help="A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
+        options.option(
+            "DOMAIN",
+            "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of IN that are weights: makes power cells."),
+        options.option("COLUMN", "Values of IN that are weights: makes power cells."),
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        typer.Option(
-            metavar="COLUMN",
-            help="Values of IN that are radii of disks: makes cells of what is nearest to their "
+        options.option(
+            "COLUMN",
+            "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option(
-            metavar="LENGTH",
-            parser=float,
-            help="How far the sides of cells of disks may be from the arcs; by default a "
+        options.option(
+            "LENGTH",
+            "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
+            float,
         ),
     ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
-        typer.Option("--format", metavar="FORMAT", help="geojson, gpkg, ply or svg, for stdout."),
+        options.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
     ] = None,
     *,
-    table: options.Table,
+    table: inputs.Table,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -92,10 +88,7 @@ def run(
     cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)
     with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
-        if disks is None:
-            cells = _cells(cloud, area, weights, radii)
-        else:
-            cells = _cells_of_disks(cloud, area, disks, tolerance)
+        cells = _cells(cloud, area, weights, radii, disks, tolerance)
     _note_rows_elsewhere(cells)
     size, dropped = _write(target, cells, kind, cloud, crs)
     with outputs.report_after(target):
@@ -125,7 +118,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
     if text is None or text == "box":
         return None, cloud.crs
-    if (box := values.box(text)) is not None:
+    if (box := options.box(text)) is not None:
         return box, cloud.crs
     path = Path(text).expanduser()
     if not path.exists():
@@ -139,23 +132,25 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     return shape, common_system(cloud.crs, crs)
 
 
-def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> ClippedCells:
+def _cells(
+    cloud: Cloud,
+    area: Any,
+    weights: str | None,
+    radii: str | None,
+    disks: str | None,
+    tolerance: float | None,
+) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
     from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
 
     planar = cloud.points[:, :2]
+    if disks is not None:
+        reach = named_values(cloud, "disks", disks)
+        return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
     kind, name = chosen(weights, radii)
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
-
-
-def _cells_of_disks(cloud: Cloud, area: Any, disks: str, tolerance: float | None) -> ClippedCells:
-    import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.kinds import named_values  # noqa: PLC0415 - as above
-
-    radii = named_values(cloud, "disks", disks)
-    return liftmesh.apollonius_diagram(cloud.points[:, :2], radii, domain=area, tolerance=tolerance)
 
 
 def _note_rows_elsewhere(cells: ClippedCells) -> None:
@@ -181,7 +176,7 @@ def _write(
     from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
 
     columns = _columns(cloud)
-    with _opened(target) as stream:
+    with outputs.opened(target) as stream:
         counted = _Counting(stream)
         dropped = write_cells(cast("BinaryIO", counted), cells, kind, columns, crs)
     if kind != "svg":
@@ -190,19 +185,6 @@ def _write(
                 terminal.note(f"{name} is a column of the points: that of cells is {own}")
     lost = [part for part in ("colors", "normals") if getattr(cloud, part) is not None]
     return counted.count, [*dropped, *lost]
-
-
-@contextmanager
-def _opened(target: Path) -> Iterator[Any]:
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - as above
-
-    if not is_stream(target):
-        with replacing(target) as stream:
-            yield stream
-        return
-    # A separate stream: an unbuffered sys.stdout may write a part without an error.
-    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-        yield stream
 
 
 class _Counting:

@@ -41,7 +41,7 @@ class Evidence:
         simplices, points = self.triangulation.simplices, self.triangulation.points
         for index, _ in self.cells.violations:
             proof = refute(points, self.rows, simplices[index], claim="wrong triangle")
-            if proof is not None:
+            if proof is not None:  # pragma: no branch - there is always one
                 yield proof
 
     def _wrong(self) -> Iterator[Proof]:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_reals, of_one_array
+from liftmesh.base.arrays import as_numbers, of_one_array
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, traced
@@ -298,12 +298,12 @@ class ApolloniusGraph(DiskGraph):
         >>> disks, line.round(9).tolist()
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
-        limits, length = _as_limits(box), as_tolerance(tolerance, box)
+        limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
         return list(pieces_in(traced(self, limits, length)))
 
 
 def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
-    values = _numbers("box", box)
+    values = as_numbers("box is", box, "give real numbers")
     if values.shape != (4,) or not np.isfinite(values).all():
         raise InputError(f"box is {shown(box)}: give four finite numbers")
     x, y, right, upper = values.tolist()
@@ -312,9 +312,9 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
     return x, y, right, upper
 
 
-def as_tolerance(tolerance: float, box: ArrayLike) -> float:
+def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    value = _numbers("tolerance", tolerance)
+    value = as_numbers("tolerance is", tolerance, "give real numbers")
     is_number = value.shape == () and not isinstance(tolerance, bool | np.bool_)
     if not (is_number and 0 < value < np.inf):
         raise InputError(f"tolerance is {shown(tolerance)}: give a positive, finite number")
@@ -327,10 +327,3 @@ def as_tolerance(tolerance: float, box: ArrayLike) -> float:
         )
     longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
     return min(float(value), longer)
-
-
-def _numbers(name: str, value: ArrayLike) -> Floats:
-    try:
-        return as_reals(value)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(value)}: give real numbers") from error

@@ -13,7 +13,7 @@ from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.planar.kinds import as_weights
+from liftmesh.planar.kinds import as_weights, non_finite_value
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -67,10 +67,7 @@ def are_finite(disks: Floats) -> Mask:
 def _non_finite(disks: Floats, row: int, *, skippable: bool) -> NonFiniteError:
     if not np.isfinite(disks[row, :2]).all():
         return non_finite(row, disks[row, :2], skippable=skippable)
-    advice = ", or skip them with nonfinite='skip'" if skippable else " first"
-    return NonFiniteError(
-        f"row {row} has the radius {float(disks[row, 2])!r}: remove such rows{advice}", row=row
-    )
+    return non_finite_value("radii", row, disks[:, 2], skippable=skippable)
 
 
 def _check_range(disks: Floats, rows: Indices) -> None:

@@ -44,11 +44,11 @@ _SPLIT = 2.0**27 + 1
 class Traced(NamedTuple):
     """The sides of all cells that come near a box, as polylines."""
 
-    rows: Rows
-    ends: Rows
-    starts: Integers
+    rows: Rows  # the disks on the left and on the right of each
+    ends: Rows  # the vertices where it starts and ends; -1 without end, or cut off beyond the box
+    starts: Integers  # of sides among the points, and the end
     points: Floats
-    box: Box
+    box: Box  # outside of it sides are coarse, and some are left out
 
     @property
     def segments(self) -> Indices:
@@ -126,7 +126,9 @@ def shares_in(start: Floats, end: Floats, box: Box) -> tuple[Floats, Floats]:
 class Sides(NamedTuple):
     """The sides of all cells."""
 
-    pairs: Rows
+    pairs: Rows  # the two disks of each
+    # The triangles to the left and to the right of the edge from one disk to the other, whose
+    # circles have their centres at the ends; -1 where the side has no end.
     ends: Rows
 
 
@@ -268,7 +270,7 @@ def _root(square: Fraction) -> Fraction:
 
 
 def differences_of(disks: Floats, of: Rows, than: Rows) -> tuple[Floats, Floats]:
-    """Subtract disks from others, and compute the powers of the pairs."""
+    """Subtract disks, less than 2^300, from others, and compute the powers of the pairs."""
     a, b = disks[of], disks[than]
     difference = a - b
     rounded = difference - a

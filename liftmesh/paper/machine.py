@@ -35,16 +35,17 @@ def versions() -> dict[str, str]:
 
 def _processor() -> str:
     """Return the processor's name from Linux, or from Python on other systems."""
-    if _PROCESSORS.is_file():
-        for line in _PROCESSORS.read_text("utf-8", errors="replace").splitlines():
+    if _PROCESSORS.is_file():  # pragma: no branch - Linux
+        lines = _PROCESSORS.read_text("utf-8", errors="replace").splitlines()
+        for line in lines:  # pragma: no branch - one of them names it
             name, _, value = line.partition(":")
-            if name.strip() == "model name":
+            if name.strip() == "model name":  # pragma: no branch - a line of Linux
                 return " ".join(value.split())
-    return platform.processor()
+    return platform.processor()  # pragma: no cover - not Linux
 
 
 def _memory() -> str:
     if "SC_PHYS_PAGES" not in getattr(os, "sysconf_names", {}):
-        return ""
+        return ""  # pragma: no cover - not Linux
     size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     return f"{size / 2**30:.0f} GiB of memory"

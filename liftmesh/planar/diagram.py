@@ -32,20 +32,20 @@ _NO_VALUES = np.empty(0)
 class Diagram:
     """The vertices that are dual to a triangulation."""
 
-    vertices: Floats
+    vertices: Floats  # each coordinate is the double nearest to the exact one, or infinite
     simplex_to_vertex: Rows
-    overflowed: int
+    overflowed: int  # how many vertices have an infinite coordinate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Regions:
     """The ridges and regions that are dual to a triangulation."""
 
-    ridge_points: Rows
-    ridge_ends: Rows
-    region_of: Rows
-    starts: Rows
-    corners: Rows
+    ridge_points: Rows  # both sites; the second of a ray is the next on the hull
+    ridge_ends: Rows  # the lesser vertex first; the first of a ray is -1
+    region_of: Rows  # of each row, or -1; unbounded regions come first
+    starts: Rows  # of regions among the corners, and the end
+    corners: Rows  # vertices, counter-clockwise; those of an unbounded region begin with -1
 
 
 def diagram_of(
@@ -53,7 +53,7 @@ def diagram_of(
     simplices: Rows,
     neighbors: Rows,
     values: Floats = _NO_VALUES,
-    kind: str = "plain",
+    kind: str = "plain",  # or "weights" or "radii", which the values are
 ) -> Diagram:
     """Compute the vertices that are dual to a triangulation."""
     threads = as_threads(None, len(points))

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 _NONE = np.empty(0)
 METRIC_REMEDY = "give [[a, b], [b, c]] with a > 0 and a c > b^2"
-ONE_EACH = {"weights": "weight", "radii": "radius"}
+_ONE_EACH = {"weights": "weight", "radii": "radius"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -66,11 +66,7 @@ class TriangulationKind:
         """Return the error for a row whose value is not finite; None if it is."""
         if not self.has_values or np.isfinite(self.values[row]):
             return None
-        return NonFiniteError(
-            f"row {row} has the {ONE_EACH[self.name]} {float(self.values[row])!r}: remove such "
-            "rows, or skip them with nonfinite='skip'",
-            row=row,
-        )
+        return non_finite_value(self.name, row, self.values)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
         """Return the exact side of a lifted row: positive below the plane of three others."""
@@ -158,8 +154,7 @@ class Weights:
     values: Reals
 
     def finite(self, *, skipping: bool) -> Mask | None:
-        """Check the values."""
-        one = ONE_EACH[self.kind]
+        """Check the values; return which rows are not to be skipped, None for all."""
         if self.kind == "radii" and len(self.values) and (negative := self.values < 0).any():
             row = int(negative.argmax())
             raise InputError(
@@ -170,13 +165,19 @@ class Weights:
         if finite.all():
             return None
         if not skipping:
-            row = int(finite.argmin())
-            raise NonFiniteError(
-                f"row {row} has the {one} {float(self.values[row])!r}: remove such rows, or skip "
-                "them with nonfinite='skip'",
-                row=row,
-            )
+            raise non_finite_value(self.kind, int(finite.argmin()), self.values)
         return finite
+
+
+def non_finite_value(
+    kind: str, row: int, values: Reals, *, skippable: bool = True
+) -> NonFiniteError:
+    """Return the error for a row whose weight or radius is not finite."""
+    advice = ", or skip them with nonfinite='skip'" if skippable else " first"
+    return NonFiniteError(
+        f"row {row} has the {_ONE_EACH[kind]} {float(values[row])!r}: remove such rows{advice}",
+        row=row,
+    )
 
 
 def as_weights(kind: str, given: Any, rows: int) -> Weights:

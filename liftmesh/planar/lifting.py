@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_reals, as_rows3, read_only
+from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
@@ -107,11 +107,8 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
         if q in ("origin", "median"):
             return None
         raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
-    try:
-        with np.errstate(all="ignore"):
-            pair = as_reals(q)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)") from error
+    with np.errstate(all="ignore"):
+        pair = as_numbers("q is", q, "give 'origin', 'median' or a point (qx, qy)")
     if pair.shape != (2,) or not np.isfinite(pair).all():
         raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
     return float(pair[0]), float(pair[1])

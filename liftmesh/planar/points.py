@@ -45,8 +45,10 @@ class Positions:
     """The distinct positions of planar points."""
 
     count: int
-    collinear: bool
-    duplicates: Rows
+    collinear: bool  # or fewer than three
+    duplicates: Rows  # (k, 2): rows whose position an earlier row has, each with the first such row
+    # The median distance to the nearest other position: infinite if it exceeds float64, None for
+    # fewer than two.
     spacing: float | None
 
 

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.arrays import as_decimal, as_numbers, as_reals
 from liftmesh.base.options import as_thousands, shown
 from liftmesh.errors import InputError
 
@@ -106,10 +106,7 @@ def _checked(transform: Sequence[float], rows: int, columns: int) -> Layout:
 
 def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
     """Convert an option to so many finite numbers."""
-    try:
-        numbers = as_reals(values)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(values)}: give {count} numbers") from error
+    numbers = as_numbers(f"{name} is", values, f"give {count} numbers")
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
         raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
     return tuple(numbers.tolist())

@@ -13,7 +13,7 @@ import typer
 
 import liftmesh
 from liftmesh import Cloud, Format, InputError
-from liftmesh.cli import exit_codes, main, values
+from liftmesh.cli import exit_codes, main, options
 from liftmesh.io import registry
 
 GIVEN: list[int | None] = []
@@ -82,13 +82,13 @@ def test_values_that_are_no_limit(kind: str, value: Any) -> None:
     ],
 )
 def test_sizes(text: str, size: int) -> None:
-    assert values.size(text) == size
+    assert options.size(text) == size
 
 
 @pytest.mark.parametrize("text", ["", "0", "0G", "-1", "1.5G", "1_0", "٣", "G", "4Gi", "9" * 30])
 def test_texts_that_are_no_size(text: str) -> None:
     with pytest.raises(typer.BadParameter, match="is not a size: give one as 500M or 4G"):
-        values.size(text)
+        options.size(text)
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,7 @@
 """Time graphs and cells of disks, and stars of metrics, compared with CGAL and `delaunay`.
 
-    python scripts/bench_disks.py                       100,000 disks and points: some minutes
-    python scripts/bench_disks.py --n 10000 --repeat 1 --only stars
+    python scripts/bench.py disks                       100,000 disks and points: some minutes
+    python scripts/bench.py disks --n 10000 --rounds 1 --only stars
 
 Printed are rows for BENCHMARKS.md. Seconds are those of the processor, the least of the rounds, on
 one thread; the programs take turns. Graphs are compared with CGAL's `Apollonius_graph_hierarchy_2`
@@ -14,19 +14,19 @@ hundredth of the points. Without CGAL, its rows are left out: apt-get install g+
 from __future__ import annotations
 
 import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from math import log
-from time import process_time
 from typing import NamedTuple
 
 import numpy as np
-from benchmark import cgal
 from disks.families import FAMILIES, Disks
 from disks.peer import build, by_cgal
 from growth.stars import metrics_of
 
 import liftmesh
+from benchmark import cgal
+from benchmark.measuring import add_common, seconds_of
 
 SEED = 19
 SHOWN = ("uniform radii", "disjoint", "heavy overlap", "one large disk", "around a large disk")
@@ -44,13 +44,7 @@ class Row(NamedTuple):
 
 def least(call: Callable[[], object], rounds: int) -> float:
     """Return the least processor time of a call."""
-
-    def once() -> float:
-        start = process_time()
-        call()
-        return process_time() - start
-
-    return max(min(once() for _ in range(rounds)), 1e-9)
+    return max(min(seconds_of(call) for _ in range(rounds)), 1e-9)
 
 
 def graphs(n: int, rounds: int) -> Iterator[Row]:
@@ -102,25 +96,22 @@ PARTS: dict[str, Callable[[int, int], Iterator[Row]]] = {
 }  # fmt: skip
 
 
-def main() -> None:
-    """Print the table."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=100_000, help="disks and points")
-    parser.add_argument("--repeat", type=int, default=3, help="rounds, of which the best counts")
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
+    add_common(parser, n=100_000)
     parser.add_argument("--only", nargs="+", choices=PARTS, default=[*PARTS])
-    options = parser.parse_args()
+
+
+def run(options: Namespace) -> None:
+    """Print the table."""
     if options.n < 1000:
         raise SystemExit("--n: give 1000 at least")
     print("| what | rows | seconds | compared with | ratio |")
     print("| --- | ---: | ---: | --- | ---: |")
     for part in options.only:
-        for row in PARTS[part](options.n, options.repeat):
+        for row in PARTS[part](options.n, options.rounds):
             print(
                 f"| {row.what} | {row.rows:,} | {row.seconds:.3g} | {row.other} "
                 f"| {row.ratio:.3g} |",
                 flush=True,
             )
-
-
-if __name__ == "__main__":
-    main()

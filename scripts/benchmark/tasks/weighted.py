@@ -1,8 +1,8 @@
 """Time regular triangulations, metrics and farthest points, compared with CGAL, SciPy and delaunay.
 
-    python scripts/bench_weighted.py                     a million rows, some minutes
-    python scripts/bench_weighted.py --cases metric --rounds 9
-    python scripts/bench_weighted.py --cgal6 FOLDER      for the filtered peer, see scripts/weighted
+    python scripts/bench.py weighted                     a million rows, some minutes
+    python scripts/bench.py weighted --cases metric --rounds 9
+    python scripts/bench.py weighted --cgal6 FOLDER      for the filtered peer, see scripts/weighted
 
 Rounds alternate: liftmesh on one thread, on two, then the other programs. Shown is the least of the
 rounds: of one thread seconds of the processor, which other programs hardly change, and of two
@@ -20,22 +20,23 @@ import math
 import os
 import subprocess
 import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
-from benchmark.contestants import KEEP_MEMORY
-from benchmark.system_load import SystemLoad
 from distributions import DISTRIBUTIONS, Points
 from weighted.families import under_the_hull, with_share
 from weighted.peers import Peer, peers
 
 import liftmesh
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.measuring import add_common, seconds_of
+from benchmark.system_load import SystemLoad
 
 SEED = 17
 METRIC = [[2.0, 0.5], [0.5, 1.25]]
@@ -61,11 +62,10 @@ class Case:
     is_quick: bool = True  # or its peers run once
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table of the cases."""
     if os.environ.get(TUNABLES) != KEEP_MEMORY:  # read when the process starts
-        os.execve(sys.executable, [sys.executable, *sys.argv], os.environ | {TUNABLES: KEEP_MEMORY})
-    options = read_options()
+        os.execve(sys.executable, sys.orig_argv, os.environ | {TUNABLES: KEEP_MEMORY})
     load = SystemLoad()
     others = peers(options.cgal6)
     print(HEADER)
@@ -75,16 +75,13 @@ def main() -> None:
     print(f"\nOther programs kept {load.processors():.1f} processors busy.")
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
-    add("--n", type=int, default=1_000_000, metavar="ROWS", help="on the circle a tenth")
+    add_common(parser, rounds=5)
     add("--cases", nargs="+", choices=CASES, default=[*CASES], metavar="CASE")
-    add("--rounds", type=int, default=5)
     add("--limit", type=float, default=600, metavar="SECONDS", help="of SciPy")
     add("--cgal6", type=Path, metavar="FOLDER", help="of another CGAL, for the filtered peer")
-    return parser.parse_args()
 
 
 def lines(name: str, case: Case, rounds: int) -> Iterator[str]:
@@ -93,8 +90,8 @@ def lines(name: str, case: Case, rounds: int) -> Iterator[str]:
         raise SystemExit(f"{name}: verify finds flaws")
     taken: dict[str, list[float]] = {each: [] for each in ("1", "2", *case.others)}
     for number in range(rounds):
-        taken["1"].append(timed(lambda: case.ours(1), process_time))
-        taken["2"].append(timed(lambda: case.ours(2), perf_counter))
+        taken["1"].append(seconds_of(lambda: case.ours(1)))
+        taken["2"].append(seconds_of(lambda: case.ours(2), perf_counter))
         if case.is_quick or number == 0:
             for each, run in case.others.items():
                 taken[each].append(run())
@@ -117,13 +114,6 @@ def shown(number: float) -> str:
     if number in (0.0, math.inf):
         return "-"
     return f"{number:.2f}" if number >= 1 else f"{number:.3f}" if number >= 0.1 else f"{number:.2g}"
-
-
-def timed(call: Callable[[], Any], clock: Callable[[], float]) -> float:
-    """Return the seconds of a call."""
-    start = clock()
-    call()
-    return clock() - start
 
 
 def uniform(options: Namespace) -> Points:
@@ -152,7 +142,7 @@ def beside_delaunay(points: Points, target: float, **options: Any) -> Case:
     call = liftmesh.delaunay if "metric" in options else liftmesh.regular
 
     def plain() -> float:
-        return timed(lambda: liftmesh.delaunay(points, threads=1), process_time)
+        return seconds_of(lambda: liftmesh.delaunay(points, threads=1))
 
     return Case(
         lambda threads: call(points, threads=threads, **options),
@@ -227,7 +217,3 @@ CASES: dict[str, Callable[[Namespace, Mapping[str, Peer]], Case]] = {
     "farthest": farthest("uniform"),
     "farthest, on a circle": farthest("circle"),
 }
-
-
-if __name__ == "__main__":
-    main()

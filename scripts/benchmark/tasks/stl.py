@@ -1,7 +1,7 @@
 """Time binary STL, compared with trimesh.
 
-    python scripts/bench_stl.py                  two million triangles
-    python scripts/bench_stl.py --n 20000        twenty thousand
+    python scripts/bench.py stl                  two million triangles
+    python scripts/bench.py stl --n 20000        twenty thousand
 
 Both programs read and write the same terrain, in turn, in one process on one thread. Seconds are
 those of the processor, so that other programs on the machine matter little, and the best counts.
@@ -11,38 +11,31 @@ is 1.1 times trimesh and the merging, which is timed by itself; that of writing 
 
 from __future__ import annotations
 
-import os
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import process_time
 
 import numpy as np
 import trimesh
-from rich.console import Console
 from rich.table import Table
 
 import liftmesh
+from benchmark.measuring import add_common, best_in_turn, console, empty_table, load
 from liftmesh.io.formats.stl import weld
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Run all calls in turn, and print a table."""
-    options = read_options()
     cloud = terrain(options.n)
     with TemporaryDirectory() as folder:
-        best = best_of(calls(cloud, Path(folder)), options.rounds)
-    console = Console() if os.isatty(1) else Console(width=100)
-    console.print(table_of(best, len(cloud.faces), os.getloadavg()[0]))
+        best = best_in_turn(calls(cloud, Path(folder)), options.rounds)
+    console().print(table_of(best, len(cloud.faces)))
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=2_000_000, metavar="TRIANGLES")
-    parser.add_argument("--rounds", type=int, default=6)
-    return parser.parse_args()
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options; `--n` counts triangles."""
+    add_common(parser, n=2_000_000, rounds=6)
 
 
 def terrain(triangles: int) -> liftmesh.Cloud:
@@ -71,32 +64,15 @@ def calls(cloud: liftmesh.Cloud, folder: Path) -> dict[str, Callable[[], object]
     }
 
 
-def best_of(timed: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Time all calls in turn; return the best seconds of each."""
-    best = dict.fromkeys(timed, float("inf"))
-    for _ in range(rounds):
-        for name, call in timed.items():
-            begin = process_time()
-            call()
-            best[name] = min(best[name], process_time() - begin)
-    return best
-
-
-def table_of(best: dict[str, float], triangles: int, load: float) -> Table:
+def table_of(best: dict[str, float], triangles: int) -> Table:
     """Make the table: a row for each call, with the share of its target."""
     targets = {
         "read liftmesh": 1.1 * best["read trimesh"] + best["merge corners"],
         "write liftmesh": best["write trimesh"],
     }
-    title = f"{triangles:,} triangles as binary STL, load {load:.1f}"
-    table = Table("call", title=title, title_justify="left")
-    for column in ("CPU seconds", "of its target"):
-        table.add_column(column, justify="right")
+    title = f"{triangles:,} triangles as binary STL, {load()}"
+    table = empty_table(title, ["call"], ["CPU seconds", "of its target"])
     for name, seconds in best.items():
         share = f"{seconds / targets[name]:.2f}" if name in targets else ""
         table.add_row(name, f"{seconds:.3f}", share)
     return table
-
-
-if __name__ == "__main__":
-    main()

@@ -1,8 +1,8 @@
 """Time the location of points in a triangulation, compared with SciPy and matplotlib.
 
-    python scripts/bench_locate.py                   a million points in a million rows
-    python scripts/bench_locate.py --n 100000 --distributions uniform circle parabola
-    python scripts/bench_locate.py --before old/bin/python     a former liftmesh beside this one
+    python scripts/bench.py locate                   a million points in a million rows
+    python scripts/bench.py locate --n 100000 --distributions uniform circle parabola
+    python scripts/bench.py locate --before old/bin/python     a former liftmesh beside this one
 
 Every program locates the same points in the same triangles: in random order, and along a curve that
 fills the plane. They are uniform in the bounding box, or with `--at triangles` one in each of as
@@ -15,11 +15,8 @@ many points as rows would take in times of building that triangulation.
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
 import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
@@ -29,18 +26,19 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-from benchmark.contest import SEED
-from benchmark.peers import BEFORE, OURS
 from distributions import DISTRIBUTIONS, Points
-from rich.console import Console
 from rich.table import Table
 
 import liftmesh
+from benchmark.contest import SEED
+from benchmark.measuring import add_common, console, empty_table, in_process, load
+from benchmark.peers import BEFORE, OURS
 
 Find: TypeAlias = Callable[[Points], Any]
 
 USUAL = ("uniform", "clusters", "lattice", "circle", "two-columns", "parabola")
 ORDERS = ("random", "along a curve")
+COLUMNS = ("first us", "again us", "a point for each row, of the build")
 LEVELS = 10  # of the curve: a million cells
 
 
@@ -54,40 +52,37 @@ class Taken:
     points: int
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table for each distribution."""
-    options = read_options()
-    console = Console() if os.isatty(1) else Console(width=110)
-    with console.status("") as status:
+    terminal = console(110)
+    with terminal.status("") as status:
         for distribution in options.distributions:
-            console.print(table_of(distribution, options, status.update))
+            terminal.print(table_of(distribution, options, status.update))
 
 
 def table_of(distribution: str, options: Namespace, tell: Callable[[str], None]) -> Table:
     """Time all programs on a distribution."""
     points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
-    table = empty_table(f"{distribution}, {len(points):,} rows, load {os.getloadavg()[0]:.1f}")
+    title = f"{distribution}, {len(points):,} rows, {load()}"
+    table = empty_table(title, ["order", "program"], COLUMNS)
     for order in ORDERS:
         asked = ordered(queries(points, options.at), order)
         for name, python in programs(options.before):
             tell(f"{distribution}: {order}, {name}")
             most = len(asked) if name.startswith(OURS) else options.most
-            found = run(python, name, points, asked[:most], options.repeat)
+            found = time(python, name, points, asked[:most], options.rounds)
             table.add_row(order, name, *cells(found, len(points)))
     return table
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
-    add("--n", type=int, default=1_000_000, metavar="ROWS")
+    add_common(parser, rounds=5)
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")
     add("--at", choices=("box", "triangles"), default="box", help="where the points are")
     add("--most", type=int, default=10_000, metavar="POINTS", help="of other programs")
-    add("--repeat", type=int, default=5, help="rounds")
     add("--before", metavar="PYTHON", help="interpreter for which a former liftmesh is installed")
-    return parser.parse_args()
 
 
 def programs(before: str | None) -> list[tuple[str, str]]:
@@ -114,18 +109,16 @@ def ordered(asked: Points, order: str) -> Points:
     return asked[np.argsort(bits[:, 0] | bits[:, 1] << 1, kind="stable")]
 
 
-def run(python: str, name: str, points: Points, asked: Points, rounds: int) -> Taken:
+def time(python: str, name: str, points: Points, asked: Points, rounds: int) -> Taken:
     """Time a program in a fresh process."""
     with TemporaryDirectory() as folder:
         files = Path(folder) / "points", Path(folder) / "asked"
         points.tofile(files[0])
         asked.tofile(files[1])
-        command = [python, __file__, "time", name, *map(str, files), str(rounds)]
-        done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    return Taken(**json.loads(done.stdout))
+        return Taken(**in_process(take, name, *files, rounds, python=python))
 
 
-def take(name: str, points_file: str, asked_file: str, rounds: str) -> Taken:
+def take(name: str, points_file: str, asked_file: str, rounds: int) -> Taken:
     """Time the calls of a program in this process."""
     points, asked = (np.fromfile(each).reshape(-1, 2) for each in (points_file, asked_file))
     liftmesh.delaunay(points)
@@ -134,7 +127,7 @@ def take(name: str, points_file: str, asked_file: str, rounds: str) -> Taken:
     build = perf_counter() - begin
     find = PEERS.get(name, ours)(triangulation)
     taken = []
-    for _ in range(int(rounds) + 1):
+    for _ in range(rounds + 1):
         begin = perf_counter()
         find(asked)
         taken.append(perf_counter() - begin)
@@ -162,20 +155,6 @@ PEERS: dict[str, Callable[[liftmesh.Triangulation], Find]] = {
 }
 
 
-def empty_table(title: str) -> Table:
-    table = Table("order", "program", title=title, title_justify="left")
-    for column in ("first us", "again us", "a point for each row, of the build"):
-        table.add_column(column, justify="right")
-    return table
-
-
 def cells(found: Taken, rows: int) -> list[str]:
     first, again = (seconds / found.points for seconds in (found.first, found.again))
     return [f"{first * 1e6:.3f}", f"{again * 1e6:.3f}", f"{again * rows / found.build:.2f}"]
-
-
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["time"]:
-        print(json.dumps(vars(take(*sys.argv[2:]))))
-    else:
-        main()

@@ -1,9 +1,9 @@
 """Time what a surface is asked, compared with SciPy, matplotlib, CGAL, PDAL and GDAL.
 
-    python scripts/bench_surface.py                       a million rows, points and pixels
-    python scripts/bench_surface.py --tasks rasters --pixels 100000000 --json found.json
-    python scripts/bench_surface.py --tasks contours --levels 169
-    python scripts/bench_surface.py --tasks heights --threads 1 2       on an idle machine
+    python scripts/bench.py surface                       a million rows, points and pixels
+    python scripts/bench.py surface --tasks rasters --pixels 100000000 --json found.json
+    python scripts/bench.py surface --tasks contours --levels 169
+    python scripts/bench.py surface --tasks heights --threads 1 2       on an idle machine
 
 Heights at unsorted points, rasters and contours of one surface over uniform points, whose heights
 are a wave. Every program gets the triangulation ready, but gdal_grid, which reads a file of the
@@ -19,29 +19,34 @@ that are not installed are left out: apt-get install g++ libcgal-dev gdal-bin.
 from __future__ import annotations
 
 import json
-import os
-import resource
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-from benchmark import cgal
-from benchmark.contest import SEED
-from benchmark.peers import OURS
 from heights.peers import CgalHeights, Faceraster, GdalGrid
 from matplotlib.figure import Figure
 from matplotlib.tri import LinearTriInterpolator
-from rich.console import Console
 from rich.table import Table
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import Delaunay
 
 import liftmesh
+from benchmark import cgal
+from benchmark.contest import SEED
+from benchmark.measuring import (
+    add_common,
+    console,
+    empty_table,
+    load,
+    processor_seconds,
+    seconds_of,
+)
+from benchmark.peers import OURS
 from liftmesh.terrain.surface_data import kernel_surface
 
 Call: TypeAlias = Callable[[], Any]
@@ -130,38 +135,34 @@ GOALS = (
 )
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table for each task; write all results if asked to."""
-    options = read_options()
     rows = terrain(options.n)
     with TemporaryDirectory() as folder:
         results = measured([*contestants(rows, options, Path(folder))], options.rounds)
-    console = Console() if os.isatty(1) else Console(width=100)
+    terminal = console()
     for task in options.tasks:
-        console.print(table_of(task, results, options))
+        terminal.print(table_of(task, results, options))
     if len(options.threads) > 1:
-        console.print(table_of_threads(results, options))
-    console.print(table_of_goals(results, options))
+        terminal.print(table_of_threads(results, options))
+    terminal.print(table_of_goals(results, options))
     if options.json:
         found = [asdict(each) | {"comparable": each.comparable} for each in results]
         values = {"rows": options.n, "threads": options.threads, "results": found}
         options.json.write_text(json.dumps(values, indent=1) + "\n")
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
-    add("--n", type=int, default=1_000_000, metavar="ROWS")
+    add_common(parser)
     add("--points", type=int, default=1_000_000, help="at which heights are asked")
     add("--pixels", type=int, default=1_000_000, help="of rasters")
     add("--most", type=int, default=100_000, help="points and pixels of SciPy and matplotlib")
     add("--levels", type=int, default=33, help="of contours")
     add("--threads", nargs="+", type=int, default=[1, 2], metavar="K", help="of liftmesh")
-    add("--rounds", type=int, default=3)
     add("--tasks", nargs="+", choices=TASKS, default=TASKS)
     add("--json", type=Path, metavar="FILE")
-    return parser.parse_args()
 
 
 def terrain(count: int) -> np.ndarray[Any, Any]:
@@ -298,28 +299,15 @@ def measured(those: list[Contestant], rounds: int) -> list[Result]:
 
 def timed(call: Call) -> Take:
     """Count the seconds of the processor that a call takes, of processes that it starts too."""
-
-    def take() -> float:
-        began = process_time() + of_children()
-        call()
-        return process_time() + of_children() - began
-
-    return take
-
-
-def of_children() -> float:
-    """Seconds of processes that have ended."""
-    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return usage.ru_utime + usage.ru_stime
+    return lambda: seconds_of(call, processor_seconds)
 
 
 def table_of(task: str, results: list[Result], options: Namespace) -> Table:
     """Make the table of a task, with times of liftmesh's first line."""
     of_task = [each for each in results if each.task == task]
     unit = "CPU seconds" if task == "contours" else "CPU seconds a million"
-    table = Table(title=f"{task}: {options.n:,} rows, {load()}")
-    for title in ("program", "threads", unit, f"times {OURS}"):
-        table.add_column(title, justify="left" if title == "program" else "right")
+    title, numbers = f"{task}: {options.n:,} rows, {load()}", ("threads", unit, f"times {OURS}")
+    table = empty_table(title, ["program"], numbers)
     for each in of_task:
         ratio = each.comparable / max(of_task[0].comparable, 1e-9)
         table.add_row(each.name, f"{each.threads}", f"{each.comparable:.3f}", f"{ratio:.2f}")
@@ -331,18 +319,13 @@ def is_ours(result: Result) -> bool:
     return result.name.startswith(OURS)
 
 
-def load() -> str:
-    """Say how busy the machine is."""
-    return f"load {os.getloadavg()[0]:.1f}"
-
-
 def table_of_threads(results: list[Result], options: Namespace) -> Table:
     """Make the table of liftmesh's seconds by the clock, and how many times as fast each is."""
     first, *more = options.threads
-    table = Table(title=f"by the clock: {options.n:,} rows, {load()}")
-    titles = [f"threads: {count}" for count in options.threads]
-    for title in ("task", "program", *titles, *(f"gain of {count}" for count in more)):
-        table.add_column(title, justify="left" if title in {"task", "program"} else "right")
+    title = f"by the clock: {options.n:,} rows, {load()}"
+    numbers = [f"threads: {count}" for count in options.threads]
+    numbers += [f"gain of {count}" for count in more]
+    table = empty_table(title, ("task", "program"), numbers)
     clocks = {(x.task, x.name, x.threads): x.comparable_clock for x in results}
     for task, name in dict.fromkeys((x.task, x.name) for x in results if is_ours(x)):
         seconds = [clocks[task, name, count] for count in options.threads]
@@ -357,9 +340,8 @@ def table_of_goals(results: list[Result], options: Namespace) -> Table:
     """Make the table of the ratios that are promised, of the tasks that were asked for."""
     counted = [x for x in results if x.threads == options.threads[0] or not is_ours(x)]
     seconds = {(each.task, each.name): each.comparable for each in counted}
-    table = Table(title=f"ratios: {options.n:,} rows, {options.pixels:,} pixels")
-    for title in ("task", "program", "times", "at least", "found"):
-        table.add_column(title, justify="right" if title in {"at least", "found"} else "left")
+    title = f"ratios: {options.n:,} rows, {options.pixels:,} pixels"
+    table = empty_table(title, ("task", "program", "times"), ("at least", "found"))
     for each in GOALS:
         if each.task in options.tasks:
             found = each.reached(seconds)
@@ -369,7 +351,3 @@ def table_of_goals(results: list[Result], options: Namespace) -> Table:
             said = "not here" if found is None else f"{found:.2f}"
             table.add_row(each.task, other, each.ours, f"{each.least:g}", said)
     return table
-
-
-if __name__ == "__main__":
-    main()

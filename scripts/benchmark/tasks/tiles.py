@@ -1,10 +1,10 @@
 """Triangulate a file in tiles, and compare with one call and with tiles that have buffers.
 
-    python scripts/bench_tiles.py                    ten million uniform points
-    python scripts/bench_tiles.py --n 1000000 --tile-rows 150000 --distributions uniform circle
-    python scripts/bench_tiles.py --workers 1 2      and on as many workers of Dask
-    python scripts/bench_tiles.py --formats --verify in each format, and proved
-    python scripts/bench_tiles.py --all              every table of TILES.md: an hour, 12 GB of disk
+    python scripts/bench.py tiles                    ten million uniform points
+    python scripts/bench.py tiles --n 1000000 --tile-rows 150000 --distributions uniform circle
+    python scripts/bench.py tiles --workers 1 2      and on as many workers of Dask
+    python scripts/bench.py tiles --formats --verify in each format, and proved
+    python scripts/bench.py tiles --all              every table of TILES.md: an hour, 12 GB of disk
 
 Each way reads the same NPY file and writes its triangles with 64-bit rows, in a process of its own:
 one call of `delaunay`, `tile`, and `liftmesh.dask.delaunay` on clusters of processes. Shown are the
@@ -22,12 +22,7 @@ of the mean distance between points.
 
 from __future__ import annotations
 
-import json
-import os
-import resource
-import subprocess
-import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from dataclasses import dataclass
 from math import isqrt
 from pathlib import Path
@@ -36,14 +31,15 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from benchmark.contest import SEED
 from distributions import Points
 from numpy.typing import NDArray
-from rich.console import Console
+from process_state import memory
 from rich.table import Table
 from tile_families import FAMILIES
 
 import liftmesh
+from benchmark.contest import SEED
+from benchmark.measuring import console, empty_table, in_process, load, processor_seconds
 
 BLOCK = 1 << 20
 MARGINS = (2, 5, 10)
@@ -85,9 +81,8 @@ class Taken:
     mark: str
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table for each distribution."""
-    options = read_options()
     for each in (parsed(words.split()) for words in ALL) if options.all else [options]:
         each.folder = options.folder
         compare(each)
@@ -95,24 +90,25 @@ def main() -> None:
 
 def compare(options: Namespace) -> None:
     """Print the tables that some options ask for."""
-    console = Console() if os.isatty(1) else Console(width=130)
+    terminal = console(130)
     for distribution in options.distributions:
         with TemporaryDirectory(dir=options.folder) as folder:
             points = FAMILIES[distribution](options.n, np.random.default_rng(SEED))
             np.save(Path(folder) / "points.npy", points)
-            console.print(table_of(distribution, len(points), Path(folder), options))
+            terminal.print(table_of(distribution, len(points), Path(folder), options))
             if options.margins:
-                console.print(table_of_margins(points, options.tile_rows))
-
-
-def read_options() -> Namespace:
-    """Parse the command line."""
-    return parsed(sys.argv[1:])
+                terminal.print(table_of_margins(points, options.tile_rows))
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse words."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+    """Parse the options of one table of TILES.md."""
+    parser = ArgumentParser()
+    add_options(parser)
+    return parser.parse_args(words)
+
+
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
     add("--n", type=int, default=10_000_000, metavar="ROWS")
     add("--tile-rows", type=int, default=1_500_000, metavar="ROWS")
@@ -123,18 +119,14 @@ def parsed(words: list[str]) -> Namespace:
     add("--verify", action="store_true", help="and the proof")
     add("--all", action="store_true", help="every table of TILES.md")
     add("--folder", metavar="FOLDER", help="where files are written")
-    return parser.parse_args(words)
 
 
 def table_of(distribution: str, rows: int, folder: Path, options: Namespace) -> Table:
     """Run all ways on a distribution."""
-    title = f"{distribution}, {rows:,} rows, load {os.getloadavg()[0]:.1f}"
-    table = Table("way", title=title, title_justify="left")
-    for column in COLUMNS:
-        table.add_column(column, justify="right")
+    table = empty_table(f"{distribution}, {rows:,} rows, {load()}", ["way"], COLUMNS)
     first = None
     for way in ways_of(options):
-        found = run(way, folder, options.tile_rows)
+        found = taken(way, folder, options.tile_rows)
         first = first or found
         equal = "equal" if found.mark == first.mark else "DIFFERENT"
         ratio = f"{found.processors / first.processors:.2f}"
@@ -164,18 +156,17 @@ def cells(found: Taken, rows: int) -> list[str]:
     ]
 
 
-def run(way: str, folder: Path, tile_rows: int) -> Taken:
+def taken(way: str, folder: Path, tile_rows: int) -> Taken:
     """Take a way in a fresh process."""
-    command = [sys.executable, __file__, "take", way, str(folder), str(tile_rows)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    return Taken(**json.loads(done.stdout))
+    return Taken(**in_process(take, way, folder, tile_rows))
 
 
-def take(way: str, folder: Path, tile_rows: int) -> Taken:
+def take(way: str, place: str, tile_rows: int) -> Taken:
     """Take a way in this process."""
+    folder = Path(place)
     source, out = folder / "points.npy", folder / "out"
-    begin, before = perf_counter(), spent()
-    memory, busiest = 0, 0.0
+    begin, before = perf_counter(), processor_seconds()
+    peak, busiest = 0, 0.0
     if way == "one call":
         simplices = liftmesh.delaunay(np.load(source), threads=1).simplices.astype(np.int64)
         np.save(folder / "one.npy", simplices)
@@ -187,8 +178,8 @@ def take(way: str, folder: Path, tile_rows: int) -> Taken:
         written: Any = {"neighbors": True} if what == "neighbors" else {"shards": what or "npy"}
         liftmesh.tile(source, out, tile_rows=tile_rows, threads=1, resume=False, **written)
     else:
-        memory, busiest = by_dask(int(way.split()[1]), source, out, tile_rows)
-    taken = spent() - before, perf_counter() - begin, memory or peak(), busiest
+        peak, busiest = by_dask(int(way.split()[1]), source, out, tile_rows)
+    costs = processor_seconds() - before, perf_counter() - begin, peak or memory("VmHWM"), busiest
     if way == "one call":
         blocks: Any = [turned(simplices, np.load(source))]
         merges = {"rows_up_from_tiles": 0, "rows_at_root": 0, "bytes_up": 0}
@@ -199,7 +190,7 @@ def take(way: str, folder: Path, tile_rows: int) -> Taken:
     mark = sum((each for _, each in marks), np.zeros(len(MIXERS), np.uint64))
     handed = (merges[name] for name in ("rows_up_from_tiles", "rows_at_root", "bytes_up"))
     return Taken(
-        *taken, *handed, sum(count for count, _ in marks), "".join(f"{m:016x}" for m in mark)
+        *costs, *handed, sum(count for count, _ in marks), "".join(f"{m:016x}" for m in mark)
     )
 
 
@@ -214,19 +205,7 @@ def by_dask(workers: int, source: Path, out: Path, tile_rows: int) -> tuple[int,
         liftmesh.dask.delaunay(source, out, client=client, **options)
         after = client.run(process_time)
         busiest = max(after[worker] - before[worker] for worker in before)
-        return max(client.run(peak).values()), busiest
-
-
-def spent() -> float:
-    """Return the seconds of processors of this process and of those that it waited for."""
-    both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(each.ru_utime + each.ru_stime for each in both)
-
-
-def peak() -> int:
-    """Return the most memory that this process took, in bytes."""
-    with Path("/proc/self/status").open() as lines:
-        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith("VmHWM"))
+        return max(client.run(memory, "VmHWM").values()), busiest
 
 
 def turned(simplices: NDArray[np.int64], points: Points) -> NDArray[np.int64]:
@@ -259,9 +238,8 @@ def mark_of(triangles: NDArray[np.int64]) -> NDArray[np.uint64]:
 
 def table_of_margins(points: Points, tile_rows: int) -> Table:
     """Triangulate with buffers of several widths."""
-    table = Table("margin", title="tiles with buffers", title_justify="left")
-    for column in ("triangles", "missing", "not Delaunay"):
-        table.add_column(column, justify="right")
+    columns = ("triangles", "missing", "not Delaunay")
+    table = empty_table("tiles with buffers", ["margin"], columns)
     exact = {*map(tuple, turned_rows(points, np.arange(len(points))).tolist())}
     for margin in MARGINS:
         union = with_margin(points, tile_rows, margin)
@@ -293,10 +271,3 @@ def turned_rows(points: Points, rows: NDArray[np.intp]) -> NDArray[np.int64]:
     """Triangulate some rows; triangles begin at their least corner."""
     simplices = liftmesh.delaunay(points[rows]).simplices
     return turned(rows[simplices].astype(np.int64), points)
-
-
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["take"]:
-        print(json.dumps(vars(take(sys.argv[2], Path(sys.argv[3]), int(sys.argv[4])))))
-    else:
-        main()

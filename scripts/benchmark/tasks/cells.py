@@ -1,8 +1,8 @@
 """Time Voronoi diagrams and cells, compared with SciPy, shapely and geogram.
 
-    python scripts/bench_cells.py                    a million points; SciPy takes 20 seconds
-    python scripts/bench_cells.py --n 100000 --repeat 5
-    python scripts/bench_cells.py --n 100000 --only transport      what has this in its name
+    python scripts/bench.py cells                    a million points; SciPy takes 20 seconds
+    python scripts/bench.py cells --n 100000 --rounds 5
+    python scripts/bench.py cells --n 100000 --only transport      what has this in its name
 
 Shown is processor time of one thread, the best of the rounds, and as a multiple of the time in
 which liftmesh triangulates the same points. Cells are clipped to a box and to a coast of ten
@@ -18,7 +18,7 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
@@ -28,12 +28,11 @@ from typing import TypeAlias
 import numpy as np
 import scipy.spatial
 import shapely
-from benchmark.contest import SEED
 from distributions import Points
-from rich.console import Console
-from rich.table import Table
 
 import liftmesh
+from benchmark.contest import SEED
+from benchmark.measuring import add_common, console, empty_table
 from liftmesh.cells.transport import Transported
 
 Case: TypeAlias = tuple[str, str, Points, Callable[[Points], object]]
@@ -125,25 +124,26 @@ def steps_of(made: object) -> str:
     return str(len(made.damping)) if isinstance(made, Transported) else ""
 
 
-def main() -> None:
-    """Print the table."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=1_000_000)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
+    add_common(parser)
     parser.add_argument("--most", type=int, default=100_000)
-    parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--only", default="")
     parser.add_argument("--json", type=Path, default=Path("out/bench_cells.json"))
-    options = parser.parse_args()
+
+
+def run(options: Namespace) -> None:
+    """Print the table."""
     os.environ["LIFTMESH_NUM_THREADS"] = "1"
     points = np.random.default_rng(SEED).random((options.n, 2))
-    head = ("what", "program", "points", "seconds", "x delaunay", "steps")
-    table = Table(*head, title="uniform points")
+    numbers = ("points", "seconds", "x delaunay", "steps")
+    table = empty_table("uniform points", ("what", "program"), numbers)
     held = []
     for what, program, of, call in cases(points, options.most):
         if options.only not in what:
             continue
-        seconds, made = best(lambda of=of, call=call: call(of), options.repeat)
-        own, _ = best(lambda of=of: liftmesh.delaunay(of, threads=1), options.repeat)
+        seconds, made = best(lambda of=of, call=call: call(of), options.rounds)
+        own, _ = best(lambda of=of: liftmesh.delaunay(of, threads=1), options.rounds)
         times = f"{seconds:.3f}", f"{seconds / own:.1f}"
         table.add_row(what, program, f"{len(of):,}", *times, steps_of(made))
         held.append(
@@ -157,8 +157,4 @@ def main() -> None:
         )
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps(held, indent=1) + "\n")
-    (Console() if os.isatty(1) else Console(width=110)).print(table)
-
-
-if __name__ == "__main__":
-    main()
+    console(110).print(table)

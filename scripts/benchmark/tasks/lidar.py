@@ -1,7 +1,7 @@
 """Time the way from a LAZ file to the mesh of its ground, beside the decoding alone.
 
-    python scripts/bench_lidar.py                 a million points
-    python scripts/bench_lidar.py --n 10000000    ten million
+    python scripts/bench.py lidar                 a million points
+    python scripts/bench.py lidar --n 10000000    ten million
 
 The file is made: point format 6, seven of ten points are ground. Every run is a process of its own
 on two threads. "decode" is lazrs, which decompresses all points on these threads and keeps nothing.
@@ -15,10 +15,7 @@ of the peak since the imports, and what the arrays of cloud and surface hold.
 from __future__ import annotations
 
 import json
-import os
-import subprocess
-import sys
-from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from pathlib import Path
 from statistics import median
@@ -28,10 +25,11 @@ from typing import Any
 
 import laspy
 import numpy as np
-from benchmark.contestants import KEEP_MEMORY
-from benchmark.worker import memory
+from process_state import memory
 
 import liftmesh
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.measuring import add_common, in_process
 from liftmesh.io.formats.las.points import Points
 
 THREADS = "2"
@@ -120,7 +118,7 @@ def used(path: str) -> dict[str, float]:
 JOBS = {"decode": decode, "mesh": mesh, "memory": used}
 
 
-def run(job: str, path: str) -> dict[str, float]:
+def run_twice(job: str, path: str) -> dict[str, float]:
     """Do a job; one that is timed, twice."""
     liftmesh.triangulate(np.eye(3))
     if job == "memory":
@@ -130,32 +128,26 @@ def run(job: str, path: str) -> dict[str, float]:
     return {**found, "first": first["own"]} if job == "mesh" else found
 
 
-def measured(job: str, path: Path) -> dict[str, float]:
+def measured(job: str, path: Path) -> Any:
     """Run a job in a process of its own."""
-    environment = {**os.environ, "RAYON_NUM_THREADS": THREADS, "LIFTMESH_NUM_THREADS": THREADS}
+    environment = {"RAYON_NUM_THREADS": THREADS, "LIFTMESH_NUM_THREADS": THREADS}
     if job != "memory":
         environment["GLIBC_TUNABLES"] = KEEP_MEMORY
-    words = [sys.executable, __file__, "--job", job, str(path)]
-    done = subprocess.run(words, env=environment, check=True, capture_output=True, text=True)
-    found: dict[str, float] = json.loads(done.stdout.splitlines()[-1])
-    return found
+    return in_process(run_twice, job, path, environment=environment)
 
 
-def main() -> None:
-    """Run the benchmark."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=1_000_000, help="points")
-    parser.add_argument("--runs", type=int, default=3, help="of each, one after the other")
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
+    add_common(parser)
     parser.add_argument("--json", type=Path, help="write the figures to a file")
-    parser.add_argument("--job", nargs=2, metavar=("JOB", "FILE"), help="used by itself")
-    options = parser.parse_args()
-    if options.job:
-        print(json.dumps(run(*options.job)))
-        return
+
+
+def run(options: Namespace) -> None:
+    """Run all jobs in turn, and print the medians."""
     with TemporaryDirectory() as folder:
         path = Path(folder, "made.laz")
         make(path, options.n)
-        runs = [{job: measured(job, path) for job in JOBS} for _ in range(options.runs)]
+        runs = [{job: measured(job, path) for job in JOBS} for _ in range(options.rounds)]
     found = {
         job: {key: median(run[job][key] for run in runs) for key in runs[0][job]} for job in JOBS
     }
@@ -167,7 +159,3 @@ def main() -> None:
     cpu = found["mesh"]["cpu"] / found["decode"]["cpu"] - 1
     print(f"own steps / decoding: {ratio:.2f}, of processors' time {cpu:.2f}")
     print(f"peak / arrays: {found['memory']['peak'] / found['memory']['arrays']:.2f}")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,8 +1,8 @@
 """Time the whole job, from a cloud in a PLY file to a mesh in another, stage by stage.
 
-    python scripts/bench_pipeline.py                      a million rows
-    python scripts/bench_pipeline.py --n 10000000         ten million
-    python scripts/bench_pipeline.py --n 300000 --peers   compared with SciPy, Open3D and trimesh
+    python scripts/bench.py pipeline                      a million rows
+    python scripts/bench.py pipeline --n 10000000         ten million
+    python scripts/bench.py pipeline --n 300000 --peers   compared with SciPy, Open3D and trimesh
 
 The cloud has x, y, z as doubles and 8-bit colours. Every program runs in a fresh process. Memory is
 the peak up to the end of a stage: in total, and per row without what the imports take.
@@ -14,23 +14,29 @@ Python.
 
 from __future__ import annotations
 
-import json
-import os
 import subprocess
 import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
-from resource import RUSAGE_CHILDREN, getrusage
 from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 import numpy as np
-from benchmark.worker import memory
-from rich.console import Console
+from process_state import memory
 from rich.table import Table
+
+from benchmark.measuring import (
+    MILLION,
+    console,
+    empty_table,
+    in_process,
+    processor_seconds,
+    seconds_of,
+)
 
 BLOCK = 1 << 16
 ROW = np.dtype([("position", "<f8", (3,)), ("color", "u1", (3,))])
@@ -121,36 +127,33 @@ JOBS: dict[str, Callable[[str, str], Iterator[str]]] = {
 }
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Run the job with each program, and print a table."""
-    options = read_options()
-    console = Console() if os.isatty(1) else Console(width=100)
+    terminal = console()
     with TemporaryDirectory() as folder:
         source, target = Path(folder, "cloud.ply"), Path(folder, "mesh.ply")
         write_cloud(source, options.n)
         found: dict[str, list[Stage]] = {}
         for name in JOBS if options.peers else (OURS, LEAST):
-            found[name] = run(name, source, target)
-            console.print(table_of(name, found[name], options.n, target.stat().st_size))
+            found[name] = stages_of(name, source, target)
+            terminal.print(table_of(name, found[name], options.n, target.stat().st_size))
         ours, least = (total(found[name][1:]) for name in (OURS, LEAST))
         command = run_command(source, target)
     seconds = (
         f"processors' time {ours.cpu / least.cpu:.2f}, clock {ours.seconds / least.seconds:.2f}"
     )
-    console.print(f"{OURS} without imports, in times of {LEAST}: {seconds}")
-    console.print(
+    terminal.print(f"{OURS} without imports, in times of {LEAST}: {seconds}")
+    terminal.print(
         f"the whole command: processors' time {command / least.cpu:.2f} ({command:.2f} s)"
     )
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=1_000_000, metavar="ROWS")
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
+    parser.add_argument("--n", type=int, default=MILLION, metavar="ROWS")
     parser.add_argument(
         "--peers", action="store_true", help="also SciPy with Open3D and with trimesh"
     )
-    return parser.parse_args()
 
 
 def write_cloud(path: Path, rows: int) -> None:
@@ -167,30 +170,28 @@ def write_cloud(path: Path, rows: int) -> None:
             file.write(block.tobytes())
 
 
-def run(name: str, source: Path, target: Path) -> list[Stage]:
+def stages_of(name: str, source: Path, target: Path) -> list[Stage]:
     """Run a job in a fresh process."""
-    command = [sys.executable, __file__, "--job", name, str(source), str(target)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    return [Stage(**stage) for stage in json.loads(done.stdout.splitlines()[-1])]
+    return [Stage(**stage) for stage in in_process(measured, name, source, target)]
 
 
 def run_command(source: Path, target: Path) -> float:
     """Run ``liftmesh triangulate``; return its processors' time in seconds."""
-    before = getrusage(RUSAGE_CHILDREN)
     words = ["triangulate", str(source), str(target), "--overwrite"]
     command = [sys.executable, "-m", "liftmesh", *words]
-    subprocess.run(command, stdout=subprocess.DEVNULL, check=True)
-    after = getrusage(RUSAGE_CHILDREN)
-    return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
+    call = partial(subprocess.run, command, stdout=subprocess.DEVNULL, check=True)
+    return seconds_of(call, processor_seconds)
 
 
-def measured(stages: Iterator[str]) -> Iterator[Stage]:
-    """Measure time and memory after each stage."""
+def measured(job: str, source: str, target: str) -> list[Stage]:
+    """Run a job in this process; measure time and memory after each stage."""
+    found = []
     start, used = perf_counter(), process_time()
-    for name in stages:
+    for name in JOBS[job](source, target):
         seconds, cpu = perf_counter() - start, process_time() - used
-        yield Stage(name, seconds, cpu, memory("VmRSS"), memory("VmHWM"))
+        found.append(Stage(name, seconds, cpu, memory("VmRSS"), memory("VmHWM")))
         start, used = perf_counter(), process_time()
+    return found
 
 
 def total(stages: list[Stage]) -> Stage:
@@ -203,19 +204,9 @@ def table_of(name: str, stages: list[Stage], rows: int, size: int) -> Table:
     """Make the table of one program: a row for each stage, and one for the whole."""
     libraries, *work = stages
     title = f"{name}: {rows:,} rows, a mesh of {size / 1e6:,.0f} MB"
-    table = Table("stage", title=title, title_justify="left")
-    for column in ("seconds", "processors' s", "peak MB", "bytes a row"):
-        table.add_column(column, justify="right")
+    table = empty_table(title, ["stage"], ("seconds", "processors' s", "peak MB", "bytes a row"))
     for stage in (libraries, *work, total(work)):
         beyond = "" if stage is libraries else f"{(stage.peak - libraries.held) / rows:.0f}"
         times = f"{stage.seconds:.3f}", f"{stage.cpu:.3f}"
         table.add_row(stage.name, *times, f"{stage.peak / 1e6:,.0f}", beyond)
     return table
-
-
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["--job"]:
-        job, *files = sys.argv[2:]
-        print(json.dumps([asdict(stage) for stage in measured(JOBS[job](*files))]))
-    else:
-        main()

@@ -1,9 +1,9 @@
 """Time `verify` against building the triangulation of the same points, for several sources.
 
-    python scripts/bench_verify.py                                    a million rows
-    python scripts/bench_verify.py --n 100000 --peers shull triangle scipy
-    python scripts/bench_verify.py --distributions uniform circle --threads 1
-    python scripts/bench_verify.py --flawed --distributions uniform
+    python scripts/bench.py verify                                    a million rows
+    python scripts/bench.py verify --n 100000 --peers shull triangle scipy
+    python scripts/bench.py verify --distributions uniform circle --threads 1
+    python scripts/bench.py verify --flawed --distributions uniform
 
 The triangles are liftmesh's; the same shuffled; the same apart, each with three rows of its own as
 in an STL file (which makes about six times as many rows to build from); those of the given peers;
@@ -15,11 +15,7 @@ ratio is that of judging to building.
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import chain
@@ -30,19 +26,19 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-from benchmark.contest import SEED
-from benchmark.contestants import KEEP_MEMORY
-from benchmark.peers import OURS, PEERS, Triangles
-from benchmark.worker import memory
 from distributions import DISTRIBUTIONS, Points
-from rich.console import Console
-from rich.table import Table
+from process_state import memory
 
 import liftmesh
+from benchmark.contest import SEED
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.measuring import add_common, console, empty_table, in_process
+from benchmark.peers import OURS, PEERS, Triangles
 from liftmesh.planar.verification import _sums as hash_input
 
 Call: TypeAlias = Callable[[], Any]
 
+COLUMNS = ("build s", "judge s", "ratio", "hash s", "build B/row", "verify B/row")
 SHUFFLED, APART = "shuffled", "apart"
 USUAL = ("uniform", "gaussian", "clusters", "lattice", "utm-lattice", "circle", "two-columns")
 MAKERS = [name for name, peer in PEERS.items() if peer.triangulates and name not in (OURS, "CGAL")]
@@ -66,34 +62,31 @@ class Judged:
     answer: str
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table for each distribution."""
-    options = read_options()
-    console = Console() if os.isatty(1) else Console(width=110)
+    terminal = console(110)
     for distribution in options.distributions:
         points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
-        table = empty_table(f"{distribution}, {len(points):,} rows")
-        with TemporaryDirectory() as folder, console.status("") as status:
+        title = f"{distribution}, {len(points):,} rows"
+        table = empty_table(title, ("triangles", "threads", "answer"), COLUMNS)
+        with TemporaryDirectory() as folder, terminal.status("") as status:
             wrong = flawed_lists(points) if options.flawed else ()
             for maker, rows, triangles in chain(lists_of(points, options.peers), wrong):
                 for threads in options.threads:
                     status.update(f"{distribution}: triangles of {maker}, threads: {threads}")
-                    judged = judge(rows, triangles, threads, options.repeat, Path(folder))
+                    judged = judge(rows, triangles, threads, options.rounds, Path(folder))
                     table.add_row(maker, f"{threads}", *cells(judged, len(rows)))
-        console.print(table)
+        terminal.print(table)
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
-    add("--n", type=int, default=1_000_000, metavar="ROWS")
+    add_common(parser, rounds=5)
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")
     add("--peers", nargs="*", choices=MAKERS, default=[], metavar="P", help=", ".join(MAKERS))
     add("--flawed", action="store_true", help="lists with flaws, too")
     add("--threads", nargs="+", type=int, default=[1, 2], metavar="K")
-    add("--repeat", type=int, default=5, help="rounds")
-    return parser.parse_args()
 
 
 def lists_of(points: Points, peers: list[str]) -> Iterator[tuple[str, Points, Triangles]]:
@@ -129,38 +122,34 @@ def judge(points: Points, triangles: Triangles, threads: int, rounds: int, folde
     files = folder / "points", folder / "triangles"
     points.tofile(files[0])
     triangles.tofile(files[1])
-    held = {name: run("peak", name, *files, threads)["held"] for name in ("build", "verify")}
-    times = run("turns", rounds, *files, threads)
+    case = (*files, threads)
+    keeping = {"GLIBC_TUNABLES": KEEP_MEMORY}
+    held = {
+        name: in_process(peak_of, name, *case, environment=keeping) for name in ("build", "verify")
+    }
+    times = in_process(take_turns, rounds, *case, environment=keeping)
     costs = {name: Cost(times[name], held[name]) for name in held}
     return Judged(**costs, hash_seconds=times["hash"], answer=times["answer"])
 
 
-def run(*words: object) -> dict[str, Any]:
-    """Run a job in a process of this script."""
-    command = [sys.executable, __file__, *map(str, words)]
-    environment = os.environ | {"GLIBC_TUNABLES": KEEP_MEMORY}
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True, env=environment)
-    return json.loads(done.stdout)
-
-
-def calls_on(points_file: str, triangles_file: str, threads: str) -> dict[str, Call]:
+def calls_on(points_file: str, triangles_file: str, threads: int) -> dict[str, Call]:
     points = np.fromfile(points_file).reshape(-1, 2)
     triangles = np.fromfile(triangles_file, np.int32).reshape(-1, 3)
     liftmesh.verify(points[:3], [[0, 1, 2]])  # resolves the lazy imports
     return {
-        "build": lambda: liftmesh.delaunay(points, threads=int(threads)),
-        "verify": lambda: liftmesh.verify(points, triangles, threads=int(threads)),
-        "hash": lambda: hash_input(points, triangles, int(threads) > 1),
+        "build": lambda: liftmesh.delaunay(points, threads=threads),
+        "verify": lambda: liftmesh.verify(points, triangles, threads=threads),
+        "hash": lambda: hash_input(points, triangles, threads > 1),
     }
 
 
-def take_turns(rounds: str, *case: str) -> dict[str, Any]:
+def take_turns(rounds: int, *case: Any) -> dict[str, Any]:
     """Time both in alternation, B V B V; the first turns are not timed."""
     calls = calls_on(*case)
     calls["build"]()
     certificate = calls["verify"]()
     seconds: dict[str, list[float]] = {name: [] for name in calls}
-    for _ in range(int(rounds)):
+    for _ in range(rounds):
         for name, call in calls.items():
             start = perf_counter()
             result = call()
@@ -170,22 +159,12 @@ def take_turns(rounds: str, *case: str) -> dict[str, Any]:
     return {name: median(taken) for name, taken in seconds.items()} | {"answer": answer}
 
 
-def peak_of(name: str, *case: str) -> dict[str, Any]:
+def peak_of(name: str, *case: Any) -> int:
     """Return the peak memory of the first call in a process."""
     call = calls_on(*case)[name]
     before = memory("VmRSS")
     call()
-    return {"held": max(0, memory("VmHWM") - before)}
-
-
-JOBS: dict[str, Callable[..., dict[str, Any]]] = {"turns": take_turns, "peak": peak_of}
-
-
-def empty_table(title: str) -> Table:
-    table = Table("triangles", "threads", "answer", title=title, title_justify="left")
-    for column in ("build s", "judge s", "ratio", "hash s", "build B/row", "verify B/row"):
-        table.add_column(column, justify="right")
-    return table
+    return max(0, memory("VmHWM") - before)
 
 
 def cells(judged: Judged, rows: int) -> list[str]:
@@ -194,10 +173,3 @@ def cells(judged: Judged, rows: int) -> list[str]:
     seconds = [f"{build:.3f}", f"{judging:.3f}", ratio, f"{judged.hash_seconds:.3f}"]
     held = [f"{cost.bytes / rows:.0f}" for cost in (judged.build, judged.verify)]
     return [judged.answer, *seconds, *held]
-
-
-if __name__ == "__main__":
-    if sys.argv[1:] and sys.argv[1] in JOBS:
-        print(json.dumps(JOBS[sys.argv[1]](*sys.argv[2:])))
-    else:
-        main()

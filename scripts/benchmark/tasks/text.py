@@ -1,8 +1,8 @@
 """Time reading and writing numbers as text, compared with polars.
 
-    python scripts/bench_text.py                 a million rows of three columns
-    python scripts/bench_text.py --n 10000000    ten million
-    python scripts/bench_text.py --alone         without polars
+    python scripts/bench.py text                 a million rows of three columns
+    python scripts/bench.py text --n 10000000    ten million
+    python scripts/bench.py text --alone         without polars
 
 CSV and XYZ hold x, y, z in 17 digits; OBJ and ASCII PLY the mesh on them, with two faces a row.
 Each call runs in processes of its own, on the default number of threads, and its best time counts;
@@ -13,11 +13,7 @@ target. What is read is compared with what was written, bit for bit.
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Sequence
 from importlib import import_module
 from pathlib import Path
@@ -26,9 +22,10 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from bench_pipeline import BLOCK
-from rich.console import Console
 from rich.table import Table
+
+from benchmark.measuring import add_common, console, empty_table, in_process
+from benchmark.tasks.pipeline import BLOCK
 
 FILES = {"CSV": "points.csv", "XYZ": "points.xyz", "OBJ": "mesh.obj", "PLY": "mesh.ply"}
 POLARS = {"read": "polars read_csv", "write": "polars write_csv"}
@@ -36,26 +33,24 @@ CALLS = [f"{verb} {kind}" for verb in ("read", "write") for kind in FILES]
 IN_A_PROCESS = 3  # calls, of which the best counts
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Run all calls in turn, and print a table."""
-    options = read_options()
     calls = [*([] if options.alone else POLARS.values()), *CALLS]
     with TemporaryDirectory() as name:
         folder = Path(name)
         prepare(folder, options.n)
-        rounds = [{call: run(call, folder) for call in calls} for _ in range(options.rounds)]
+        rounds = [
+            {call: in_process(job, call, folder) for call in calls} for _ in range(options.rounds)
+        ]
         best = {call: best_of([times[call] for times in rounds]) for call in calls}
         sizes = {kind: (folder / file).stat().st_size for kind, file in FILES.items()}
-    (Console() if os.isatty(1) else Console(width=100)).print(table_of(best, sizes, options.n))
+    console().print(table_of(best, sizes, options.n))
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=1_000_000, metavar="ROWS")
-    parser.add_argument("--rounds", type=int, default=5)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
+    add_common(parser, rounds=5)
     parser.add_argument("--alone", action="store_true", help="without polars")
-    return parser.parse_args()
 
 
 def prepare(folder: Path, rows: int) -> None:
@@ -87,24 +82,16 @@ def best_of(times: Sequence[Times]) -> Times:
     return [min(each) for each in zip(*times, strict=True)]
 
 
-def run(call: str, folder: Path) -> Times:
-    """Time a call in a fresh process."""
-    command = [sys.executable, __file__, "--job", call, str(folder)]
-    done = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True)
-    clock, processors = json.loads(done.stdout)
-    return float(clock), float(processors)
-
-
-def job(call: str, folder: Path) -> Times:
+def job(call: str, folder: str) -> Times:
     """Prepare a call, and return the best of its times; compare what it read."""
     make = by_polars if call in POLARS.values() else by_liftmesh
-    work, points_of = make(call, folder)
+    work, points_of = make(call, Path(folder))
     times: list[Times] = []
     for _ in range(IN_A_PROCESS):
         start, worked = perf_counter(), process_time()
         found = work()
         times.append((perf_counter() - start, process_time() - worked))
-    if points_of(found).tobytes() != np.load(folder / "points.npy").tobytes():
+    if points_of(found).tobytes() != np.load(Path(folder, "points.npy")).tobytes():
         raise SystemExit(f"{call}: other values")
     return best_of(times)
 
@@ -143,9 +130,8 @@ def by_polars(call: str, folder: Path) -> Job:
 
 def table_of(best: dict[str, Times], sizes: dict[str, int], rows: int) -> Table:
     """Make the table: a row for each call."""
-    table = Table("call", title=f"{rows:,} rows", title_justify="left")
-    for column in ("MB", "seconds", "processors'", "MB/s", "for a byte", "processors'"):
-        table.add_column(column, justify="right")
+    columns = ("MB", "seconds", "processors'", "MB/s", "for a byte", "processors'")
+    table = empty_table(f"{rows:,} rows", ["call"], columns)
     for call, times in best.items():
         verb, kind = ("", "CSV") if call in POLARS.values() else call.split()
         size = sizes[kind]
@@ -155,10 +141,3 @@ def table_of(best: dict[str, Times], sizes: dict[str, int], rows: int) -> Table:
         shown = f"{size / 1e6:.1f}", *(f"{each:.3f}" for each in times)
         table.add_row(call, *shown, f"{size / 1e6 / times[0]:.0f}", *ratios)
     return table
-
-
-if __name__ == "__main__":
-    if sys.argv[1:2] == ["--job"]:
-        print(json.dumps(job(sys.argv[2], Path(sys.argv[3]))))
-    else:
-        main()

@@ -1,8 +1,8 @@
 """Time the simplification of rasters, side by side with pydelatin, and compare the triangles.
 
-    python scripts/bench_simplify.py                      the example raster and a fractal
-    python scripts/bench_simplify.py dem.tif --max-errors 0.25 1
-    python scripts/bench_simplify.py --fractal 2049 --max-errors 5 --repeat 5
+    python scripts/bench.py simplify                      the example raster and a fractal
+    python scripts/bench.py simplify dem.tif --max-errors 0.25 1
+    python scripts/bench.py simplify --fractal 2049 --max-errors 5 --rounds 5
 
 Both approximate the same heights within the same distances, in one process and in turns; the least
 CPU seconds of the rounds count. "greedy" is the choice of vertices without the last pass, as a part
@@ -14,8 +14,7 @@ one; the last pass takes vertices out again.
 
 from __future__ import annotations
 
-import os
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from importlib import import_module
 from pathlib import Path
@@ -23,45 +22,42 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from rich.console import Console
-from rich.table import Table
 
 import liftmesh
+from benchmark.measuring import console, empty_table, load
 from liftmesh import _kernel
 from liftmesh._typing import Floats
 from liftmesh.terrain.surface_data import positions_of
 
-EXAMPLE = Path(__file__).resolve().parents[1] / "data" / "jacksboro.ply"
+EXAMPLE = Path(__file__).resolve().parents[3] / "data" / "jacksboro.ply"
 SEED = 21
 RELIEF = 1000.0  # of the fractal
 
 
-def main() -> None:
+def run(options: Namespace) -> None:
     """Print a table of all rasters and distances."""
-    options = read_options()
-    table = Table(title=f"CPU seconds, load {os.getloadavg()[0]:.1f}", title_justify="left")
-    for column in ("raster", "size", "distance", "pydelatin", "s", *COLUMNS):
-        table.add_column(column, justify="left" if column == "raster" else "right")
+    table = empty_table(f"CPU seconds, {load()}", ["raster"], COLUMNS)
     for name, heights in rasters(options):
         for max_error in options.max_errors:
             table.add_row(name, "x".join(map(str, heights.shape)), f"{max_error:g}", *cells(
-                compared(heights, max_error, options.repeat)
+                compared(heights, max_error, options.rounds)
             ))  # fmt: skip
-    (Console() if os.isatty(1) else Console(width=120)).print(table)
+    console(120).print(table)
 
 
-COLUMNS = ("greedy", "all", "call", "triangles greedy", "triangles all")
+COLUMNS = (
+    *("size", "distance", "pydelatin", "s"),
+    *("greedy", "all", "call", "triangles greedy", "triangles all"),
+)
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
+def add_options(parser: ArgumentParser) -> None:
+    """Add the options."""
     add = parser.add_argument
     add("files", nargs="*", type=Path, metavar="RASTER", help="instead of the example")
     add("--fractal", type=int, default=1025, metavar="SIDE", help="0: none")
     add("--max-errors", nargs="+", type=float, default=(2.0, 10.0), metavar="Z")
-    add("--repeat", type=int, default=3, help="rounds")
-    return parser.parse_args()
+    add("--rounds", type=int, default=3)
 
 
 def rasters(options: Namespace) -> Iterator[tuple[str, Floats]]:
@@ -136,7 +132,3 @@ def cells(found: dict[str, tuple[float, int]]) -> list[str]:
     times = [f"{found[way][0] / peer_seconds:.2f}" for way in ("greedy", "all", "call")]
     counts = [f"{found[way][1] / peer:.3f}" for way in ("greedy", "all")]
     return [f"{peer:,}", f"{peer_seconds:.3f}", *times, *counts]
-
-
-if __name__ == "__main__":
-    main()
