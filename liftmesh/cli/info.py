@@ -80,11 +80,11 @@ def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
     from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
 
-    found = described(crs)
-    if found is None:
+    system = described(crs)
+    if system is None:
         return crs
-    number = f"{crs}, " if len(crs) < len(found.name) + _SHORT else ""
-    return f"{number}{found.name} ({found.kind})"
+    number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""
+    return f"{number}{system.name} ({system.kind})"
 
 
 def _samples(raster: dict[str, Any]) -> str:

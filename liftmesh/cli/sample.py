@@ -63,8 +63,8 @@ def run(
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        found, known = _sampled(surface, asked, method, threads)
-    path = _write(target, found, target_format)
+        sampled, known = _sampled(surface, asked, method, threads)
+    path = _write(target, sampled, target_format)
     with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
@@ -100,10 +100,10 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    options = {**own, **asked.attributes}
+    attributes = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=options, faces=None, crs=crs)
-    return found, int(np.count_nonzero(np.isfinite(heights)))
+    sampled = replace(asked, points=points, attributes=attributes, faces=None, crs=crs)
+    return sampled, int(np.count_nonzero(np.isfinite(heights)))
 
 
 class _EmptyFields:
@@ -117,12 +117,12 @@ class _EmptyFields:
         return False
 
     def write(self, lines: bytes) -> int:
-        options = lines
+        values = lines
         if self._is_amid_names:
-            names, end, options = bytes(lines).partition(b"\n")
+            names, end, values = bytes(lines).partition(b"\n")
             self._is_amid_names = not end
             self._stream.write(names + end)
-        self._stream.write(_NAN.sub(b"", options))
+        self._stream.write(_NAN.sub(b"", values))
         return len(lines)
 
 

@@ -122,11 +122,11 @@ def run(
         by_dask = workers is not None or scheduler is not None
         make = _maker(surface=surface, by_dask=by_dask)
         if not by_dask:
-            found = make(paths, out, threads=threads, **common)
+            tiled = make(paths, out, threads=threads, **common)
         else:
             with _client(workers, scheduler, memory) as client:
-                found = make(paths, out, client=client, **common)
-    _say(found, json=json)
+                tiled = make(paths, out, client=client, **common)
+    _say(tiled, json=json)
 
 
 @contextmanager
@@ -208,23 +208,23 @@ def _check_address(text: str) -> None:
         )
 
 
-def _say(found: Tiled, *, json: bool) -> None:
-    counts = {name: found.manifest[name] for name in SHOWN}
-    if "surface" in found.manifest:
-        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+def _say(tiled: Tiled, *, json: bool) -> None:
+    counts = {name: tiled.manifest[name] for name in SHOWN}
+    if "surface" in tiled.manifest:
+        counts["overhangs"] = tiled.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
-    classes: dict[int, int] = getattr(found, "classes", {})
+    classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(found.directory), **counts, "classes": classes}
-        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
+        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
-    merges = found.manifest["merges"]
+    merges = tiled.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(found.shards):,} in {found.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
         ]
     )
