@@ -1,6 +1,6 @@
 """Tables in memory: DataFrames, structured arrays, laspy's points, and arrays with named columns.
 
-They are read by the names of their columns, like the same table as text (`io.tables.columns`), and
+They are read by the names of their columns, like the same table as text (`io.formats.text.columns`), and
 refused for the same reasons. Values keep their types: text, dates and other objects are left out
 and named. No library of tables is imported.
 """
