@@ -1,5 +1,4 @@
 from .base.cloud import Cloud as Cloud
-from .cells.cells import Cells as Cells
 from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,
@@ -10,12 +9,15 @@ from .cells.natural import (
     natural_neighbors as natural_neighbors,
 )
 from .cells.transport import Transported as Transported, transport as transport
-from .cells.unclipped import Unclipped as Unclipped
-from .cells.voronoi import power_diagram as power_diagram, voronoi as voronoi
+from .cells.voronoi import (
+    Cells as Cells,
+    Unclipped as Unclipped,
+    power_diagram as power_diagram,
+    voronoi as voronoi,
+)
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
-from .disks.apollonius import apollonius as apollonius
-from .disks.graph import ApolloniusGraph as ApolloniusGraph
+from .disks.apollonius import ApolloniusGraph as ApolloniusGraph, apollonius as apollonius
 from .errors import (
     DataWarning as DataWarning,
     DegenerateInputError as DegenerateInputError,
@@ -31,15 +33,20 @@ from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .io.write import Written as Written, write as write
-from .planar.anisotropic import anisotropic_stars as anisotropic_stars
-from .planar.anisotropic_stars import AnisotropicStars as AnisotropicStars
+from .planar.anisotropic import (
+    AnisotropicStars as AnisotropicStars,
+    anisotropic_stars as anisotropic_stars,
+)
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
-from .planar.counters import Counters as Counters
 from .planar.delaunay import delaunay as delaunay
 from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
-from .planar.lifting import LowerHull as LowerHull, lift as lift, project as project
-from .planar.regular import regular as regular
-from .planar.regular_triangulation import RegularTriangulation as RegularTriangulation
+from .planar.lifting import (
+    Counters as Counters,
+    LowerHull as LowerHull,
+    lift as lift,
+    project as project,
+)
+from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
 from .planar.scipy_delaunay import Delaunay as Delaunay
 from .planar.scipy_voronoi import Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation

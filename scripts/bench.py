@@ -1,148 +1,61 @@
-"""Time liftmesh against the programs a Python user could install instead.
+"""Run a benchmark: ``python scripts/bench.py NAME [options]``.
 
-    python scripts/bench.py              uniform points in every size, a million of all others
-    python scripts/bench.py --quick      fewer rows of a few inputs: some minutes
-    python scripts/bench.py --targets    the inputs that have targets, and whether they are met
-    python scripts/bench.py --small      the latency of small calls
-    python scripts/bench.py --progress   the cost of a progress callback
-    python scripts/bench.py --before old/bin/python   a former liftmesh beside this one
-    python scripts/bench.py --n 10000 100000 --distributions uniform circle --peers CGAL triangle
-
-Every contestant, a peer on one or two threads, first runs in a fresh process, which measures its
-memory. Its triangles are checked exactly and in full: a wrong result is shown with its flaw, and is
-not compared. Then all contestants are timed in alternating rounds. A peer that exceeds the time
-limit is cut off, and not tried on more points of that kind. CGAL is a C++ program that is built on
-first use; it and other peers that are not installed are shown as such.
-
-Tables go to the terminal, all times to a JSON file, and pictures to the same folder.
+`python scripts/bench.py NAME --help` tells what it measures, how, and its options. Every benchmark
+is a module of `scripts/benchmark/tasks` with `add_options` and `run`.
 """
 
 from __future__ import annotations
 
-import os
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from pathlib import Path
+import sys
+from argparse import ArgumentParser, RawDescriptionHelpFormatter
+from importlib import import_module
 
-from benchmark import plots, records
-from benchmark.cases import MILLION, PROFILES, Case, grid
-from benchmark.contest import SEED, Limits, run_case
-from benchmark.contestants import INTERPRETERS
-from benchmark.peers import BEFORE, OURS, PEERS, RIVALS
-from benchmark.results import Measurement
-from benchmark.startup import import_seconds
-from benchmark.tables import notes_of, tables_of, target_table
-from benchmark.targets import TARGETS, Target
-from distributions import DISTRIBUTIONS
-from rich.console import Console
+from benchmark.measuring import JOB, run_job
 
-WIDTH = 190
-
-
-def main() -> None:
-    """Measure the cases; print, write and draw the results."""
-    options = read_options()
-    console = Console() if os.isatty(1) else Console(width=WIDTH)
-    cases = cases_of(options)
-    imports = import_seconds()
-    measurements: list[Measurement] = []
-    targets: list[Target] = []
-    limits: Limits = {}
-    with console.status("") as status:
-        for case in cases:
-            status.update(f"{case.distribution}, {case.size:,} rows")
-            measurements.append(run_case(case, limits))
-            if options.profile in TARGETS:
-                targets = list(TARGETS[options.profile](measurements, options.million))
-            records.write(options.json, measurements, targets, imports, settings_of(options))
-    show(console, measurements, targets, imports)
-    for file in (options.json, *plots.draw(measurements, options.json)):
-        console.print(f"wrote {file}")
+BENCHMARKS = {
+    "delaunay": "planar triangulations beside SciPy, triangle, shull, CGAL and others",
+    "small": "the latency of small calls",
+    "progress": "the cost of a progress callback",
+    "weighted": "weights, metrics and farthest points beside CGAL and SciPy",
+    "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
+    "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
+    "locate": "points located, beside SciPy and matplotlib",
+    "verify": "verify beside the triangulation of the same points",
+    "surface": "heights, rasters and contours beside SciPy, matplotlib, CGAL, PDAL and GDAL",
+    "simplify": "rasters in few triangles, beside pydelatin",
+    "text": "numbers as text, read and written, beside polars",
+    "stl": "binary STL, read and written, beside trimesh",
+    "lidar": "from LAZ to the mesh of its ground, beside decoding alone",
+    "pipeline": "from a PLY file to another, stage by stage",
+    "tiles": "a file in tiles, beside one call and tiles with buffers",
+}
+MODULES = {"small": "delaunay", "progress": "delaunay"}  # of others: their name
 
 
-def read_options() -> Namespace:
-    """Parse the command line; liftmesh itself is always measured."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    add = parser.add_argument
-    profiles = parser.add_mutually_exclusive_group()
-    for name in PROFILES:
-        profiles.add_argument(f"--{name}", dest="profile", action="store_const", const=name)
-    add("--n", nargs="+", type=int, metavar="ROWS", help="these sizes instead of a profile")
-    add("--distributions", nargs="+", choices=DISTRIBUTIONS, metavar="D", help="only these")
-    add("--before", metavar="PYTHON", help="interpreter for which a former liftmesh is installed")
-    add("--peers", nargs="+", choices=PEERS, default=[*RIVALS], metavar="P", help=", ".join(PEERS))
-    add(
-        "--threads",
-        nargs="+",
-        type=int,
-        default=[1, 2],
-        metavar="K",
-        help="of the peers that are parallel",
-    )
-    add("--repeat", type=int, default=5, help="rounds")
-    add(
-        "--patience",
-        type=float,
-        default=20.0,
-        help="time limit in seconds of a trial, and of all rounds together",
-    )
-    add(
-        "--million",
-        type=int,
-        default=MILLION,
-        help="rows to take in place of a million, for a rehearsal",
-    )
-    add("--json", type=Path, default=Path("out/bench.json"))
-    options = parser.parse_args()
-    if options.profile and (options.n or options.distributions):
-        parser.error(
-            f"--{options.profile} sets sizes and distributions: omit --n and --distributions"
+def main(words: list[str]) -> None:
+    """Run the benchmark that is named, or list all."""
+    if not words or words[0] not in BENCHMARKS:
+        listed = "\n".join(f"  {name:10}{what}" for name, what in BENCHMARKS.items())
+        parser = ArgumentParser(
+            description=__doc__, epilog=listed, formatter_class=RawDescriptionHelpFormatter
         )
-    if options.before:
-        INTERPRETERS[BEFORE] = str(Path(options.before).absolute())
-    elif BEFORE in options.peers:
-        parser.error(f"{BEFORE} needs --before PYTHON, for which a former liftmesh is installed")
-    options.json = options.json.absolute()
-    return options
-
-
-def cases_of(options: Namespace) -> list[Case]:
-    """Return the cases of the profile, or those of the given sizes and distributions."""
-    former = [BEFORE] if options.before else []
-    peers = tuple(dict.fromkeys((OURS, *former, *options.peers)))
-    case = Case(
-        "uniform",
-        options.million,
-        peers,
-        tuple(options.threads),
-        options.repeat,
-        options.patience,
+        parser.add_argument("name", choices=BENCHMARKS, metavar="NAME")
+        parser.parse_args(words or ["--help"])
+    name = words[0]
+    task = import_module(f"benchmark.tasks.{MODULES.get(name, name)}")
+    parser = ArgumentParser(
+        prog=f"bench.py {name}",
+        description=task.__doc__,
+        formatter_class=RawDescriptionHelpFormatter,
     )
-    if options.n or options.distributions:
-        sizes = options.n or [options.million]
-        return grid(case, options.distributions or DISTRIBUTIONS, sizes)
-    return PROFILES[options.profile or "full"](case, options.million)
-
-
-def settings_of(options: Namespace) -> dict[str, object]:
-    """Return the options for the report, without folders of this machine."""
-    return vars(options) | {"json": options.json.name, "before": bool(options.before), "seed": SEED}
-
-
-def show(
-    console: Console,
-    measurements: list[Measurement],
-    targets: list[Target],
-    imports: dict[str, float],
-) -> None:
-    for table in tables_of(measurements):
-        console.print(table)
-    for note in notes_of(measurements):
-        console.print(f"* {note}")
-    for statement, seconds in imports.items():
-        console.print(f"{statement}: {seconds:.4f} s beyond NumPy's import")
-    if targets:
-        console.print(target_table(targets))
+    if name in MODULES:
+        parser.set_defaults(profile=name)
+    task.add_options(parser)
+    task.run(parser.parse_args(words[1:]))
 
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[1:2] == [JOB]:
+        run_job(*sys.argv[2:])
+    else:
+        main(sys.argv[1:])

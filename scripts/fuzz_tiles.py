@@ -28,7 +28,7 @@ from time import monotonic
 from typing import Any
 
 import numpy as np
-from bench_tiles import BLOCK, MIXERS, mark_of, turned
+from benchmark.tasks.tiles import BLOCK, MIXERS, mark_of, turned
 from distributions import Points
 from numpy.random import Generator
 from numpy.typing import NDArray

@@ -85,3 +85,11 @@ def halted(child: subprocess.Popen[Any]) -> Iterator[None]:
         yield
     finally:
         child.send_signal(signal.SIGCONT)
+
+
+def memory(field: str) -> int:
+    """Read a size in bytes from /proc/self/status."""
+    for line in Path("/proc/self/status").read_text().splitlines():
+        if line.startswith(field):
+            return int(line.split()[1]) * 1024
+    raise OSError(f"/proc/self/status has no {field}: memory can be measured on Linux only")

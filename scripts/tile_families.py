@@ -1,6 +1,6 @@
 """Point sets on which tiles are tried: those of the benchmarks, and some that surveys bring.
 
-Used by `scripts/bench_tiles.py`, `scripts/fuzz_tiles.py` and the tests.
+Used by `scripts/bench.py tiles`, `scripts/fuzz_tiles.py` and the tests.
 """
 
 from __future__ import annotations

@@ -11,7 +11,6 @@ to be equal for both. Shown are the seconds of the processor and of the clock, a
 
 from __future__ import annotations
 
-import os
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from dataclasses import dataclass
 from pathlib import Path
@@ -21,9 +20,11 @@ from typing import Any
 from unittest.mock import patch
 
 import numpy as np
-from bench_tiles import MIXERS, mark_of, peak
 from benchmark.contest import SEED
+from benchmark.measuring import load
+from benchmark.tasks.tiles import MIXERS, mark_of
 from distributions import Points
+from process_state import memory
 
 from liftmesh.tiles.options import Options
 from liftmesh.tiles.pipeline import triangulated
@@ -97,7 +98,7 @@ def hashed(n: int, tile_rows: int, folder: str | None) -> str:
     print(
         f"{n:,} rows in {found.manifest['merges']['tiles']:,} tiles: {found.nsimplex:,} triangles, "
         f"{process_time() - before:.0f} s of the processor, {perf_counter() - begin:.0f} s, "
-        f"{peak() / 1e6:.0f} MB, load {os.getloadavg()[0]:.1f}, {mark}",
+        f"{memory('VmHWM') / 1e6:.0f} MB, {load()}, {mark}",
         flush=True,
     )
     return mark

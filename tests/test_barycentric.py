@@ -9,7 +9,7 @@ import scipy.spatial
 from numpy.typing import NDArray
 
 import liftmesh
-from liftmesh.planar.barycentric import barycentric_transforms
+from liftmesh.planar.triangulation import barycentric_transforms
 
 
 def slivers(count: int) -> NDArray[np.float64]:

@@ -7,10 +7,11 @@ import subprocess
 import sys
 from pathlib import Path
 
-import bench_cells
+import bench
 import numpy as np
 import pytest
 import shapely
+from benchmark.tasks import cells as bench_cells
 
 import liftmesh
 
@@ -25,9 +26,12 @@ def test_both_programs_make_the_same_cells() -> None:
 
 def test_a_table_is_printed(tmp_path: Path) -> None:
     held = tmp_path / "made" / "cells.json"
-    words = ["--n", "300", "--most", "200", "--repeat", "1", "--json", str(held)]
+    words = ["--n", "300", "--most", "200", "--rounds", "1", "--json", str(held)]
     done = subprocess.run(
-        [sys.executable, bench_cells.__file__, *words], capture_output=True, text=True, check=True
+        [sys.executable, bench.__file__, "cells", *words],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert done.stdout.count("liftmesh") == 11
     assert done.stdout.count("shapely") == 2

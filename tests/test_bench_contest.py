@@ -195,7 +195,7 @@ def run_bench(folder: Path, *options: str) -> tuple[str, dict]:
 
 def test_the_command_prints_writes_and_draws(tmp_path: Path) -> None:
     sizes = ("--n", "200", "400", "--distributions", "uniform", "jacksboro")
-    said, report = run_bench(tmp_path, *sizes, "--repeat", "2")
+    said, report = run_bench(tmp_path, "delaunay", *sizes, "--rounds", "2")
     assert "jacksboro" in said
     assert report["versions"]["scipy"]
     assert "processor" in report["machine"]
@@ -209,8 +209,8 @@ def test_the_command_prints_writes_and_draws(tmp_path: Path) -> None:
 
 
 def test_the_command_takes_a_former_version(tmp_path: Path) -> None:
-    said, report = run_bench(tmp_path, "--n", "300", "--repeat", "2", "--distributions", "uniform",
-                             "--before", sys.executable)  # fmt: skip
+    words = ("--n", "300", "--rounds", "2", "--distributions", "uniform")
+    said, report = run_bench(tmp_path, "delaunay", *words, "--before", sys.executable)
     assert "time / before" in said
     (found,) = records.read(tmp_path / "bench.json")
     assert found.timings[Contestant(BEFORE)].right
@@ -222,6 +222,7 @@ def test_a_former_version_without_its_interpreter_is_refused(tmp_path: Path) -> 
     command = [
         sys.executable,
         SCRIPTS / "bench.py",
+        "delaunay",
         "--peers",
         BEFORE,
         "--json",
@@ -233,7 +234,7 @@ def test_a_former_version_without_its_interpreter_is_refused(tmp_path: Path) -> 
 
 
 def test_the_command_times_small_calls(tmp_path: Path) -> None:
-    said, report = run_bench(tmp_path, "--small", "--million", "1000", "--threads", "1")
+    said, report = run_bench(tmp_path, "small", "--million", "1000", "--threads", "1")
     assert "10 rows, threads=1" in said
     calls = [m["contestants"][0]["seconds"] for m in report["measurements"]]
     assert [[len(one) for one in rounds] for rounds in calls] == [[10] * 3] * 3

@@ -5,13 +5,16 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import bench_disks
+import bench
 
 
 def test_a_table_is_printed() -> None:
-    words = ["--n", "1000", "--repeat", "1", "--only", "cells", "stars"]
+    words = ["--n", "1000", "--rounds", "1", "--only", "cells", "stars"]
     done = subprocess.run(
-        [sys.executable, bench_disks.__file__, *words], capture_output=True, text=True, check=True
+        [sys.executable, bench.__file__, "disks", *words],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     lines = [line.split("|")[1:-1] for line in done.stdout.splitlines()]
     assert [len(line) for line in lines] == [5] * 7

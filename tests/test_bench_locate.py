@@ -5,8 +5,9 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import bench_locate
+import bench
 import numpy as np
+from benchmark.tasks import locate as bench_locate
 
 import liftmesh
 
@@ -33,7 +34,7 @@ def test_points_are_made_inside_and_put_in_order() -> None:
 
 
 def test_what_is_timed() -> None:
-    found = bench_locate.run(sys.executable, "scipy", POINTS, POINTS[:50], 2)
+    found = bench_locate.time(sys.executable, "scipy", POINTS, POINTS[:50], 2)
     assert found.points == 50
     assert min(found.build, found.first, found.again) > 0
     taken = bench_locate.Taken(build=0.5, first=2.0, again=1.0, points=4)
@@ -41,9 +42,12 @@ def test_what_is_timed() -> None:
 
 
 def test_a_table_is_printed() -> None:
-    words = ["--n", "300", "--distributions", "circle", "--repeat", "1", "--before", sys.executable]
+    words = ["--n", "300", "--distributions", "circle", "--rounds", "1", "--before", sys.executable]
     done = subprocess.run(
-        [sys.executable, bench_locate.__file__, *words], capture_output=True, text=True, check=True
+        [sys.executable, bench.__file__, "locate", *words],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert "circle, 300 rows" in done.stdout
     assert done.stdout.count("liftmesh before") == done.stdout.count("scipy") == 2

@@ -7,9 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import bench_pipeline
+import bench
 import numpy as np
 import pytest
+from benchmark.tasks import pipeline as bench_pipeline
 
 import liftmesh
 
@@ -26,8 +27,8 @@ def source(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize("name", bench_pipeline.JOBS)
 def test_every_program_does_the_whole_job(name: str, source: Path, tmp_path: Path) -> None:
     if name == bench_pipeline.LEAST:  # it writes the bytes of a mesh that is there
-        bench_pipeline.run(bench_pipeline.OURS, source, tmp_path / "mesh.ply")
-    stages = bench_pipeline.run(name, source, tmp_path / "mesh.ply")
+        bench_pipeline.stages_of(bench_pipeline.OURS, source, tmp_path / "mesh.ply")
+    stages = bench_pipeline.stages_of(name, source, tmp_path / "mesh.ply")
     assert [stage.name for stage in stages] == ["import", "read", "triangulate", "write"]
     assert all(0 < stage.held <= stage.peak for stage in stages)
     assert all(stage.seconds > 0 and stage.cpu >= 0 for stage in stages)
@@ -48,7 +49,7 @@ def test_the_cloud_is_the_same_in_every_run(source: Path, tmp_path: Path) -> Non
 
 
 def test_the_command_prints_each_stage() -> None:
-    command = [sys.executable, bench_pipeline.__file__, "--n", "1000"]
+    command = [sys.executable, bench.__file__, "pipeline", "--n", "1000"]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "liftmesh: 1,000 rows" in done.stdout
     for stage in ("import", "read", "triangulate", "write", "whole"):

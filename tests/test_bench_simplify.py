@@ -5,9 +5,10 @@ from __future__ import annotations
 import subprocess
 import sys
 
-import bench_simplify
+import bench
 import numpy as np
 import pytest
+from benchmark.tasks import simplify as bench_simplify
 
 import liftmesh
 
@@ -38,9 +39,9 @@ def test_a_table_is_printed(tmp_path: object) -> None:
     path = f"{tmp_path}/bowl.npz"
     x, y = np.meshgrid(np.arange(30.0), np.arange(20.0))
     liftmesh.write(path, liftmesh.Cloud(bench_simplify.points_of(0.05 * (x - 15) ** 2 + y)))
-    words = [path, "--fractal", "33", "--max-errors", "1", "--repeat", "1"]
+    words = [path, "--fractal", "33", "--max-errors", "1", "--rounds", "1"]
     done = subprocess.run(
-        [sys.executable, bench_simplify.__file__, *words],
+        [sys.executable, bench.__file__, "simplify", *words],
         capture_output=True,
         text=True,
         check=True,

@@ -7,9 +7,10 @@ import subprocess
 import sys
 from pathlib import Path
 
-import bench_text
+import bench
 import numpy as np
 import pytest
+from benchmark.tasks import text as bench_text
 
 import liftmesh
 
@@ -43,7 +44,7 @@ def test_other_values_are_noticed(folder: Path) -> None:
 
 def test_the_table() -> None:
     words = ["--n", str(ROWS), "--rounds", "1", "--alone"]
-    command = [sys.executable, bench_text.__file__, *words]
+    command = [sys.executable, bench.__file__, "text", *words]
     told = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert len(re.findall(r"(?:read|write) (?:CSV|XYZ|OBJ|PLY) .*\d\.\d{3}", told)) == 8
     best = {"polars read_csv": (0.1, 0.2), "read OBJ": (0.3, 0.5)}

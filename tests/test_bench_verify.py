@@ -6,8 +6,9 @@ import subprocess
 import sys
 from pathlib import Path
 
-import bench_verify
+import bench
 import numpy as np
+from benchmark.tasks import verify as bench_verify
 
 import liftmesh
 
@@ -49,12 +50,15 @@ def test_a_table_is_printed() -> None:
         "circle",
         "--threads",
         "2",
-        "--repeat",
+        "--rounds",
         "1",
         "--flawed",
     ]
     done = subprocess.run(
-        [sys.executable, bench_verify.__file__, *words], capture_output=True, text=True, check=True
+        [sys.executable, bench.__file__, "verify", *words],
+        capture_output=True,
+        text=True,
+        check=True,
     )
     assert "circle, 300 rows" in done.stdout
     assert done.stdout.count("canonical") == 3

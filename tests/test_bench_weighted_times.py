@@ -6,10 +6,10 @@ import math
 import os
 from argparse import Namespace
 
-import bench_weighted
 import numpy as np
 import pytest
-from bench_weighted import CASES, Case, lines, row, shown
+from benchmark.tasks import weighted as bench_weighted
+from benchmark.tasks.weighted import CASES, Case, lines, row, shown
 
 import liftmesh
 

@@ -7,8 +7,7 @@ import pytest
 import shapely
 
 import liftmesh
-from liftmesh.cells.density import as_density
-from liftmesh.cells.measure import Measure
+from liftmesh.cells.measure import Measure, as_density
 
 RNG = np.random.default_rng(1807)
 COAST = shapely.Polygon(

@@ -15,6 +15,7 @@ from rational_cells import area, cell_area, exact_point
 from test_cells import SITES
 
 import liftmesh
+from liftmesh.cells.domain import following_corners
 
 BOX = (-1, -1, 3, 1)
 
@@ -49,8 +50,9 @@ def test_a_hole_that_touches_a_ridge_is_a_hole(hole, side: int) -> None:
 def within_sides(cells: liftmesh.Cells) -> list[tuple[int, list[float]]]:
     """Corners that lie within a side that two cells share."""
     places, found = np.unique(cells.corners, axis=0), []
+    following = following_corners(cells.ring_corners)
     for start in np.flatnonzero(cells.beyond >= 0).tolist():
-        a, b = cells.corners[start], cells.corners[cells._following[start]]
+        a, b = cells.corners[start], cells.corners[following[start]]
         near = ((places >= np.minimum(a, b)) & (places <= np.maximum(a, b))).all(axis=1)
         inner = places[near & (places != a).any(axis=1) & (places != b).any(axis=1)]
         ends = exact_point(a), exact_point(b)

@@ -14,7 +14,7 @@ import pytest
 from commands import COMMAND, PLAIN, computed, liftmesh as command
 
 import liftmesh
-from liftmesh.cli import exit_codes, watchdog
+from liftmesh.cli import exit_codes, signals
 
 ENDS = {
     signal.SIGINT: (exit_codes.INTERRUPTED, "liftmesh: error: interrupted\n"),
@@ -37,7 +37,7 @@ def deaf(*_, **__):
     print("deaf", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)  # for minutes, and without the interpreter
 
-from liftmesh.cli import program, watchdog
+from liftmesh.cli import program, signals
 """
 END = "\nsys.exit(program())\n"
 
@@ -144,7 +144,6 @@ atomic._give_name = lambda *a: (real(*a), swallowed())[0]
 """,
     "in a report": """
 import liftmesh.io.read
-from liftmesh.cli import files
 real = liftmesh.io.read.read
 liftmesh.io.read.read = lambda *a, **k: (swallowed(), real(*a, **k))[1]
 """,
@@ -192,12 +191,12 @@ def test_a_signal_is_heard_within_a_second_while_compiled_code_runs(
     wait_until_deaf(child)
     child.send_signal(number)
     assert ended(child) == (ENDS[number][0], "", ENDS[number][1])
-    assert watchdog.GRACE < 0.5  # what is left of the second is for a busy machine
+    assert signals.GRACE < 0.5  # what is left of the second is for a busy machine
     assert_nothing_was_written(folder)
 
 
 def test_a_second_signal_ends_at_once(folder: Path) -> None:
-    child = started(DEAF + "watchdog.GRACE = 3600\n", "info", "mesh.ply", cwd=folder)
+    child = started(DEAF + "signals.GRACE = 3600\n", "info", "mesh.ply", cwd=folder)
     wait_until_deaf(child)
     child.send_signal(signal.SIGTERM)
     wait_until_delivered(child)  # two that wait at once come in the order of their numbers

@@ -15,8 +15,7 @@ from commands import failed, liftmesh, process
 
 from liftmesh import Cloud, triangulate, write
 from liftmesh.cli import exit_codes
-from liftmesh.cli.python_options import as_on_command_line
-from liftmesh.cli.wording import usage_message
+from liftmesh.cli.wording import as_on_command_line, usage_message
 
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",

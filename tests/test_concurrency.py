@@ -208,7 +208,7 @@ def test_ctrl_c_stops_long_walks_within_a_second() -> None:
 def test_ctrl_c_stops_long_clipping_within_a_second() -> None:
     prepare = "; ".join(
         [
-            "from liftmesh.cells.clipping import clip",
+            "from liftmesh.cells.voronoi import clip",
             "from liftmesh.cells.domain import as_domain",
             "from liftmesh.cells.dual import dual_of",
             "domain = as_domain((0, 0, 1, 1), points)",

@@ -104,7 +104,7 @@ def forking(*a, **k):
         send(signal.SIGTERM)
         os._exit(0)
     os.waitpid(child, 0)
-    time.sleep(watchdog.GRACE + 0.3)
+    time.sleep(signals.GRACE + 0.3)
     return real(*a, **k)
 
 liftmesh.io.read.read = forking

@@ -15,7 +15,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 from worst_points import SCALES
 
-from liftmesh.planar.positions import find_positions
+from liftmesh.planar.points import find_positions
 
 Points = NDArray[np.float64]
 

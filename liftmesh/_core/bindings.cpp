@@ -48,7 +48,7 @@ nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned thread
     return as_tuple(outcome);
 }
 
-// In the order of `Counters` in liftmesh.planar.counters.
+// In the order of `Counters` in liftmesh.planar.lifting.
 nb::tuple as_tuple(const liftmesh::paper::Counts& counts) {
     const auto& [i, ii, iii, iv, v, below] = counts.rejected;
     return nb::make_tuple(counts.calls, counts.candidate_planes, counts.evaluations,

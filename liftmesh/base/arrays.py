@@ -85,6 +85,14 @@ def as_reals(values: ArrayLike) -> Floats:
     return np.asarray(array, dtype=np.float64)
 
 
+def as_numbers(named: str, values: ArrayLike, wanted: str) -> Floats:
+    """Convert an option that is several numbers; `named` is its name with "is" or "are"."""
+    try:
+        return as_reals(values)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{named} {shown(values)}: {wanted}") from error
+
+
 def as_number(
     name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
 ) -> float:
@@ -109,6 +117,13 @@ def as_decimal(value: ArrayLike) -> Fraction:
     if not math.isfinite(number):
         raise ValueError("no finite number")
     return Fraction(repr(number))
+
+
+def starts_of_runs(rows: Array) -> Mask:
+    """Tell which rows, (n, k), differ from the one before; the first does."""
+    starts = np.ones(len(rows), np.bool_)
+    starts[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    return starts
 
 
 def read_only(array: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_rows3
 from liftmesh.base.colors import check_depth, judged, with_depth
-from liftmesh.base.frozen import FrozenDict, constructed_from
+from liftmesh.base.frozen import FrozenDict, FrozenResult
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError
 
@@ -19,7 +19,7 @@ _MOST_NAMED = 8  # in a short form
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Cloud:
+class Cloud(FrozenResult):
     """Points in space with values per row; with ``faces``, a mesh.
 
     Parameters
@@ -107,9 +107,6 @@ class Cloud:
                     f"{counted(len(self.points), 'point')}: "
                     "give one row per point"
                 )
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<Cloud of {', '.join(self._contents())}>"

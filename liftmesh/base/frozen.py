@@ -43,6 +43,19 @@ class FrozenDict(dict[Key, Value]):
         return type(self), (dict(self),)
 
 
+class FrozenResult:
+    """Base of frozen dataclasses that are read-only throughout, also in copies and pickles."""
+
+    __slots__ = ()
+
+    def __post_init__(self) -> None:
+        freeze(self)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        result: Any = self
+        return type(self), tuple(getattr(self, each.name) for each in fields(result))
+
+
 def freeze(result: Any) -> None:
     """Make all arrays and mappings of a frozen dataclass read-only; called when it is made."""
     for each in fields(result):
@@ -78,11 +91,6 @@ def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> 
             f"the copy is damaged: simplices are {simplices.shape} and neighbors "
             f"{neighbors.shape}; triangulate again"
         )
-
-
-def constructed_from(result: Any) -> tuple[Any, ...]:
-    """Pickle and copy a frozen dataclass by its class and fields."""
-    return type(result), tuple(getattr(result, each.name) for each in fields(result))
 
 
 __all__ = ["cached_property"]

@@ -1,24 +1,27 @@
-"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures."""
+"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures.
+
+Values of rows may go with cells, as columns. Cells have columns of their own, such as ``area``.
+Where the caller has one of that name, ours is called ``cell_area``: no value is replaced.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import read_only
-from liftmesh.cells.columns import common_crs, frame_of, free_name
-from liftmesh.cells.parts import parts_of
+from liftmesh.base.options import counted, shown
+from liftmesh.cells.domain import Domain, following_corners
+from liftmesh.cells.rings import DomainCorners, Rings, parts_of
+from liftmesh.crs.comparison import common_system, given_system, system_of
 from liftmesh.crs.description import looked_up
+from liftmesh.errors import InputError
+from liftmesh.io.faces import places
 from liftmesh.optional import load
-
-if TYPE_CHECKING:
-    from liftmesh.cells.domain import Domain
-    from liftmesh.cells.exact import DomainCorners
-    from liftmesh.cells.rings import Rings
 
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
@@ -36,7 +39,7 @@ class ClippedCells:
         order = np.lexsort((is_hole, part))
         count = np.diff(rings.starts)[order]
         starts = np.concatenate([[0], np.cumsum(count)])
-        taken = np.repeat(rings.starts[:-1][order] - starts[:-1], count) + np.arange(starts[-1])
+        taken = places(rings.starts[:-1][order], count)
         cell_of_part = rings.cells[order][~is_hole[order]]
         self.parts = _starts(cell_of_part, len(self.points))
         self.rings = _starts(part[order], len(cell_of_part))
@@ -55,29 +58,10 @@ class ClippedCells:
         """The coordinate system of the points or the domain, WKT or ``EPSG:n``, if known."""
         return self.domain.crs
 
-    @property
-    def _cell_of_part(self) -> NDArray[np.int64]:
-        return np.repeat(np.arange(len(self.points)), np.diff(self.parts))
-
-    @property
-    def _cell_of_ring(self) -> NDArray[np.int64]:
-        return np.repeat(self._cell_of_part, np.diff(self.rings))
-
-    @property
-    def _cell_of_corner(self) -> NDArray[np.int64]:
-        return np.repeat(self._cell_of_ring, np.diff(self.ring_corners))
-
-    @property
-    def _following(self) -> NDArray[np.int64]:
-        """The corner after each, in its ring."""
-        following = np.arange(1, len(self.corners) + 1)
-        following[self.ring_corners[1:] - 1] = self.ring_corners[:-1]
-        return following
-
     @cached_property
     def _moments(self) -> tuple[Floats, Floats, Floats, Rows]:
         """Area, first moments over it, and first corner of each row's cell, scaled by 2**-last."""
-        rows, cell = len(self.points), self._cell_of_corner
+        rows, cell = len(self.points), rows_of_corners(self)
         origin = np.zeros((rows, 2))
         origin[cell[::-1]] = self.corners[::-1]
         halved = int(np.abs(self.corners).max(initial=0) > _HALF_LARGEST)
@@ -86,7 +70,8 @@ class ClippedCells:
         np.maximum.at(extent, cell, np.abs(offset).max(axis=1))
         scale = np.frexp(extent)[1]
         x, y = np.ldexp(offset, -scale[cell, None]).T
-        ahead_x, ahead_y = x[self._following], y[self._following]
+        following = following_corners(self.ring_corners)
+        ahead_x, ahead_y = x[following], y[following]
         cross = x * ahead_y - y * ahead_x
         area = np.bincount(cell, cross, minlength=rows) / 2
         moments = (np.bincount(cell, cross * (u + v), minlength=rows) / 6
@@ -126,8 +111,8 @@ class ClippedCells:
         >>> start[0], end[0]
         (array([-1., -1.]), array([ 1., -1.]))
         """
-        start = self.corners - self.points[self._cell_of_corner]
-        return start, start[self._following]
+        start = self.corners - self.points[rows_of_corners(self)]
+        return start, start[following_corners(self.ring_corners)]
 
     @cached_property
     def empty(self) -> Rows:
@@ -141,16 +126,13 @@ class ClippedCells:
     @cached_property
     def _sides(self) -> tuple[Rows, Floats]:
         start = np.flatnonzero(self.beyond >= 0)
-        pairs = np.stack([self._cell_of_corner[start], self.beyond[start]], axis=1)
+        pairs = np.stack([rows_of_corners(self)[start], self.beyond[start]], axis=1)
         is_first = pairs[:, 0] < pairs[:, 1]  # each is there twice, once from either cell
         start, pairs = start[is_first], pairs[is_first]
         with np.errstate(over="ignore"):  # a length beyond the doubles is infinite
-            length = np.hypot(*(self.corners[self._following[start]] - self.corners[start]).T)
-        named = pairs[:, 0] << 32 | pairs[:, 1]
-        names, place = np.unique(named, return_inverse=True)
-        rows = np.stack([names >> 32, names & 0xFFFFFFFF], axis=1).astype(np.int32)
-        total: Floats = np.bincount(place, length, minlength=len(rows)).astype(np.float64)
-        return rows, total
+            end = following_corners(self.ring_corners)[start]
+            length = np.hypot(*(self.corners[end] - self.corners[start]).T)
+        return sums_by_pair(pairs, length)
 
     @property
     def neighbors(self) -> Rows:
@@ -253,6 +235,73 @@ class ClippedCells:
         return geopandas.GeoDataFrame(frame, geometry=name)
 
 
-def _starts(names: Array, count: int) -> NDArray[np.int64]:
+def _starts(names: Array, count: int) -> Integers:
     """Return where the items of each of so many names start, in order, and the end."""
     return read_only(np.concatenate([[0], np.cumsum(np.bincount(names, minlength=count))]))
+
+
+def rows_of_corners(cells: ClippedCells) -> Integers:
+    """Return the row of the cell that has each corner."""
+    rings = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
+    corners = np.repeat(rings, np.diff(cells.rings))
+    return np.repeat(corners, np.diff(cells.ring_corners))
+
+
+def sums_by_pair(pairs: Integers, values: Floats) -> tuple[Rows, Floats]:
+    """Add up the values of equal pairs of rows; return each pair once, in ascending order."""
+    names, place = np.unique(pairs[:, 0] << 32 | pairs[:, 1], return_inverse=True)
+    rows = np.stack([names >> 32, names & 0xFFFFFFFF], axis=1).astype(np.int32)
+    sums: Floats = np.bincount(place.reshape(-1), values, minlength=len(rows)).astype(np.float64)
+    return rows, sums
+
+
+def frame_of(data: Any, rows: int) -> Any:
+    """Convert values of rows to a DataFrame, without a geometry."""
+    pandas = load("pandas", extra="shapes")
+    if isinstance(data, pandas.DataFrame):
+        _check_length("data", len(data), rows)
+        return pandas.DataFrame(data.drop(columns=_geometry_of(data)))
+    if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
+        raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
+    names = getattr(data, "columns", () if data is None else data)
+    found = {name: _values(name, data[name], rows) for name in names}
+    return pandas.DataFrame(found, index=pandas.RangeIndex(rows))
+
+
+def _geometry_of(data: Any) -> list[Any]:
+    """The column that is the geometry of a GeoDataFrame."""
+    name = getattr(data, "active_geometry_name", None)
+    return [] if name is None else [name]
+
+
+def _values(name: Any, given: Any, rows: int) -> Any:
+    if isinstance(given, str | bytes) or not hasattr(given, "__len__"):
+        raise InputError(f"column {name!r} is {shown(given)}: give a value for each row")
+    _check_length(f"column {name!r}", len(given), rows)
+    values = getattr(given, "array", given)  # of a Series, without its index
+    if np.ndim(values) > 1:
+        raise InputError(f"column {name!r} has the shape {np.shape(values)}: give a value each")
+    return values
+
+
+def _check_length(what: str, count: int, rows: int) -> None:
+    if count != rows:
+        raise InputError(
+            f"{what} has {counted(count, 'value')} for {counted(rows, 'row')}: give one for each"
+        )
+
+
+def free_name(name: str, taken: Iterable[Any]) -> str:
+    """Return a name for a column of ours that no other column has, in any letters."""
+    others = {str(each).casefold() for each in taken}
+    while name.casefold() in others:
+        name = f"cell_{name}"
+    return name
+
+
+def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
+    """Return the coordinate system that is given, or that of a table or of cells with one."""
+    wanted = None if crs is None else given_system(crs)
+    own = system_of(data) if _geometry_of(data) else None
+    found = common_system(own, wanted, ("data", "crs"))
+    return common_system(found, cells, ("data or crs", "the cells"))

@@ -1,4 +1,4 @@
-"""Where polylines cross the edges of a domain, exactly.
+"""Where polylines cross the edges of a domain, exactly, and in which cell a ring lies without any.
 
 The domain counts as moved by (e, e^2), with e positive and infinitesimal. So no corner of it lies
 on a polyline, no point of a polyline on an edge, and no edge along a segment: every sign is 1 or
@@ -7,11 +7,16 @@ on a polyline, no point of a polyline on an edge, and no edge along a segment: e
 At a crossing, the share of a segment, and that of an edge, is a quotient whose divisor the move
 leaves alone. So it is (q0, q1, q2), for q0 + q1 e + q2 e^2, and the order along a segment or an
 edge is that of these triples.
+
+A ring of the domain that no polyline crosses is in one cell. From a place on the ring one goes
+straight to a segment of a polyline. The first segment on the way has the ring on one of its sides,
+and the cell of that side is the one. Where the way meets a point of a polyline, it could be that of
+several segments: another way is tried.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -21,17 +26,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Indices, Mask, Rows
-from liftmesh.cells.exact import as_exact, turn
+from liftmesh.cells.rings import Exact, as_exact, turn
+from liftmesh.disks.sides import shares_in
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
+    from liftmesh.disks.sides import Traced
+
 
 _FEW = 16  # edges of a domain that need no index
 _ROUNDING = 2.0**-49  # of a product, in what a determinant may be off
 _VAGUE = 2.0**-30  # what the share of an edge may be off before it is computed exactly
-
 Signs = NDArray[np.int8]
 Share = tuple[Fraction, Fraction, Fraction]
 
@@ -40,11 +47,13 @@ class Crossings(NamedTuple):
     """Where segments cross edges, in the order along the segments."""
 
     segment: Indices
-    edge: Rows
-    enters: Mask
-    from_left: Mask
-    points: Floats
-    along_edges: Indices
+    edge: Rows  # of the domain
+    enters: Mask  # whether the segment comes into the domain there
+    from_left: Mask  # whether the edge comes from the left side of the segment
+    points: Floats  # rounded
+    along_edges: Indices  # the crossings by edge, and in the order along these
+    # (t, 4): a corner or an edge of the domain, the other being -1, and the segment twice, where
+    # nothing but the move decided: see `resolve_ties`.
     ties: Indices
 
 
@@ -216,3 +225,67 @@ def _share(p: Floats, q: Floats, r: Floats, s: Floats) -> tuple[Floats, Floats]:
         )
     vague = ~np.isfinite(value + error)
     return np.where(vague, 0.5, value), np.where(vague, 1.0, error)
+
+
+_NEAREST = 8  # segments to which ways are tried
+_HALF = Fraction(1, 2)
+
+
+def cell_at(lines: Traced, domain: Domain, begin: int, end: int, default: int) -> int:
+    """Find the cell of a ring."""
+    segments = lines.segments
+    start, end_of = lines.points[segments], lines.points[segments + 1]
+    low, high = shares_in(start, end_of, lines.box)
+    seen = np.flatnonzero((low < high) & (start != end_of).any(axis=1))
+    segments, start, end_of = segments[seen], start[seen], end_of[seen]
+    share = (low[seen] + high[seen]) / 2
+    for place, k in _ways(start + share[:, None] * (end_of - start), domain.corners[begin:end]):
+        a, b = as_exact(start[k]), as_exact(end_of[k])
+        target = _between(a, b, Fraction(float(share[k])))
+        found = _first_side(start, end_of, place, target)
+        if found is not None:
+            line = int(np.searchsorted(lines.starts, segments[found[0]], side="right")) - 1
+            return int(lines.rows[line, found[1]])
+    return default
+
+
+def _ways(targets: Floats, corners: Floats) -> Iterator[tuple[Exact, int]]:
+    """Yield places on the ring, each with some of the targets: those next to the first place."""
+    distance = np.hypot(*(targets - corners[0]).T)
+    nearest = np.argsort(distance, kind="stable")[:_NEAREST].tolist()
+    for first, last in zip(corners, np.roll(corners, -1, axis=0), strict=True):
+        a, b = as_exact(first), as_exact(last)
+        for k in nearest:
+            yield a, k
+            yield _between(a, b, _HALF), k
+
+
+def _between(a: Exact, b: Exact, share: Fraction) -> Exact:
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+
+def _first_side(start: Floats, end: Floats, place: Exact, target: Exact) -> tuple[int, int] | None:
+    """Return the first segment on a way, and on which of its sides that begins."""
+    best: tuple[Fraction, int, int] | None = None
+    for k in _near_way(start, end, place, target).tolist():
+        a, b = as_exact(start[k]), as_exact(end[k])
+        before, after = turn(a, b, place), turn(a, b, target)
+        sides = turn(place, target, a), turn(place, target, b)
+        if before * after > 0 or sides[0] * sides[1] > 0:
+            continue
+        if before == 0 or sides[0] == 0 or sides[1] == 0:
+            return None
+        share = before / (before - after)
+        if best is None or share < best[0]:
+            best = share, k, int(before < 0)
+    return None if best is None else best[1:]
+
+
+def _near_way(start: Floats, end: Floats, place: Exact, target: Exact) -> Indices:
+    """Return the segments whose boxes meet that of a way."""
+    ends = np.array([[float(x) for x in each] for each in (place, target)])
+    margin = np.abs(ends).max() * 2.0**-50  # more than the rounding of both
+    low, high = ends.min(axis=0) - margin, ends.max(axis=0) + margin
+    near = (np.maximum(start, end) >= low).all(axis=1)
+    near &= (np.minimum(start, end) <= high).all(axis=1)
+    return np.flatnonzero(near)

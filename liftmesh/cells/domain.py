@@ -13,9 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.arrays import as_reals
-from liftmesh.base.options import shown
+from liftmesh._typing import Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import as_numbers
 from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
@@ -29,21 +28,28 @@ _LEADING = ("give a box (xmin, ymin, xmax, ymax), a polygon or multipolygon of s
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Domain:
-    """Rings around an area."""
+    """Rings around an area, which is to their left."""
 
-    corners: Floats
-    starts: Rows
+    corners: Floats  # of all rings, each once
+    starts: Rows  # of rings, and the end; edge j leads from corner j to the next one of its ring
     is_hole: Mask
-    text: str
+    text: str  # what it is, in words
+    # Corners on an edge of another ring, between its ends, each with that edge.
     touches: Rows = field(default_factory=lambda: np.empty((0, 2), dtype=np.int32))
-    crs: str | None = None
+    crs: str | None = None  # WKT or "EPSG:n"
 
     @property
     def following(self) -> Rows:
         """The corner after each, in its ring."""
-        following = np.arange(1, len(self.corners) + 1, dtype=np.int32)
-        following[self.starts[1:] - 1] = self.starts[:-1]
-        return following
+        return following_corners(self.starts).astype(np.int32)
+
+
+def following_corners(starts: Rows | Integers) -> Integers:
+    """Find the corner after each, in rings of the corners from starts[i] to starts[i + 1]."""
+    following = np.arange(1, starts[-1] + 1)
+    full = np.diff(starts) > 0
+    following[starts[1:][full] - 1] = starts[:-1][full]
+    return following
 
 
 def as_domain(given: Any, points: Floats, crs: str | None = None) -> Domain:
@@ -60,10 +66,7 @@ def _rings_of(given: Any, points: Floats) -> Domain:
         raise InputError("domain is cells: give what they are clipped to, cells.domain")
     if isinstance(given, Mapping) or hasattr(given, "__geo_interface__"):
         return _of_shape(given)
-    try:
-        array = as_reals(given)
-    except (TypeError, ValueError, OverflowError):
-        raise InputError(f"domain is {shown(given)}: {_LEADING}") from None
+    array = as_numbers("domain is", given, _LEADING)
     if array.shape == (4,):
         return _box(array)
     if array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3:

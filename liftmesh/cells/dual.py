@@ -1,4 +1,7 @@
-"""The triangulation behind cells, or the chain of rows where all of them lie on one line."""
+"""Sites, and the triangulation behind their cells, or the chain of rows that are all on one line.
+
+Sites come in whatever holds points: arrays, clouds, tables without heights, GeoPandas.
+"""
 
 from __future__ import annotations
 
@@ -10,17 +13,66 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, widened
+from liftmesh.base.cloud import Cloud
+from liftmesh.crs.comparison import common_system, system_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.io.objects.plain import is_table
+from liftmesh.io.registry import as_cloud
 from liftmesh.planar import delaunay, regular
-from liftmesh.planar.diagram import Diagram, diagram_of, regions_of
-from liftmesh.planar.meshes import rows_of
-from liftmesh.planar.power_cells import rows_without_area
-from liftmesh.planar.regular_triangulation import RegularTriangulation
-from liftmesh.planar.weights import ONE_EACH, as_weights
+from liftmesh.planar.diagram import (
+    Diagram,
+    LiftedTriangles,
+    diagram_of,
+    regions_of,
+    rows_without_area,
+)
+from liftmesh.planar.kinds import as_weights, named_values, non_finite_value
+from liftmesh.planar.points import rows_of
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
 _NO_ROWS = np.empty(0, dtype=np.int32)
 _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
+
+
+def sites_of(points: Any, domain: Any = None) -> Any:
+    """Return the points of anything, for arrays to be made of."""
+    common_system(system_of(points), system_of(domain))
+    if _is_geometric(points):
+        return _coordinates(points)
+    if is_table(points):
+        return as_cloud(points, flat=None).points
+    listed = isinstance(points, list | tuple) or (isinstance(points, np.ndarray) and points.ndim)
+    first = points[0] if listed and len(points) else points
+    if hasattr(first, "geom_type"):
+        raise InputError("the points are geometries of shapely: give shapely.get_coordinates of it")
+    return rows_of(points)
+
+
+def values_of(points: Any, kind: str, given: Any) -> Any:
+    """Return weights or radii: values of the points, if a name is given."""
+    if not isinstance(given, str):
+        return given
+    if _is_geometric(points):
+        columns = [name for name in getattr(points, "columns", ()) if name != points.geometry.name]
+        held = {name: np.asarray(points[name]) for name in columns}
+        return named_values(Cloud(np.zeros((len(points), 3)), attributes=held), kind, given)
+    cloud = as_cloud(points, flat=None) if is_table(points) else as_cloud(points)
+    return named_values(cloud, kind, given)
+
+
+def _is_geometric(points: Any) -> bool:
+    """Whether this is a GeoSeries or a GeoDataFrame."""
+    return hasattr(type(points), "geom_type") and hasattr(type(points), "union_all")
+
+
+def _coordinates(points: Any) -> Any:
+    shapes = points.geometry
+    other = ~(shapes.geom_type == "Point").to_numpy()
+    if other.any():
+        row = int(other.argmax())
+        kind = getattr(shapes.iloc[row], "geom_type", "nothing")
+        raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
+    return np.stack([shapes.x.to_numpy(), shapes.y.to_numpy()], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,16 +80,17 @@ class Dual:
     """Sites, and which of their cells have a ridge between them."""
 
     points: Floats
-    kind: str
-    values: Floats
+    kind: str  # "plain", "weights" or "radii"
+    values: Floats  # the weights or radii; empty if there are none
     simplices: Rows = field(default_factory=lambda: _NOTHING)
     neighbors: Rows = field(default_factory=lambda: _NOTHING)
+    # Without triangles, the rows with a cell, in the order on their line.
     chain: Rows = field(default_factory=lambda: _NO_ROWS)
-    vertices: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    vertices: Floats = field(default_factory=lambda: np.empty((0, 2)))  # rounded correctly
     simplex_to_vertex: Rows = field(default_factory=lambda: _NO_ROWS)
     duplicates: Rows = field(default_factory=lambda: _NO_PAIRS)
     hidden: Rows = field(default_factory=lambda: _NO_ROWS)
-    degenerate: Rows = field(default_factory=lambda: _NO_ROWS)
+    degenerate: Rows = field(default_factory=lambda: _NO_ROWS)  # in no triangle
 
 
 def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
@@ -55,7 +108,7 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
         raise _unskippable(error, planar, kind, values) from None
     triangles = found["simplices"], found["neighbors"]
     diagram = diagram_of(planar, *triangles, values, kind)
-    degenerate = _NO_ROWS if kind == "plain" else _without_area(found, diagram)
+    degenerate = _NO_ROWS if kind == "plain" else _without_area(found, diagram, values, kind)
     if len(degenerate):
         triangles = _without(degenerate, planar, kind, values, triangles[0])
         diagram = diagram_of(planar, *triangles, values, kind)
@@ -72,7 +125,7 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
     )
 
 
-def _without_area(found: dict[str, Any], diagram: Diagram) -> Rows:
+def _without_area(found: dict[str, Any], diagram: Diagram, values: Floats, kind: str) -> Rows:
     """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
     rows, simplices = len(found["points"]), found["simplices"]
     if len(diagram.vertices) == len(simplices):
@@ -82,7 +135,10 @@ def _without_area(found: dict[str, Any], diagram: Diagram) -> Rows:
     is_vertex = np.zeros(rows, dtype=np.bool_)
     is_vertex[simplices.reshape(-1)] = True
     few = np.flatnonzero(is_vertex & (ridges <= 2))
-    return rows_without_area(RegularTriangulation(**found)) if len(few) else _NO_ROWS
+    if not len(few):
+        return _NO_ROWS
+    triangles = found["points"], simplices, found["neighbors"], found["hull"]
+    return rows_without_area(LiftedTriangles(*triangles, values, kind))
 
 
 def _without(
@@ -108,10 +164,7 @@ def _own(given: Reals) -> Floats:
 def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
     row = error.row
     if np.isfinite(planar[row]).all():
-        return NonFiniteError(
-            f"row {row} has the {ONE_EACH[kind]} {float(values[row])!r}: remove such rows first",
-            row=row,
-        )
+        return non_finite_value(kind, row, values, skippable=False)
     return non_finite(row, planar[row], skippable=False)
 
 

@@ -9,7 +9,6 @@ Voronoi Stippling", NPAR 2002.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -17,15 +16,12 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import read_only
-from liftmesh.base.options import as_count, counted, shown
-from liftmesh.cells.cells import Cells
-from liftmesh.cells.density import as_density
+from liftmesh.base.options import as_count, counted
 from liftmesh.cells.domain import as_domain
-from liftmesh.cells.dual import dual_of
-from liftmesh.cells.measure import Measure, check_extent, total_mass
-from liftmesh.cells.sites import sites_of
+from liftmesh.cells.dual import dual_of, sites_of
+from liftmesh.cells.measure import Measure, as_density, as_share, check_extent, total_mass
+from liftmesh.cells.voronoi import Cells
 from liftmesh.crs.comparison import system_of
-from liftmesh.errors import InputError
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -116,7 +112,7 @@ def lloyd(
     (True, True)
     """
     most = as_count("steps", steps, 0)
-    relative = as_tolerance(tolerance, np.inf)
+    relative = as_share(tolerance, np.inf)
     dual = dual_of(sites_of(points, domain))
     inside = as_domain(domain, dual.points, system_of(points))
     check_extent(inside, dual.points)
@@ -134,12 +130,3 @@ def lloyd(
         energies.append(here.energy)
     cells = here.cells
     return Relaxed(cells.points, cells, read_only(np.array(energies)), move, move <= limit)
-
-
-def as_tolerance(value: object, most: float) -> float:
-    """Convert the option ``tolerance``."""
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
-        return number
-    allowed = "from 0" if most == np.inf else f"between 0 and {most}"
-    raise InputError(f"tolerance is {shown(value)}: give a number {allowed}")

@@ -1,24 +1,41 @@
-"""What cells hold: mass, centroid and energy, by area or by a density."""
+"""What cells hold: mass, centroid and energy, by area or by a density over the plane.
+
+A density is an image, constant in each pixel, integrated over cells exactly. By Green's theorem the
+mass of a polygon is the integral of F dy along its sides, where F(x, y) is the integral of the
+density from the left up to x. Sides are cut at the lines between pixels. On each piece F is linear,
+and the functions that stand in its place for first and second moments are polynomials of degree
+three at most, which Gauss's rule of two nodes integrates exactly. So rounding is all that is lost;
+sums of pixels that are integers lose nothing either.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from itertools import pairwise
+from numbers import Real
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh._typing import Floats, Rows
-from liftmesh.cells.parts import binary_scale
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.arrays import as_numbers, as_reals, read_only
+from liftmesh.base.options import shown
+from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
+from liftmesh.cells.domain import Domain, following_corners
+from liftmesh.cells.rings import binary_scale
 from liftmesh.errors import InputError
+from liftmesh.io.faces import places
 
 if TYPE_CHECKING:
-    from liftmesh.cells.cells import Cells
-    from liftmesh.cells.density import Density
-    from liftmesh.cells.domain import Domain
+    from liftmesh.cells.voronoi import Cells
+
 
 _RANGE = 2.0**250  # of lengths whose fourth powers float64 holds
+_PIECES = 1 << 19  # of sides, cut at a time
+_NODES = (0.5 - 12**-0.5, 0.5 + 12**-0.5)
 
 
 @dataclass(frozen=True)
@@ -70,10 +87,9 @@ class Measure:
         side = np.flatnonzero(self.cells.beyond >= 0)
         length = np.hypot(*(end[side] - start[side]).T) / 2  # there is a side on either cell
         held = length * ((1 - share) * self._means + share * self.mean)
-        pair = np.sort(np.stack([row[side], self.cells.beyond[side]], axis=1), axis=1)
-        names, place = np.unique(pair @ np.array([1 << 32, 1]), return_inverse=True)
-        total = np.bincount(place.reshape(-1), held, minlength=len(names)).astype(np.float64)
-        return (names >> 32).astype(np.int32), (names & 0xFFFFFFFF).astype(np.int32), total
+        beside = np.sort(np.stack([row[side], self.cells.beyond[side]], axis=1), axis=1)
+        pairs, total = sums_by_pair(beside, held)
+        return pairs[:, 0], pairs[:, 1], total
 
     @cached_property
     def mean(self) -> float:
@@ -92,14 +108,11 @@ class Measure:
         return cast("Density", self.density)
 
     @cached_property
-    def _sides(self) -> tuple[NDArray[np.intp], Floats, Floats]:
+    def _sides(self) -> tuple[Integers, Floats, Floats]:
         """The row of each side, its start and its end."""
         cells = self.cells
-        following = np.arange(1, len(cells.corners) + 1)
-        following[cells.ring_corners[1:] - 1] = cells.ring_corners[:-1]
-        row = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
-        row = np.repeat(np.repeat(row, np.diff(cells.rings)), np.diff(cells.ring_corners))
-        return row, cells.corners, cells.corners[following]
+        end = cells.corners[following_corners(cells.ring_corners)]
+        return rows_of_corners(cells), cells.corners, end
 
     @cached_property
     def _integrals(self) -> Floats:
@@ -146,3 +159,144 @@ def check_extent(domain: Domain, points: Floats) -> None:
             f"row {row} is {float(distance[row])!r} away from the domain, and the fourth power of "
             "that exceeds float64: leave it out"
         )
+
+
+def as_share(value: object, most: float) -> float:
+    """Convert a tolerance that is a share; below 1 it must be positive."""
+    is_number = isinstance(value, Real) and not isinstance(value, bool)
+    if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
+        return number
+    allowed = "from 0" if most == np.inf else f"between 0 and {most}"
+    raise InputError(f"tolerance is {shown(value)}: give a number {allowed}")
+
+
+def as_density(given: Any, domain: Domain) -> Density:
+    """Convert the option ``density``."""
+    corners = domain.corners
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    if isinstance(given, tuple) and len(given) == 2 and np.shape(given[1]) == (4,):
+        given, box = given
+        low, high = as_reals(box).reshape(2, 2)
+        if not (np.isfinite(high - low).all() and (high > low).all()):
+            raise InputError(f"the box of density is {shown(box)}: give xmin, ymin, xmax, ymax")
+    values = _values(given)
+    pixel = (high - low) / values.shape[::-1]
+    return Density(read_only(values[::-1]), low, pixel)
+
+
+def _values(given: Any) -> Array:
+    values = as_numbers("density is", given, "give an image, as an array")
+    if values.ndim != 2 or not values.size:
+        hint = "; of colours, their mean" if values.ndim == 3 else ""
+        raise InputError(f"density has the shape {values.shape}: give an (h, w) array{hint}")
+    bad = ~((values >= 0) & (values <= 2.0**200))
+    if bad.any():
+        row, column = np.unravel_index(int(bad.argmax()), bad.shape)
+        raise InputError(
+            f"density is {float(values[row, column])!r} in row {row}, column {column}: give "
+            "numbers from 0"
+        )
+    return values
+
+
+@dataclass(frozen=True)
+class Density:
+    """An image over a box, and 0 outside."""
+
+    values: Floats  # of each pixel; the first row is the lowest
+    low: Floats  # the lower left corner of the box
+    pixel: Floats  # width and height
+    _padded: Floats = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_padded", np.pad(self.values, 1))
+
+    @cached_property
+    def _sums(self) -> tuple[Floats, Floats, Floats]:
+        """Integrals of the density times 1, u and u^2 up to the left side of each pixel."""
+        left = np.arange(-1.0, self.values.shape[1] + 1)
+        widths = (np.ones_like(left), left + 0.5, ((left + 1) ** 3 - left**3) / 3)
+        sums = (np.cumsum(self._padded * width, axis=1) for width in widths)
+        before = tuple(np.pad(each, ((0, 0), (1, 0)))[:, :-1] for each in sums)
+        return before[0], before[1], before[2]
+
+    def integrals(self, start: Floats, end: Floats) -> Floats:
+        """Integrate along sides what Green's theorem asks for, (k, 5)."""
+        # Added up around a polygon: its mass, its first moments and its second ones in x and y, in
+        # units of pixels from the lower left corner of the box.
+        return self._along(start, end, self._integrals, 5)
+
+    def means(self, start: Floats, end: Floats) -> Floats:
+        """Average the density along sides, (k,)."""
+        return self._along(start, end, self._values_there, 1)[:, 0]
+
+    def _along(
+        self, start: Floats, end: Floats, integrand: Callable[..., list[Floats]], count: int
+    ) -> Floats:
+        """Add up an integrand over the pieces of each side, block by block."""
+        begin, step = (start - self.low) / self.pixel, (end - start) / self.pixel
+        most = np.minimum(np.abs(step), self.values.shape[::-1]).sum(axis=1) + 4
+        blocks = np.unique(np.searchsorted(np.cumsum(most), np.arange(0, most.sum(), _PIECES)))
+        found = np.empty((len(start), count))
+        for first, last in pairwise([*blocks.tolist(), len(start)]):
+            block = slice(first, last)
+            side, one, other = self._cut(begin[block], step[block])
+            ends = (
+                begin[block][side] + share[:, None] * step[block][side] for share in (one, other)
+            )
+            for k, each in enumerate(integrand(*ends, other - one)):
+                found[block, k] = np.bincount(side, each, minlength=last - first)
+        return found
+
+    def _cut(self, begin: Floats, step: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
+        """Cut sides at the lines between pixels: the side of each piece, and its shares of it."""
+        side = np.arange(len(begin))
+        sides, shares = [side, side], [np.zeros(len(begin)), np.ones(len(begin))]
+        for axis, count in enumerate(self.values.shape[::-1]):
+            of, share = _crossings(begin[:, axis], step[:, axis], count)
+            sides.append(of)
+            shares.append(share)
+        side, share = np.concatenate(sides), np.concatenate(shares)
+        order = np.lexsort((share, side))
+        side, share = side[order], share[order]
+        inner = side[:-1] == side[1:]
+        return side[:-1][inner], share[:-1][inner], share[1:][inner]
+
+    def _pixels(self, at: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Row and column among the padded values."""
+        height, width = self.values.shape
+        column, row = (
+            np.clip(np.floor(at[:, axis]), -1, most).astype(np.intp) + 1
+            for axis, most in enumerate((width, height))
+        )
+        return row, column
+
+    def _values_there(self, one: Floats, other: Floats, share: Floats) -> list[Floats]:
+        return [self._padded[self._pixels((one + other) / 2)] * share]
+
+    def _integrals(self, one: Floats, other: Floats, _share: Floats) -> list[Floats]:
+        row, column = self._pixels((one + other) / 2)
+        value, left = self._padded[row, column], column - 1.0
+        mass, first, second = (sums[row, column] for sums in self._sums)
+        total = np.zeros((5, len(row)))
+        for node in _NODES:
+            u, v = (one + node * (other - one)).T
+            flow = mass + value * (u - left)
+            total[0] += flow
+            total[1] += first + value * (u**2 - left**2) / 2
+            total[2] += v * flow
+            total[3] += second + value * (u**3 - left**3) / 3
+            total[4] += v * v * flow
+        return [*(total * (other[:, 1] - one[:, 1]) / 2)]
+
+
+def _crossings(begin: Floats, step: Floats, count: int) -> tuple[NDArray[np.intp], Floats]:
+    """Where sides cross the lines 0 to `count` of one axis: which side, and at what share of it."""
+    low, high = np.minimum(begin, begin + step), np.maximum(begin, begin + step)
+    first = np.clip(np.floor(low) + 1, 0, count + 1)
+    last = np.clip(np.ceil(high) - 1, -1, count)
+    number = np.maximum(last - first + 1, 0).astype(np.int64)
+    side = np.repeat(np.arange(len(begin)), number)
+    line = places(first.astype(np.int64), number)
+    share = (line - begin[side]) / step[side]
+    return side, np.clip(share, 0.0, 1.0)

@@ -14,13 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.arrays import as_pairs, as_reals, check_finite, read_only
-from liftmesh.base.options import counted, shown
-from liftmesh.base.threads import as_threads
-from liftmesh.cells.sites import sites_of
+from liftmesh.base.arrays import as_numbers, as_pairs, check_finite, read_only
+from liftmesh.base.options import as_threads, counted
+from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.member import options_of
+from liftmesh.planar.kinds import options_of
 from liftmesh.planar.triangulation import Triangulation
 
 
@@ -83,10 +82,7 @@ class NaturalNeighbors:
         >>> found.interpolate([0, 10, 20])
         array([7.5, nan])
         """
-        try:
-            held = as_reals(values)
-        except (TypeError, ValueError, OverflowError) as error:
-            raise InputError(f"values are {shown(values)}: give a number for each row") from error
+        held = as_numbers("values are", values, "give a number for each row")
         if held.ndim == 0 or len(held) != self.rows_in_all:
             raise InputError(
                 f"values have the shape {held.shape}: give one for each of the "

@@ -5,7 +5,7 @@ the domain, and the parts inside are sides of both cells. The rings of the domai
 too: between two crossings they run through one cell. Of each cell, one part starts where another
 ends, so the parts are linked to rings. Nothing is decided by coordinates but by `crossings.py`.
 
-A ring of the domain that nothing crosses is in one cell, which `locating.py` finds.
+A ring of the domain that nothing crosses is in one cell, which `crossings.py` finds.
 """
 
 from __future__ import annotations
@@ -17,11 +17,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.cells.crossings import Crossings, crossings, lies_inside
-from liftmesh.cells.exact import DomainCorners, Exact, as_exact, turn
-from liftmesh.cells.locating import cell_at
-from liftmesh.cells.rings import Rings
-from liftmesh.cells.untying import untied
+from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
+from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 
@@ -79,7 +77,7 @@ def overlaid(lines: Traced, domain: Domain, default: int) -> tuple[Rings, Polyli
     exact = PolylineCorners(domain, lines)
     line = np.searchsorted(lines.starts, segment[found.ties[:, 2]], side="right") - 1
     ties = np.concatenate([found.ties[:, :2], lines.rows[line]], axis=1).astype(np.int32)
-    return _as_found(untied(rings, exact, ties), found), exact
+    return _as_found(resolve_ties(rings, exact, ties), found), exact
 
 
 def _as_found(rings: Rings, found: Crossings) -> Rings:

@@ -19,10 +19,11 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import counted
+from liftmesh.cells.domain import following_corners
 from liftmesh.io.faces import places
-from liftmesh.io.format import OWN, crs_comment
 from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
+from liftmesh.io.metadata import OWN, crs_comment
 from liftmesh.io.text_tables import write_rows
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
@@ -101,8 +102,7 @@ def _faces(cells: ClippedCells) -> tuple[Floats, NDArray[np.int64], NDArray[np.i
 
 def _are_convex(cells: ClippedCells) -> Mask:
     """Which parts have no holes, and turn left or go straight on at every corner."""
-    following = np.arange(1, len(cells.corners) + 1)
-    following[cells.ring_corners[1:] - 1] = cells.ring_corners[:-1]
+    following = following_corners(cells.ring_corners)
     ahead = cells.corners[following]
     turns = orient2d(cells.corners, ahead, cells.corners[following[following]]) < 0
     count = np.diff(cells.ring_corners)

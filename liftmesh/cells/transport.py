@@ -24,15 +24,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_reals, read_only
+from liftmesh.base.arrays import as_numbers, read_only
 from liftmesh.base.options import as_count, as_switch, counted, shown
-from liftmesh.cells.cells import Cells
-from liftmesh.cells.density import Density, as_density
 from liftmesh.cells.domain import Domain, as_domain
-from liftmesh.cells.dual import Dual, dual_of
-from liftmesh.cells.lloyd import as_tolerance
-from liftmesh.cells.measure import Measure, check_extent, total_mass
-from liftmesh.cells.sites import sites_of
+from liftmesh.cells.dual import Dual, dual_of, sites_of
+from liftmesh.cells.measure import Density, Measure, as_density, as_share, check_extent, total_mass
+from liftmesh.cells.voronoi import Cells
 from liftmesh.crs.comparison import system_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
@@ -166,7 +163,7 @@ def transport(
     (True, True)
     """
     most = as_count("steps", steps, 0)
-    share = as_tolerance(tolerance, 1)
+    share = as_share(tolerance, 1)
     dual = dual_of(sites_of(points, domain))
     inside = as_domain(domain, dual.points, system_of(points))
     _check_apart(dual)
@@ -209,10 +206,7 @@ def _check_connected(domain: Domain) -> None:
 
 
 def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> Floats:
-    try:
-        given = as_reals(masses)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"masses are {shown(masses)}: give a number for each row") from error
+    given = as_numbers("masses are", masses, "give a number for each row")
     if given.ndim == 0:
         raise InputError(
             f"masses are {shown(masses)}: give a number for each of {counted(rows, 'row')}"

@@ -2,16 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from liftmesh.cells.cells import Cells
-from liftmesh.cells.domain import as_domain
-from liftmesh.cells.dual import dual_of
-from liftmesh.cells.sites import sites_of, values_of
+from liftmesh import _kernel
+from liftmesh._typing import Floats, Rows
+from liftmesh.base.arrays import read_only
+from liftmesh.base.options import counted
+from liftmesh.cells.clipped import ClippedCells, rows_of_corners
+from liftmesh.cells.domain import Domain, as_domain
+from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact
+from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.crs.comparison import system_of
-from liftmesh.planar.weights import chosen
+from liftmesh.errors import InputError
+from liftmesh.planar.diagram import regions_of, ridges_by_rows
+from liftmesh.planar.kinds import chosen
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
@@ -117,3 +130,271 @@ def power_diagram(
     kind, given = chosen(weights, radii)
     dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
     return Cells(dual, as_domain(domain, dual.points, system_of(points)))
+
+
+class Cells(ClippedCells):
+    """Voronoi or power cells inside a domain, as returned by `voronoi` and `power_diagram`.
+
+    Row i has the parts from ``parts[i]`` to ``parts[i + 1]``: none if its cell lies outside the
+    domain, and several if the domain cuts it apart. Part j has the rings from ``rings[j]`` to
+    ``rings[j + 1]``, of which the first turns counter-clockwise, and the others are holes and turn
+    clockwise. Ring k has the corners from ``ring_corners[k]`` to ``ring_corners[k + 1]``. The
+    arrays are read-only.
+
+    Which corners there are is exact, and each coordinate is the double nearest to the exact one.
+
+    Parameters
+    ----------
+    dual : Dual
+        The sites.
+    domain : Domain
+        What the cells are clipped to.
+
+    Attributes
+    ----------
+    points : (n, 2) ndarray of float64
+        The sites.
+    domain : Domain
+        The domain: its ``corners``, the ``starts`` of its rings, and what it is as ``text``.
+    parts, rings, ring_corners : ndarray of int64
+        Where the parts of rows, the rings of parts and the corners of rings start, and the end.
+    corners : (k, 2) ndarray of float64
+        The corners of all rings.
+    beyond : (k,) ndarray of int32
+        The row on the other side of the side from each corner to the next; -1 at the boundary of
+        the domain.
+    duplicates : (d, 2) ndarray of int32
+        Rows of the same position and weight as another, each with the first of these, which has
+        the cell.
+    hidden : (h,) ndarray of int32
+        Rows that have no cell anywhere, because others are heavier.
+    degenerate : (d,) ndarray of int32
+        Rows whose cell has no area anywhere, but is a segment, a ray, a line or a point: what is as
+        near to them is as near to others.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> cells = liftmesh.voronoi([[0, 0], [2, 0], [1, 2]], domain=(-1, -1, 3, 3))
+    >>> cells
+    <Cells: 3 of 3 rows have an area in the box (-1.0, -1.0, 3.0, 3.0)>
+    >>> cells.areas
+    array([4.5, 4.5, 7. ])
+    >>> cells.neighbors
+    array([[0, 1],
+           [0, 2],
+           [1, 2]], dtype=int32)
+    """
+
+    def __init__(self, dual: Dual, domain: Domain) -> None:
+        super().__init__(dual.points, domain, *clip(dual, domain))
+        self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
+        self.degenerate = read_only(dual.degenerate)
+        self._dual = dual
+
+    @cached_property
+    def corner_kinds(self) -> NDArray[np.uint8]:
+        """Where each corner comes from, (k,) uint8.
+
+        0 is a vertex of the diagram, 1 a crossing of an edge of the domain with a ridge, 2 a corner
+        of the domain.
+        """
+        edge, other, _ = self._sources.T
+        return read_only(np.where(edge < 0, 0, np.where(other >= 0, 1, 2)).astype(np.uint8))
+
+    @cached_property
+    def corner_sources(self) -> Rows:
+        """What each corner is made of, (k, 3) int32, so that it can be computed exactly.
+
+        A vertex: three rows of equal power. A crossing: the two rows of the ridge, and the edge of
+        the domain, which has the number of the corner it leaves. A corner of the domain: its
+        number, and -1 twice.
+        """
+        edge, other, _ = self._sources.T
+        found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
+        is_vertex, is_crossing = self.corner_kinds == 0, self.corner_kinds == 1
+        found[is_vertex] = self._dual.simplices[other[is_vertex]]
+        own = rows_of_corners(self)[is_crossing].astype(np.int32)
+        found[is_crossing] = np.stack([own, other[is_crossing], edge[is_crossing]], axis=1)
+        return read_only(found)
+
+    @cached_property
+    def unclipped(self) -> Unclipped:
+        """The diagram in the whole plane, with rays, whatever the domain; made at first use."""
+        return Unclipped(self._dual)
+
+
+def clip(dual: Dual, domain: Domain) -> tuple[Rings, ExactCorners]:
+    """Clip all cells to a domain."""
+    found = _kernel.clip(
+        dual.points, dual.values, dual.kind, dual.simplices, dual.neighbors,
+        dual.simplex_to_vertex, dual.chain, domain.corners, domain.starts,
+    )  # fmt: skip
+    if found is None:
+        raise InputError("the rings of the domain cross or overlap: give a valid polygon")
+    sources, points, certain, starts, cells, cut, ties = found
+    vertex_of, k = dual.simplex_to_vertex, len(points)  # corners from k on are vertices
+    points = np.concatenate([points, dual.vertices[vertex_of[sources[k:, 1]]]])
+    is_vertex = np.flatnonzero(sources[:k, 0] < 0)
+    points[is_vertex] = dual.vertices[vertex_of[sources[is_vertex, 1]]]
+    rings = Rings(sources, points, starts, cells, cut)
+    exact = ExactCorners(domain, dual)
+    for i in np.flatnonzero(~certain).tolist():
+        ring = int(np.searchsorted(starts, i, side="right")) - 1
+        x, y = exact.at(int(cells[ring]), *sources[i, :2].tolist())
+        points[i] = float(x), float(y)
+    return resolve_ties(rings, exact, ties), exact
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExactCorners(DomainCorners):
+    """Corners of clipped Voronoi or power cells."""
+
+    dual: Dual
+
+    def at(self, cell: int, edge: int, other: int) -> Exact:
+        """Compute a corner."""
+        if edge < 0:
+            return self._centre(self.dual.simplices[other].tolist())
+        start, end = self.ends(edge)
+        return start if other < 0 else self._crossing(start, end, cell, other)
+
+    def _crossing(self, start: Exact, end: Exact, cell: int, other: int) -> Exact:
+        a, b, c = self._axis(cell, other)
+        first, last = a * start[0] + b * start[1] - c, a * end[0] + b * end[1] - c
+        share = first / (first - last)
+        return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+
+    def _centre(self, rows: Sequence[int]) -> Exact:
+        a, b, p = self._axis(rows[0], rows[1])
+        c, d, q = self._axis(rows[0], rows[2])
+        determinant = a * d - b * c
+        return (p * d - b * q) / determinant, (a * q - p * c) / determinant
+
+    def _axis(self, row: int, other: int) -> tuple[Fraction, Fraction, Fraction]:
+        """Coefficients a, b, c of the line a x + b y = c of equal power to two rows."""
+        (x, y), (u, v) = as_exact(self.dual.points[row]), as_exact(self.dual.points[other])
+        height = u * u + v * v - x * x - y * y - self._lowering(other) + self._lowering(row)
+        return 2 * (u - x), 2 * (v - y), height
+
+    def _lowering(self, row: int) -> Fraction:
+        if self.dual.kind == "plain":
+            return Fraction(0)
+        value = Fraction(float(self.dual.values[row]))
+        return value * value if self.dual.kind == "radii" else value
+
+
+class Unclipped:
+    """A Voronoi or power diagram in the whole plane: the `Cells.unclipped` of cells.
+
+    Vertices, ridges and regions are those of ``scipy.spatial.Voronoi``, and its
+    ``voronoi_plot_2d`` draws them; rays begin with -1. If all cells are of sites on one line,
+    ridges are lines, of which both ends are -1, and SciPy, which has no such diagrams, cannot draw
+    them. The arrays are read-only.
+
+    Parameters
+    ----------
+    dual : Dual
+        The sites.
+
+    Attributes
+    ----------
+    points : (n, 2) ndarray of float64
+        The sites.
+    vertices : (v, 2) ndarray of float64
+        Where cells meet. Each coordinate is the double nearest to the exact one, or infinite.
+    overflowed : int
+        How many vertices have a coordinate that is infinite.
+    ridge_points : (r, 2) ndarray of int32
+        The rows of the two sites between which each ridge lies.
+    ridge_ends : (r, 2) ndarray of int32
+        The vertices at both ends of each ridge, the lesser first; -1 is at infinity.
+    point_region : (n,) ndarray of intp
+        The region of each row: duplicates share one, and rows without a cell have -1, which is no
+        index of `regions`.
+    region_vertices : tuple of ndarray of int32
+        The vertices of region i are ``indices[indptr[i]:indptr[i + 1]]``, counter-clockwise; those
+        of an unbounded region begin with -1.
+    simplices : (m, 3) ndarray of int32
+        The triangles that are dual to the vertices.
+    simplex_to_vertex : (m,) ndarray of int32
+        The vertex of each.
+    npoints, ndim, min_bound, max_bound, furthest_site
+        As for `Voronoi`.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> disks = [[0, 0], [4, 0], [2, 3]]
+    >>> whole = liftmesh.power_diagram(disks, radii=[2, 1, 1]).unclipped
+    >>> whole.vertices
+    array([[2.375     , 1.08333333]])
+    >>> whole.ridge_vertices
+    [[-1, 0], [-1, 0], [-1, 0]]
+    """
+
+    furthest_site = False
+
+    def __init__(self, dual: Dual) -> None:
+        self.points, self.vertices = read_only(dual.points), read_only(dual.vertices)
+        self.npoints, self.ndim = self.points.shape
+        self.min_bound, self.max_bound = self.points.min(axis=0), self.points.max(axis=0)
+        self.overflowed = int((~np.isfinite(self.vertices).all(axis=1)).sum())
+        self.simplices = read_only(dual.simplices)
+        self.simplex_to_vertex = read_only(dual.simplex_to_vertex)
+        if len(dual.simplices):
+            found = regions_of(
+                len(dual.points), dual.simplices, dual.neighbors, dual.simplex_to_vertex
+            )
+            self.ridge_points = read_only(found.ridge_points)
+            self.ridge_ends = read_only(found.ridge_ends)
+            region_of, starts, corners = found.region_of, found.starts, found.corners
+        else:
+            self.ridge_points = read_only(np.stack([dual.chain[:-1], dual.chain[1:]], axis=1))
+            self.ridge_ends = read_only(np.full_like(self.ridge_points, -1))
+            region_of, starts, corners = _regions_on_line(dual)
+        self.region_vertices = read_only(starts), read_only(corners)
+        region = region_of.astype(np.intp)
+        row, kept = dual.duplicates.T
+        region[row] = region[kept]
+        self.point_region = read_only(region)
+
+    def __repr__(self) -> str:
+        cells = counted(len(self.region_vertices[0]) - 1, "cell")
+        return f"<Unclipped: {cells} of {counted(len(self.points), 'row')} in the whole plane>"
+
+    @cached_property
+    def ridge_vertices(self) -> list[list[int]]:
+        """The vertices at both ends of each ridge as lists; -1 is at infinity."""
+        ends: list[list[int]] = self.ridge_ends.tolist()
+        return ends
+
+    @cached_property
+    def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
+        """`ridge_vertices` by the two rows of `ridge_points`."""
+        return ridges_by_rows(self.ridge_points, self.ridge_vertices)
+
+    @cached_property
+    def regions(self) -> list[list[int]]:
+        """The vertices around each region as lists."""
+        starts, corners = (part.tolist() for part in self.region_vertices)
+        return [corners[start:end] for start, end in pairwise(starts)]
+
+    @cached_property
+    def rays(self) -> tuple[NDArray[np.intp], Floats]:
+        """The ridges that are rays, (k,) intp, and where these run, (k, 2) float64: not unit.
+
+        A line runs there and in the opposite direction.
+        """
+        ridges = np.flatnonzero(self.ridge_ends[:, 0] < 0)
+        start, end = self.points[self.ridge_points[ridges]].transpose(1, 0, 2) / 2
+        x, y = (end - start).T
+        return read_only(ridges), read_only(np.stack([y, -x], axis=1))
+
+
+def _regions_on_line(dual: Dual) -> tuple[Rows, Rows, Rows]:
+    """Give each row of a chain a region of one corner at infinity."""
+    count = len(dual.chain)
+    region_of = np.full(len(dual.points), -1, dtype=np.int32)
+    region_of[dual.chain] = np.arange(count, dtype=np.int32)
+    return region_of, np.arange(count + 1, dtype=np.int32), np.full(count, -1, dtype=np.int32)

@@ -16,16 +16,14 @@ from typing import Any
 
 import liftmesh
 from liftmesh.cli import exit_codes
-from liftmesh.cli.memory import out_of_memory
-from liftmesh.cli.python_options import as_on_command_line
-from liftmesh.cli.signals import Ending
-from liftmesh.cli.standard_streams import (
+from liftmesh.cli.signals import (
+    Ending,
+    Watchdog,
     discard_stdout,
     discard_unprinted_errors,
     open_closed,
 )
-from liftmesh.cli.watchdog import Watchdog
-from liftmesh.errors import DataWarning, LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning
 
 __all__ = ["main", "program"]
 
@@ -104,7 +102,7 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
 def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
     if words and words[0] in _COMPLETION:
-        return import_module("liftmesh.cli.completion").complete(words[0], words[1:])
+        return import_module("liftmesh.cli.application").complete(words[0], words[1:])
     app = import_module("liftmesh.cli.application").application(words)
     with _noted_warnings():
         return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
@@ -135,8 +133,8 @@ def _fail(error: BaseException, *, debug: bool) -> int:
 
         with suppress(OSError):  # a full disk, as below
             traceback.print_exc()
-    code, message = _explain(error)
-    if message:
+    code, message = exit_codes.explain(error)
+    if message:  # pragma: no branch - every error has one
         _print_error(message)
     return code
 
@@ -144,9 +142,9 @@ def _fail(error: BaseException, *, debug: bool) -> int:
 def _pop_flag(words: list[str], flag: str) -> bool:
     """Remove a flag anywhere before ``--``; return whether it was given."""
     end = words.index("--") if "--" in words else len(words)
-    found = flag in words[:end]
+    is_given = flag in words[:end]
     words[:end] = [word for word in words[:end] if word != flag]
-    return found
+    return is_given
 
 
 def _expanded(word: str) -> str:
@@ -155,32 +153,6 @@ def _expanded(word: str) -> str:
     if equals and option.startswith("--") and value.startswith("~"):
         return f"{option}={os.path.expanduser(value)}"  # noqa: PTH111 - no path if not found
     return os.path.expanduser(word) if word.startswith("~") else word  # noqa: PTH111
-
-
-def _explain(error: BaseException) -> tuple[int, str]:
-    """Return the exit code for an exception, and the message."""
-    if _is_ctrl_c(error):
-        return exit_codes.INTERRUPTED, "interrupted"
-    if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
-        return exit_codes.USAGE, import_module("liftmesh.cli.wording").usage_message(error)
-    is_lack = isinstance(error, MissingDependencyError) and out_of_memory(error)
-    if isinstance(error, LiftmeshError) and not is_lack:
-        return exit_codes.BAD_INPUT, as_on_command_line(str(error))
-    if out_of_memory(error):  # before OSError, which some of these are
-        return exit_codes.BAD_INPUT, "not enough memory"
-    if isinstance(error, OSError):
-        named = f"{error.filename}: " if error.filename else ""
-        return exit_codes.BAD_INPUT, f"{named}{error.strerror or error}"
-    kind = type(error).__name__
-    return exit_codes.BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
-
-
-def _is_ctrl_c(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is the cause: during the import of a compiled module it gets wrapped."""
-    if error is None:
-        return False
-    is_it = isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort"
-    return is_it or _is_ctrl_c(error.__cause__)
 
 
 def _print_error(message: str) -> None:
@@ -199,5 +171,5 @@ def _name_stdout(error: BaseException) -> None:
         error.filename = "stdout"
         try:
             sys.stdout.flush()
-        except OSError:
+        except OSError:  # pragma: no cover - it fails once more
             discard_stdout()

@@ -2,25 +2,12 @@
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import (
-    exit_codes,
-    files,
-    inputs,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    rows,
-    standard_streams,
-    tables,
-    terminal,
-)
+from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -39,54 +26,52 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("lower", "hull")
-@tables.with_options
-@rows.with_options
+@outputs.guards("lower", "hull")
 def run(
     source: options.Source,
     q: Annotated[
-        str,
-        typer.Option(
-            "--q",
-            metavar="Q",
-            help="Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+        Any,
+        options.option(
+            "Q",
+            "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
+            options.vertex,
         ),
     ] = "median",
     lower: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Write liftmesh's lower hull of the lifted points."),
+        options.option("FILE", "Write liftmesh's lower hull of the lifted points."),
     ] = None,
     hull: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write trimesh's convex hull of them.")
+        Path | None, options.option("FILE", "Write trimesh's convex hull of them.")
     ] = None,
     proofs: Annotated[
-        str, typer.Option(metavar="N", help="Maximum number of proofs to print.")
-    ] = "4",
+        int,
+        options.option("N", "Maximum number of proofs to print.", options.whole(0)),
+    ] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
-    table: Any = None,
-    selection: Any = None,
+    *,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Compare the hulls, write the requested files, and print the result."""
-    standard_streams.check_stdout()
-    vertex, frame = options.parse_q(q), options.parse_plane(plane)
-    limit, most = options.parse_size(max_bytes), options.parse_count("--proofs", proofs, 0)
-    files.check_target(lower)
-    files.check_target(hull)
-    read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged([source], read, selection)
-    with files.about(source):
-        result = _compare(cloud, q=vertex, plane=frame, nonfinite=nonfinite, max_proofs=most)
+    outputs.check_stdout()
+    outputs.check_target(lower)
+    outputs.check_target(hull)
+    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    cloud = inputs.read_rows([source], reading)
+    with inputs.about(source):
+        result = _compare(cloud, q=q, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs)
     if lower is not None:
         outputs.write(lower, result.lower_hull())
     if hull is not None and result.error is None:
         outputs.write(hull, result.trimesh_hull())
-    with standard_streams.after_writing(lower, None if result.error else hull):
+    with outputs.after_writing(lower, None if result.error else hull):
         if json:
-            terminal.as_json(_values(result) | lidar.provenance(cloud))
+            terminal.as_json(_values(result) | notes.provenance(cloud))
         else:
             _print_result(result, hull)
     if not result.agrees:

@@ -7,18 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from liftmesh.cli import (
-    files,
-    lidar,
-    options,
-    overwriting,
-    standard_streams,
-    surfaces,
-    terminal,
-)
-from liftmesh.cli.reading import with_options as with_reading
-from liftmesh.cli.tiled_surfaces import opened
-from liftmesh.cli.values import checked
+from liftmesh.base.options import counted
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -33,49 +23,55 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@with_reading
+@outputs.guards("target")
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
     interval: Annotated[
-        str | None, typer.Option(metavar="HEIGHT", help="Lines at all multiples of this height.")
+        float | None,
+        options.option("HEIGHT", "Lines at all multiples of this height.", options.positive),
     ] = None,
     levels: Annotated[
-        str | None, typer.Option(metavar="HEIGHTS", help="Lines at these heights, as 1,2.5.")
+        Any,
+        options.option("HEIGHTS", "Lines at these heights, as 1,2.5.", options.numbers),
     ] = None,
     base: Annotated[
-        str, typer.Option(metavar="HEIGHT", help="Height that multiples are counted from.")
-    ] = "0",
+        float,
+        options.option("HEIGHT", "Height that multiples are counted from.", options.number),
+    ] = 0,
     index_every: Annotated[
-        str, typer.Option("--index-every", metavar="N", help="Every n-th is an index contour.")
-    ] = "5",
+        int,
+        options.option("N", "Every n-th is an index contour.", options.whole(1)),
+    ] = 5,
     min_length: Annotated[
-        str, typer.Option("--min-length", metavar="LENGTH", help="Leave out shorter lines.")
-    ] = "0",
-    reading: Any = None,
+        float,
+        options.option("LENGTH", "Leave out shorter lines.", options.number),
+    ] = 0,
+    *,
+    reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, find its contours, write them, and say how many there are."""
     from liftmesh.terrain.contours import check_name, length_of  # noqa: PLC0415 - help and --version do without
 
-    standard_streams.check_stdout()
+    outputs.check_stdout()
     check_name(target)
-    wanted = _wanted(interval, levels, base)
-    with checked():
-        least = length_of(surfaces.parse_number("--min-length", min_length))
-    every = options.parse_count("--index-every", index_every, 1)
-    files.check_place(target)
+    if (interval is None) == (levels is None):
+        raise typer.BadParameter("give either --interval or --levels")
+    wanted = {"levels": levels} if levels is not None else {"interval": interval, "base": base}
+    with options.as_usage():
+        least = length_of(min_length)
+    outputs.check_place(target)
     if source.is_dir():
-        surface: Any = opened(source, reading)
+        surface: Any = surfaces.open_tiles(source, reading)
         with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, index_every=every)
+            lines = surface.contours(**wanted, index_every=index_every)
     else:
-        surface = reading.surface(source)
+        surface = surfaces.read(source, reading)
         if not reading.trimming:
             surfaces.note_slivers(source, surface)
         with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, index_every=every, threads=reading.threads)
+            lines = surface.contours(**wanted, index_every=index_every, threads=reading.threads)
     if not len(lines):
         terminal.note(
             "{}: no line: its heights are from {:.10g} to {:.10g}".format(
@@ -87,13 +83,13 @@ def run(
         path = lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
-        values: dict[str, Any] = {"lines": len(lines), "levels": heights, "length": length}
-        values |= {} if source.is_dir() else lidar.provenance(surface)
-        terminal.as_json({"path": str(path), **values})
+        counts = {"lines": len(lines), "levels": heights, "length": length}
+        rows_of = {} if source.is_dir() else notes.provenance(surface)
+        terminal.as_json({"path": str(path), **counts, **rows_of})
     else:
         terminal.sentence(
-            f"{path}: {len(lines):,} line{'' if len(lines) == 1 else 's'} at {heights:,} "
-            f"level{'' if heights == 1 else 's'}, {length:,.2f} long",
+            f"{path}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
+            f"{length:,.2f} long",
             "good",
         )
 
@@ -104,13 +100,3 @@ def _heights(surface: Any) -> tuple[float, float]:
         return surface.extent[2], surface.extent[5]
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())
-
-
-def _wanted(interval: str | None, levels: str | None, base: str) -> dict[str, Any]:
-    """Parse which heights are wanted: either an interval or levels."""
-    if (interval is None) == (levels is None):
-        raise typer.BadParameter("give either --interval or --levels")
-    if levels is not None:
-        return {"levels": [surfaces.parse_number("--levels", each) for each in levels.split(",")]}
-    step = surfaces.parse_number("--interval", interval, positive=True)
-    return {"interval": step, "base": surfaces.parse_number("--base", base)}

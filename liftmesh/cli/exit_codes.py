@@ -1,6 +1,9 @@
-"""The exit codes of all commands, and the paragraph of the help that lists them."""
+"""The exit codes of all commands: what they mean, and which an exception gets, with its message."""
 
 from __future__ import annotations
+
+from liftmesh.cli import wording
+from liftmesh.errors import LiftmeshError, MissingDependencyError
 
 DONE = 0
 DIFFERENT = 1
@@ -21,3 +24,46 @@ MEANINGS = {
     PIPE_CLOSED: "the reader of the output closed the pipe",
     TERMINATED: "terminated by SIGTERM",
 }
+
+
+def explain(error: BaseException) -> tuple[int, str]:
+    """Return the exit code for an exception, and the message."""
+    if _is_ctrl_c(error):
+        return INTERRUPTED, "interrupted"
+    if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
+        return USAGE, wording.usage_message(error)
+    is_lack = isinstance(error, MissingDependencyError) and _out_of_memory(error)
+    if isinstance(error, LiftmeshError) and not is_lack:
+        return BAD_INPUT, wording.as_on_command_line(str(error))
+    if _out_of_memory(error):  # before OSError, which some of these are
+        return BAD_INPUT, "not enough memory"
+    if isinstance(error, OSError):
+        named = f"{error.filename}: " if error.filename else ""
+        return BAD_INPUT, f"{named}{error.strerror or error}"
+    kind = type(error).__name__
+    return BUG, f"unexpected {kind}: {error} (a bug: --debug shows where)"
+
+
+def _is_ctrl_c(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is the cause: during the import of a compiled module it gets wrapped."""
+    if error is None:
+        return False
+    is_it = isinstance(error, KeyboardInterrupt) or type(error).__name__ == "Abort"
+    return is_it or _is_ctrl_c(error.__cause__)
+
+
+def _out_of_memory(error: BaseException | None) -> bool:
+    """Whether an exception is due to lack of memory."""
+    if error is None:
+        return False
+    words = (
+        "failed to map segment",
+        "cannot allocate memory",
+        "Cannot allocate memory",
+        "without setting an exception",  # Python's parser can lose its MemoryError
+        "without exception set",
+    )
+    kinds = (ImportError, OSError, SystemError)
+    unable = isinstance(error, kinds) and any(word in str(error) for word in words)
+    unable |= "std::bad_alloc" in str(error)  # of GEOS, under the name of its own error
+    return unable or isinstance(error, MemoryError) or _out_of_memory(error.__cause__)

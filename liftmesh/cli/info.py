@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import files, lidar, options, rows, standard_streams, tables, terminal
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.cli.summary import Summary
@@ -26,22 +26,21 @@ HELP = (
 EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
 
 
-@tables.with_options
-@rows.with_options
 def run(
     source: Annotated[
         Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
     ],
     source_format: options.SourceFormat = None,
-    table: Any = None,
-    selection: Any = None,
+    *,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary."""
-    standard_streams.check_stdout()
-    limit = options.parse_size(max_bytes)
-    cloud = files.read(source, source_format, limit, table, selection=selection)
+    outputs.check_stdout()
+    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    cloud = inputs.read(source, reading)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"summarising {len(cloud):,} rows"):
@@ -61,7 +60,7 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
     if summary.columns:
         pairs = (f"{part} = {name}" for part, name in summary.columns.items())
         lines.append(("columns", ", ".join(pairs)))
-    lines += lidar.lines(summary.lidar)
+    lines += notes.lidar_lines(summary.lidar)
     if summary.raster:
         lines.append(("raster", _samples(summary.raster)))
     if summary.crs is not None:
@@ -81,11 +80,11 @@ def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
     from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
 
-    found = described(crs)
-    if found is None:
+    system = described(crs)
+    if system is None:
         return crs
-    number = f"{crs}, " if len(crs) < len(found.name) + _SHORT else ""
-    return f"{number}{found.name} ({found.kind})"
+    number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""
+    return f"{number}{system.name} ({system.kind})"
 
 
 def _samples(raster: dict[str, Any]) -> str:

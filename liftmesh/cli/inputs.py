@@ -1,75 +1,283 @@
-"""Several input files as one cloud, and whose row an error is about."""
+"""Clouds that commands read: options, one file or several as one, and whose row an error is on."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import sys
+import warnings
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import counted
-from liftmesh.cli import files
-from liftmesh.cli.terminal import few_of_a_kind, note, stage
-from liftmesh.errors import InputError
+from liftmesh.base.options import Returns, counted
+from liftmesh.cli import notes, options, terminal
+from liftmesh.cli.options import is_stream
+from liftmesh.cli.terminal import note
+from liftmesh.errors import (
+    DataWarning,
+    DegenerateInputError,
+    DuplicateHeightError,
+    FormatError,
+    InputError,
+    NonFiniteError,
+)
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
+_CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
+_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
+_ABOUT_A_FILE = (
+    *("row ", "the coordinates ", "weights are ", "radii are "),
+    *("the points have ", "the mesh says "),
+)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
-def check_once(sources: Sequence[Path]) -> None:
-    """Raise if a file is given twice."""
-    known: dict[object, Path] = {}
-    for each in sources:
-        before = known.setdefault(_identity(each), each)
-        if before is not each:
-            other = "" if str(before) == str(each) else f", as {before}"
-            raise typer.BadParameter(f"{each} is given twice{other}")
+def table(
+    columns: Annotated[
+        str | None,
+        options.option(
+            "NAMES",
+            "Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
+            "of all in order, as id,x,y,z; - leaves one out.",
+        ),
+    ] = None,
+    flat: Annotated[
+        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
+    ] = False,
+    delimiter: Annotated[
+        str | None,
+        options.option("MARK", "Tables: what separates values, as ';', tab or space."),
+    ] = None,
+    decimal: Annotated[
+        str | None, options.option("MARK", "Tables: the decimal mark, . or ,")
+    ] = None,
+    skip_rows: Annotated[
+        int,
+        options.option("N", "Tables: skip the first N lines.", options.whole(0)),
+    ] = 0,
+    no_header: Annotated[
+        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
+    ] = False,
+    nodata: Annotated[
+        str | None,
+        options.option(
+            "VALUE",
+            "Tables and rasters: what stands for a missing value, as -9999; none if nothing does.",
+        ),
+    ] = None,
+    end: Annotated[
+        str | None, options.option("LINE", "Tables: the line that ends them, as END.")
+    ] = None,
+    encoding: Annotated[
+        str | None,
+        options.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of tables, and return those given, as `liftmesh.read` has them."""
+    given = options.given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
+    given |= options.given(end=end, encoding=encoding, flat=flat)
+    given |= {"header": False} if no_header else {}
+    given |= options.given(skip_rows=skip_rows or None)
+    if given:
+        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
+
+        with options.as_option():
+            validate_table_options(**given)
+    return given
 
 
-def _identity(path: Path) -> object:
-    """Return what two names of one file have in common."""
+def _selection(
+    classes: Annotated[
+        Any,
+        options.option(
+            "CLASSES",
+            "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+            options.classes,
+        ),
+    ] = None,
+    returns: Annotated[
+        Returns | None,
+        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+    ] = None,
+    bbox: Annotated[
+        Any,
+        options.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends),
+    ] = None,
+    z_range: Annotated[
+        Any,
+        options.option("Z0,Z1", "Rows of these heights.", options.ends),
+    ] = None,
+    every: Annotated[
+        int,
+        options.option("N", "Every n-th of the rows that are left.", options.whole(1)),
+    ] = 1,
+    withheld: Annotated[
+        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
+    ] = False,
+    resolution: Annotated[
+        float | None,
+        options.option("D", "Of a COPC file, points at about this distance.", options.positive),
+    ] = None,
+    band: Annotated[
+        int | None,
+        options.option(
+            "N", "Rasters: the band that holds the heights; the first is 1.", options.whole(1)
+        ),
+    ] = None,
+    from_crs: Annotated[
+        str | None,
+        options.option(
+            "CRS",
+            "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
+            "several, of those that state none, or the same without heights.",
+        ),
+    ] = None,
+    to_crs: Annotated[
+        str | None,
+        options.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the conditions on rows, and return those given, with where the rows are read to."""
+    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    conditions |= options.given(
+        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+    )
+    if conditions:
+        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
+
+        with options.as_option():
+            validate_selection(**conditions)
+    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
+
+
+Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
+Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+
+
+def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
+    """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
+
+    What a command reads by are options of `liftmesh.read`, here and below.
+    """
+    reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
+    if is_stream(path) and "format" not in reading:
+        raise typer.BadParameter("stdin has no suffix: give its format with --from")
+    name = "stdin" if is_stream(path) else path
+    _check_file(path)
+    from liftmesh.io.streams import progress  # noqa: PLC0415 - help and --version do without
+
+    text = f"reading {name if is_stream(path) else path.name}"
+    place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
+    with _about_reading(str(name)), place:
+        cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
+    for each in notes.notes(cloud, is_transformed="to_crs" in reading):
+        note(f"{name}: {each}")
+    if not_read := notes.parts_not_read(cloud):
+        note(f"{name}: not read: {notes.listed(not_read)}")
+    if "color_depth" not in reading and cloud.color_depth == 8 and len(cloud):
+        note(
+            f"{name}: no colour exceeds 255: they are read as 8-bit colours "
+            "(liftmesh triangulate has --color-depth)"
+        )
+    return cloud
+
+
+def _check_file(path: Path) -> None:
+    """Raise if a folder of triangles in tiles is given."""
+    if not path.is_dir():
+        return
+    from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - help and --version do without
+
+    if (path / MANIFEST).is_file():
+        raise FormatError(
+            f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour and "
+            "verify take it"
+        )
+
+
+@contextmanager
+def _about_reading(name: str) -> Iterator[None]:
+    """Add the file's name to an error: streams do not know it."""
     try:
-        found = None if files.is_stream(path) else path.stat()
-    except OSError:
-        found = None
-    return path if found is None or not found.st_ino else (found.st_dev, found.st_ino)
+        yield
+    except OSError as error:
+        if error.filename is None:
+            error.filename = name  # pragma: no cover - a device that fails while it is read
+        raise
 
 
-def merged(
-    sources: Sequence[Path], read: Callable[..., Cloud], selection: Mapping[str, Any]
+def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
+    """Read without warnings: they are among the notes."""
+    from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.description import check_system  # noqa: PLC0415 - as above
+    from liftmesh.io import read as io  # noqa: PLC0415 - as above
+
+    with without_warnings():
+        if _CRS_OF_OTHERS not in reading:
+            return io.read(source, **reading)
+        rest = {**reading}
+        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
+        check_system(crs)
+        cloud = io.read(source, **rest)
+        return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
+
+
+@contextmanager
+def without_warnings() -> Iterator[None]:
+    """Leave out warnings about data, which are among the notes."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)
+        yield
+
+
+def read_rows(
+    sources: Sequence[Path], reading: Mapping[str, Any], *, of_surface: bool = True
 ) -> Cloud:
-    """Read files and merge them; say on stderr how many rows each adds."""
-    from liftmesh.io.surface_rows import check_some  # noqa: PLC0415 - help does without
+    """Read files and merge them; say on stderr how many rows each adds.
+
+    Of lidar a surface takes the ground, and no rows that are withheld, unless options say so.
+    """
+    from liftmesh.io.surface_rows import check_some, for_surface  # noqa: PLC0415 - help does without
+
+    def read_one(path: Path) -> Cloud:
+        file_format = reading.get("format")
+        return read(path, for_surface(path, reading, file_format) if of_surface else reading)
 
     if len(sources) == 1:
-        return check_some(read(sources[0], selection=selection), sources[0])
+        return check_some(read_one(sources[0]), sources[0])
     for path in sources:
-        if not files.is_stream(path):
+        if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
+    if "crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
+    with terminal.few_of_a_kind():
+        clouds = [read_one(each) for each in sources]
+    cloud = _merged(sources, clouds)
+    return check_some(cloud, notes.listed([str(each) for each in sources]))
+
+
+def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
+    """Merge clouds, and say what each adds; their list is empty then."""
     from liftmesh.terrain.merging import merge  # noqa: PLC0415 - help does without
 
-    if "crs" in selection:
-        rest = {key: each for key, each in selection.items() if key != "crs"}
-        selection = {**rest, files.CRS_OF_OTHERS: selection["crs"]}
-    with few_of_a_kind():
-        clouds = [read(each, selection=selection) for each in sources]
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
-    before = {name for each in clouds for name in files.parts_not_read(each)}
-    with stage(f"merging {len(sources)} files"), files.without_warnings():
+    before = {name for each in clouds for name in notes.parts_not_read(each)}
+    with terminal.stage(f"merging {len(sources)} files"), without_warnings():
         cloud = merge(clouds.pop(0) for _ in sources)
     if cloud.crs is not None and lacking:
         note(f"{', '.join(lacking)}: no coordinate system: taken to be that of the others")
-    with few_of_a_kind():
+    with terminal.few_of_a_kind():
         _say_parts(cloud)
-    new = [name for name in files.parts_not_read(cloud) if name not in before]
+    new = [name for name in notes.parts_not_read(cloud) if name not in before]
     if new:
-        note(f"merged without {files.listed([each.partition(' (')[0] for each in new])}")
-    return check_some(cloud, files.listed([str(each) for each in sources]))
+        note(f"merged without {notes.listed([each.partition(' (')[0] for each in new])}")
+    return cloud
 
 
 def _say_parts(cloud: Cloud) -> None:
@@ -93,11 +301,42 @@ def _say_parts(cloud: Cloud) -> None:
         note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
 
 
+def check_once(sources: Sequence[Path]) -> None:
+    """Raise if a file is given twice."""
+    known: dict[object, Path] = {}
+    for each in sources:
+        before = known.setdefault(_identity(each), each)
+        if before is not each:
+            other = "" if str(before) == str(each) else f", as {before}"
+            raise typer.BadParameter(f"{each} is given twice{other}")
+
+
+def _identity(path: Path) -> object:
+    """Return what two names of one file have in common."""
+    try:
+        status = None if is_stream(path) else path.stat()
+    except OSError:
+        status = None
+    return path if status is None or not status.st_ino else (status.st_dev, status.st_ino)
+
+
 @contextmanager
-def about(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
-    """Add the file's name to errors about rows, and count the row in that file."""
+def about(path: Path) -> Iterator[None]:
+    """Add the file's name to errors about its rows and its values."""
+    try:
+        yield
+    except InputError as error:
+        if _is_about_rows(error):
+            name = "stdin" if is_stream(path) else path
+            error.args = (f"{name}: {error}", *error.args[1:])
+        raise
+
+
+@contextmanager
+def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
+    """The same of several files, merged: a row is counted in its own."""
     if len(sources) == 1:
-        with files.about(sources[0]):
+        with about(sources[0]):
             yield
         return
     from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
@@ -106,9 +345,13 @@ def about(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if files.is_about_rows(error) and "thinning" not in cloud.metadata:
+        if _is_about_rows(error) and "thinning" not in cloud.metadata:
             error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
         raise
+
+
+def _is_about_rows(error: InputError) -> bool:
+    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

@@ -1,206 +1,286 @@
-"""Options shared by several commands: their help, and the parsing of their values."""
+"""Options of commands: how their values are parsed, those that several have, and groups of them.
+
+*Values.* typer calls a parser with what was typed, before the command runs. A `WrongValue` is told
+after the name of the option. What the library refuses of values that were parsed is told as wrong
+usage, too (`as_usage`).
+
+*Groups.* A parameter of a command that is annotated with a `Group` stands for all options of the
+function that the group is parsed by. A group may hold groups. An option of the command's own takes
+the place of one of that name in a group, which then has its default.
+"""
 
 from __future__ import annotations
 
+import inspect
 import math
 import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import wraps
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import NonFinite, as_count
+from liftmesh.base.options import VARIABLE, Duplicates as Policy, NonFinite, as_count, as_threads
+from liftmesh.cli.wording import as_on_command_line
 from liftmesh.errors import InputError
 
-Source: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
-]
-SourceFormat: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--from", metavar="FORMAT", help="Format of the input, instead of its suffix."),
-]
-Plane: TypeAlias = Annotated[
-    str,
-    typer.Option(
-        metavar="PLANE",
-        help="Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
-        "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
-        "to plane coordinates.",
-    ),
-]
-SkipNonFinite: TypeAlias = Annotated[
-    NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
-]
-Threads: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--threads",
-        metavar="N",
-        help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
-    ),
-]
-TargetFormat: TypeAlias = Annotated[
-    str | None,
-    typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-]
-MaxBytes: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--max-bytes",
-        metavar="SIZE",
-        help="Limit of what a compressed, instanced or very wide file may expand to in memory, as "
-        "500M or 4G.",
-    ),
-]
-ColorDepth: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--color-depth",
-        metavar="BITS",
-        help="Bits per channel of integer colours, 8 or 16; by default their values decide.",
-    ),
-]
-Weights: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--weights",
-        metavar="COLUMN",
-        help="Values of IN that are weights: makes the regular triangulation, the dual of the "
-        "power diagram, which may hide rows.",
-    ),
-]
-Radii: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--radii", metavar="COLUMN", help="The same with radii, whose squares are weights."
-    ),
-]
-Metric: TypeAlias = Annotated[
-    str | None,
-    typer.Option(
-        "--metric",
-        metavar="A,B,C",
-        help="Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
-    ),
-]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+@dataclass(frozen=True)
+class Group:
+    """Says which function parses the options of a group to the value of a parameter."""
+
+    parse: Callable[..., Any]
 
 
-def parse_plane(text: str) -> Any:
-    """Parse the value of ``--plane`` to an argument of `liftmesh.triangulate`."""
-    if text in {"xy", "xz", "yz", "fit"}:
-        return text
-    numbers = _numbers(text, 3) or _numbers(text, 4)
-    return _matrix(text) if numbers is None else numbers
+def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Give a function the options of its groups one by one, as typer knows them."""
+    signature = inspect.signature(function, eval_str=True)
+    groups = {
+        each.name: with_single_options(kind.parse)
+        for each in signature.parameters.values()
+        for kind in get_args(each.annotation)
+        if isinstance(kind, Group)
+    }
+    if not groups:
+        return function
+    own = signature.parameters.keys() - groups.keys()
+    taken = {
+        name: [each for each in _parameters(parse) if each.name not in own]
+        for name, parse in groups.items()
+    }
+    single: list[inspect.Parameter] = []
+    for each in signature.parameters.values():
+        single += taken.get(each.name, [each])
+
+    @wraps(function)
+    def command(**options: Any) -> Any:
+        for name, parse in groups.items():
+            names = [each.name for each in taken[name] if each.name in options]
+            options[name] = parse(**{each: options.pop(each) for each in names})
+        return function(**options)
+
+    return with_parameters(command, single)
 
 
-def parse_box(text: str) -> tuple[float, ...] | None:
-    """Parse a box of four numbers separated by commas."""
-    return _numbers(text, 4)
+def with_parameters(
+    function: Callable[..., Any], parameters: list[inspect.Parameter]
+) -> Callable[..., Any]:
+    """State the parameters of a function that takes any."""
+    named = [each.replace(kind=inspect.Parameter.KEYWORD_ONLY) for each in parameters]
+    function.__signature__ = inspect.Signature(named)  # type: ignore[attr-defined]
+    function.__annotations__ = {each.name: each.annotation for each in named}
+    return function
 
 
-def parse_q(text: str) -> Any:
-    """Parse the value of ``--q`` to an argument q of `liftmesh`."""
-    if text in {"median", "origin"}:
-        return text
-    numbers = _numbers(text, 2)
-    if numbers is None or not all(map(math.isfinite, numbers)):
-        raise typer.BadParameter(f"--q {text!r} is unknown: give median, origin or a finite QX,QY")
-    return numbers
+def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
+    return list(inspect.signature(function, eval_str=True).parameters.values())
 
 
-def parse_member(weights: str | None, radii: str | None, metric: str | None) -> dict[str, Any]:
-    """Parse the options that say by what points are lifted."""
-    options = {"weights": weights, "radii": radii, "metric": parse_metric(metric)}
-    given = {name: each for name, each in options.items() if each is not None}
-    if len(given) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(given)} are given: give one of them")
-    return given
+def given(**options: Any) -> dict[str, Any]:
+    """Return the options that were given: those that are neither None nor False."""
+    return {name: each for name, each in options.items() if each is not None and each is not False}
 
 
-def parse_metric(text: str | None) -> Any:
-    """Parse the value of ``--metric``, before the work starts."""
-    if text is None:
-        return None
-    numbers = _numbers(text, 3)
-    if numbers is None:
-        raise typer.BadParameter(f"--metric {text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.metric import as_metric  # noqa: PLC0415 - help and --version do without
+class WrongValue(typer.BadParameter):
+    """What an option refuses: the message follows the name of the option, or the hint."""
 
-    a, b, c = numbers
+
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, name: str = ""
+) -> Any:
+    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
+    return typer.Option(*filter(None, [name]), metavar=metavar, help=text, parser=parser)
+
+
+@contextmanager
+def as_usage() -> Iterator[None]:
+    """Tell what the library refuses of the values of options as wrong usage."""
     try:
-        as_metric([[a, b], [b, c]])
+        yield
     except InputError as error:
-        raise typer.BadParameter(f"--{error}") from error
-    return (a, b), (b, c)
+        raise typer.BadParameter(as_on_command_line(str(error))) from error
 
 
-def parse_size(text: str | None, option: str = "--max-bytes") -> int | None:
-    """Parse the value of an option that is a size."""
-    if text is None:
-        return None
-    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
-    size = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
-    if not size:
-        raise typer.BadParameter(f"{option} {text!r} is not a size: give one as 500M or 4G")
-    return size
-
-
-def parse_count(option: str, text: str, least: int) -> int:
-    """Parse the value of an option that is a whole number."""
+@contextmanager
+def as_option() -> Iterator[None]:
+    """The same of messages that begin with the name of an option of the library."""
     try:
-        return as_count(option, _whole(text), least)
+        yield
     except InputError as error:
-        raise typer.BadParameter(str(error)) from error
+        name, _, reason = str(error).partition(" ")
+        raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}") from error
 
 
-def parse_length(option: str, text: str) -> float:
-    """Parse a positive number, before the work starts."""
+@contextmanager
+def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
+    """Tell what the library refuses of a value of this name as that of the option."""
     try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < float("inf"):
-        raise typer.BadParameter(f"{option} {text!r} is not a positive number")
+        yield
+    except InputError as error:
+        raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
+
+
+def whole(least: int) -> Callable[[str], int]:
+    """Make a parser of whole numbers from a least one."""
+
+    def parse(text: str) -> int:
+        with _refusing("value"):
+            return as_count("value", _digits(text), least)
+
+    return parse
+
+
+def number(text: str) -> float:
+    """Parse a finite number."""
+    value = _float(text)
+    if not math.isfinite(value):
+        raise WrongValue(f"{text!r} is not a number")
     return value
 
 
-def _whole(text: str) -> int | str:
-    """Convert digits, and leave other text."""
-    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", text) else text
+def positive(text: str) -> float:
+    """Parse a positive number."""
+    value = _float(text)
+    if not 0 < value < math.inf:
+        raise WrongValue(f"{text!r} is not a positive number")
+    return value
 
 
-def parse_threads(text: str | None) -> int | None:
-    """Parse the value of ``--threads``, before the work starts."""
-    threads: Any = None if text is None else _whole(text)
-    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
+def distance(text: str) -> float:
+    """Parse a number that is not below zero."""
+    value = _float(text)
+    if not 0 <= value < math.inf:
+        raise WrongValue(f"{text!r} is not a distance: 0, or more")
+    return value
 
+
+def numbers(text: str) -> list[float]:
+    """Parse finite numbers separated by commas."""
+    return [number(word) for word in text.split(",")]
+
+
+def ends(text: str) -> list[float]:
+    """Parse numbers separated by commas that bound something, which may be infinite."""
     try:
-        as_threads(threads, MOST_ROWS)
-    except InputError as error:
-        option = "--" if threads is not None else ""
-        raise typer.BadParameter(f"{option}{error}") from error
-    return None if text is None else int(text)
+        return [float(word) for word in text.split(",")]
+    except ValueError:
+        raise WrongValue(f"{text!r} is no list of numbers, as 0,10") from None
 
 
-def parse_color_depth(text: str | None) -> int | None:
-    """Parse the value of ``--color-depth``, before the work starts."""
+def box(text: str) -> tuple[float, ...] | None:
+    """Parse a box of four numbers separated by commas; None if the text is something else."""
+    return _exactly(4, text)
+
+
+def classes(text: str) -> str | list[int]:
+    """Parse classes of rows."""
+    if text in {"ground", "all"}:
+        return text
+    words = text.split(",")
+    if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
+        raise WrongValue(f"{text!r} is unknown: give ground, all or as 2,9")
+    return [int(word) for word in words]
+
+
+def size(text: str) -> int:
+    """Parse a number of bytes."""
+    match = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    value = 0 if match is None else int(match[1]) * 1000 ** " KMGT".index(match[2].upper() or " ")
+    if not value:
+        raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
+    return value
+
+
+def threads(text: str) -> int:
+    """Parse a number of threads."""
+    given: Any = _digits(text)
+    _check_threads(given, "threads")
+    return int(given)
+
+
+def checked_threads(value: int | None) -> int | None:
+    """Check the number of threads that the environment gives, where no option does."""
+    if value is None:
+        _check_threads(None, VARIABLE, VARIABLE)
+    return value
+
+
+def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
+    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+
+    with _refusing(name, hint):
+        as_threads(value, MOST_ROWS)
+
+
+def color_depth(text: str) -> int:
+    """Parse a number of bits of a channel."""
     from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
 
-    depth = None if text is None else _whole(text)
-    if depth is not None and depth not in DEPTHS:
-        raise typer.BadParameter(f"--color-depth {text} is not a depth: give 8, 16, 32 or 64")
-    return None if depth is None else int(depth)
+    depth = _digits(text)
+    if depth not in DEPTHS:
+        raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
+    return int(depth)
 
 
-def _numbers(text: str, count: int) -> tuple[float, ...] | None:
-    """Parse numbers separated by commas; None if the text is not that many numbers."""
+def metric(text: str) -> Any:
+    """Parse A,B,C to the matrix of a metric."""
+    values = _exactly(3, text)
+    if values is None:
+        raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
+    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+
+    a, b, c = values
+    with _refusing("metric"):
+        as_metric([[a, b], [b, c]])
+    return (a, b), (b, c)
+
+
+def vertex(text: str) -> Any:
+    """Parse the vertex of the paraboloid."""
+    if text in {"median", "origin"}:
+        return text
+    place = _exactly(2, text)
+    if place is None or not all(map(math.isfinite, place)):
+        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite QX,QY")
+    return place
+
+
+class ProjectionPlane(NamedTuple):
+    """A projection plane as `liftmesh.triangulate` takes it, and the file that it is read from."""
+
+    value: Any
+    file: Path | None = None
+
+
+def plane(text: str) -> ProjectionPlane:
+    """Parse a projection plane."""
+    if text in {"xy", "xz", "yz", "fit"}:
+        return ProjectionPlane(text)
+    coefficients = _exactly(3, text) or _exactly(4, text)
+    if coefficients:
+        return ProjectionPlane(coefficients)
+    return ProjectionPlane(_matrix(Path(text), text), Path(text))
+
+
+def _matrix(path: Path, text: str) -> Any:
+    """Read a 4x4 matrix from a text or .npy file."""
+    import numpy as np  # noqa: PLC0415 - help and --version do without
+
+    if not path.is_file():
+        raise WrongValue(
+            f"{text!r} is neither a known name nor a file: "
+            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
+        )
     try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        return None
-    return numbers if len(numbers) == count else None
+        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
+    except (ValueError, OSError) as error:
+        raise WrongValue(f"{path}: cannot read a matrix: {error}") from error
+    if matrix.shape != (4, 4):
+        raise WrongValue(f"{path}: the matrix is {matrix.shape}, not 4x4")
+    return matrix
 
 
 def _read_npy(path: Path) -> Any:
@@ -210,20 +290,112 @@ def _read_npy(path: Path) -> Any:
         return read_array(stream, path.name)
 
 
-def _matrix(text: str) -> Any:
-    """Read a 4x4 matrix from a text or .npy file."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+def is_stream(path: Path) -> bool:
+    """Whether a path denotes a standard stream."""
+    return str(path) == "-"
 
-    path = Path(text)
-    if not path.is_file():
-        raise typer.BadParameter(
-            f"--plane {text!r} is neither a known name nor a file: "
-            "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
-        )
+
+def _digits(text: str) -> int | str:
+    """Convert digits, and leave other text."""
+    return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
+
+
+def _float(text: str) -> float:
     try:
-        matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
-    except (ValueError, OSError) as error:
-        raise typer.BadParameter(f"--plane {path}: cannot read a matrix: {error}") from error
-    if matrix.shape != (4, 4):
-        raise typer.BadParameter(f"--plane {path}: the matrix is {matrix.shape}, not 4x4")
-    return matrix
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _exactly(length: int, text: str) -> tuple[float, ...] | None:
+    """Parse so many numbers separated by commas; None if the text is something else."""
+    try:
+        numbers = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        return None
+    return numbers if len(numbers) == length else None
+
+
+Source: TypeAlias = Annotated[
+    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
+]
+SourceFormat: TypeAlias = Annotated[
+    str | None,
+    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
+]
+TargetFormat: TypeAlias = Annotated[
+    str | None,
+    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
+]
+Plane: TypeAlias = Annotated[
+    Any,
+    option(
+        "PLANE",
+        "Projection plane: xy, xz, yz, fit (least squares), a normal NX,NY,NZ, A,B,C,D of the "
+        "plane ax + by + cz + d = 0, or a file (text or .npy) with the rigid 4x4 matrix from space "
+        "to plane coordinates.",
+        plane,
+    ),
+]
+Duplicates: TypeAlias = Annotated[
+    Policy,
+    typer.Option(help="Which of several rows at one planar position is used as the vertex."),
+]
+SkipNonFinite: TypeAlias = Annotated[
+    NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
+]
+Threads: TypeAlias = Annotated[
+    int | None,
+    typer.Option(
+        metavar="N",
+        parser=threads,
+        callback=checked_threads,
+        help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
+    ),
+]
+MaxBytes: TypeAlias = Annotated[
+    int | None,
+    option(
+        "SIZE",
+        "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+        "500M or 4G.",
+        size,
+    ),
+]
+ColorDepth: TypeAlias = Annotated[
+    int | None,
+    option(
+        "BITS",
+        "Bits per channel of integer colours, 8 or 16; by default their values decide.",
+        color_depth,
+    ),
+]
+Weights: TypeAlias = Annotated[
+    str | None,
+    option(
+        "COLUMN",
+        "Values of IN that are weights: makes the regular triangulation, the dual of the "
+        "power diagram, which may hide rows.",
+    ),
+]
+Radii: TypeAlias = Annotated[
+    str | None,
+    option("COLUMN", "The same with radii, whose squares are weights."),
+]
+Metric: TypeAlias = Annotated[
+    Any,
+    option(
+        "A,B,C",
+        "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
+        metric,
+    ),
+]
+Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+
+
+def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
+    """Return the option that says by what points are lifted, of which there may be one."""
+    chosen = given(weights=weights, radii=radii, metric=metric)
+    if len(chosen) > 1:
+        raise typer.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
+    return chosen

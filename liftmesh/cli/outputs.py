@@ -1,84 +1,231 @@
-"""Files that commands write, and the options of their formats."""
+"""Files that commands write: what they do not replace, options of formats, and the report after.
+
+What is not replaced: the inputs, and without ``--overwrite`` any file with content. An output that
+is an input, by whatever name, option or link, is refused always, also where it would be read wholly
+before: the output may hold less. So is a file in a folder that is an input, and one that is read
+beside an input.
+"""
 
 from __future__ import annotations
 
+import inspect
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stdout, suppress
+from dataclasses import replace
+from functools import wraps
+from itertools import combinations
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, BinaryIO
+from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, TypeAlias
 
 import typer
 
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
-from liftmesh.cli import groups, terminal
-from liftmesh.cli.files import is_stream
-from liftmesh.cli.options import parse_count, parse_length
+from liftmesh.cli import options, terminal
+from liftmesh.cli.options import is_stream
+from liftmesh.cli.signals import Closed
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import Written
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
+_TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
+_BESIDE = {
+    ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".asc": (".prj",),
+    ".tif": (".prj", ".tfw", ".wld"), ".tiff": (".prj", ".tfw", ".wld"),
+}  # fmt: skip
+_OVERWRITE = inspect.Parameter(
+    "overwrite",
+    inspect.Parameter.KEYWORD_ONLY,
+    default=False,
+    annotation=Annotated[
+        bool, typer.Option("--overwrite", help="Replace a file that exists; never an input.")
+    ],
+)
 
 
-def parse(
+def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
+
+    def decorate(run: Callable[..., Any]) -> Callable[..., Any]:
+        run = options.with_single_options(run)  # each may name a file
+
+        @wraps(run)
+        def command(*, overwrite: bool = False, **given: Any) -> Any:
+            targets = [given[each] for each in outputs if given.get(each) is not None]
+            check_lost(targets, _inputs(given, outputs), overwrite=overwrite)
+            return run(**given)
+
+        parameters = inspect.signature(run, eval_str=True).parameters.values()
+        return options.with_parameters(command, [*parameters, _OVERWRITE])
+
+    return decorate
+
+
+def check_lost(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bool = True) -> None:
+    """Raise before the work starts if a file would be lost."""
+    files = [each for each in targets if not is_stream(each)]
+    for one, other in combinations(files, 2):
+        if os.path.realpath(one) == os.path.realpath(other):
+            raise _same(one, other)
+    from liftmesh.io.atomic import holds_data  # noqa: PLC0415 - help and --version do without
+
+    read = [*inputs]
+    for target in files:
+        for each in read:
+            if _is_part(target, each):
+                raise _same(each, target)
+        if not overwrite and holds_data(target):
+            raise typer.BadParameter(
+                f"{target} exists, and would be lost: give another name for what is written, or "
+                "--overwrite to replace it"
+            )
+
+
+def _inputs(given: Mapping[str, Any], outputs: Sequence[str]) -> Iterator[Path]:
+    """List whatever may name a file among the values of a command."""
+    for key, value in given.items():
+        for each in [] if key in outputs else value if isinstance(value, list | tuple) else [value]:
+            if isinstance(each, Path) or (isinstance(each, str) and _is_name(each)):
+                yield Path(each)
+                yield from _beside(Path(each))
+
+
+def _beside(path: Path) -> Iterator[Path]:
+    """List the files that are read beside one."""
+    named = (path.with_suffix(each) for each in _BESIDE.get(path.suffix.lower(), ()))
+    yield from (each for each in named if each.is_file())
+
+
+def _is_name(text: str) -> bool:
+    return os.path.isfile(text) or bool(os.path.splitext(text)[1])  # noqa: PTH113, PTH122 - any text
+
+
+def _is_part(target: Path, source: Path) -> bool:
+    """Whether a file is an input, by whatever name, or one of a folder that is an input."""
+    place, where = Path(os.path.realpath(target)), Path(os.path.realpath(source))
+    if where in place.parents:
+        return place.is_file() and where.is_dir()
+    with suppress(OSError, ValueError):  # missing, or a stdin that is no file
+        status = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
+        return os.path.samestat(status, place.stat()) and place.is_file()
+    return place == where
+
+
+def _same(one: Path, other: Path) -> typer.BadParameter:
+    if is_stream(one) or Path(one).is_dir():
+        return typer.BadParameter(f"{other} is read as {one}, and would be lost: give another name")
+    return typer.BadParameter(
+        f"{one} and {other} are the same file, and one would overwrite the other: give another name"
+    )
+
+
+def _writing(
     scale: Annotated[
-        str | None,
-        typer.Option(metavar="STEP", help="Of LAS: the step that coordinates are rounded to."),
+        float | None,
+        options.option(
+            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
+        ),
     ] = None,
     point_format: Annotated[
-        str | None, typer.Option(metavar="N", help="Of LAS: the point format, 0 to 10.")
+        int | None,
+        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
-    """Check the options of formats, and return those that were given."""
-    found: dict[str, Any] = {}
-    found |= {} if scale is None else {"scale": parse_length("--scale", scale)}
-    if point_format is not None:
-        found["point_format"] = parse_count("--point-format", point_format, 0)
-    return found | ({} if unit is None else {"unit": unit})
+    return options.given(scale=scale, point_format=point_format, unit=unit)
 
 
-def check_options(target: Path, target_format: str | None, options: Mapping[str, Any]) -> None:
-    """Raise before the work starts if a format has no such options."""
-    if not options:
-        return
+Writing: TypeAlias = Annotated[dict[str, Any], options.Group(_writing)]
+
+
+def check_target(
+    path: Path | None, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
+) -> None:
+    """Raise before the work starts if a file cannot be written, or has no such options."""
     from liftmesh.io.registry import find_written  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
     from liftmesh.io.write import writer_of  # noqa: PLC0415 - as above
 
-    found = find_written(target_format or suffix_of(target.name), str(target))
+    if path is None:
+        return
+    if is_stream(path):
+        check_stdout()
+    if not (file_format or path.suffix):
+        raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
+    kind = find_written(file_format or suffix_of(path.name), str(path))
+    if kind.write is None:
+        raise FormatError(f"{path}: {kind.name} files can be read, not written")
+    check_place(path)
     try:
-        for each in options:
-            writer_of(found, str(target), {each: options[each]})
+        for each in writing:
+            writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
         option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {found.name} files have none") from error
+        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
+
+
+def check_place(path: Path | None) -> None:
+    """Raise before the work starts if nothing can be written at a path."""
+    from liftmesh.io.atomic import check_writable  # noqa: PLC0415 - help and --version do without
+
+    if path is not None and not is_stream(path):
+        check_writable(path)
+
+
+def check_content(
+    path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
+) -> None:
+    """Raise before the work starts if a file cannot hold what a mesh of these rows would have."""
+    from liftmesh.crs.units import system_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+
+    kind = find_format(file_format or path.suffix, str(path))
+    check_before(replace(kind, check=None) if "unit" in writing else kind, cloud)
+    if "unit" in writing or kind.name not in _TAKEN_UNITS:
+        return
+    system = system_of(cloud)
+    if cloud.crs is None:
+        unit = _TAKEN_UNITS[kind.name]
+        terminal.note(f"{path}: no coordinate system says the unit: {kind.name} states {unit}")
+    elif system is not None and system.units[2] is None and system.units[0] is not None:
+        unit = system.units[0].name
+        said = f"nothing says the unit of heights: {kind.name} states {unit} for them, too"
+        terminal.note(f"{path}: {said}")
 
 
 def write(
-    path: Path, mesh: Any, file_format: str | None = None, options: Mapping[str, Any] = _NONE
+    path: Path, mesh: Any, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
 ) -> Written:
     """Write a mesh, or to stdout if the path is ``-``."""
-    from liftmesh.io import streams, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import streams, write as io  # noqa: PLC0415 - help and --version do without
 
     if not is_stream(path):
         with terminal.writing(f"writing {path.name}", streams.written):
             # The command's guard has looked before the work started.
-            return write.write(path, mesh, format=file_format, overwrite=True, **options)
-    with stdout_of_bytes() as stream:
-        return write.write(stream, mesh, format=file_format, **options)
+            return io.write(path, mesh, format=file_format, overwrite=True, **writing)
+    with opened(path) as stream:
+        return io.write(stream, mesh, format=file_format, **writing)
 
 
 @contextmanager
-def stdout_of_bytes() -> Iterator[BinaryIO]:
-    """Open stdout for a file, unless a signal came."""
+def opened(path: Path) -> Iterator[BinaryIO]:
+    """Open a file that is put in place when it is whole, or stdout, unless a signal came."""
+    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+
+    if not is_stream(path):
+        with terminal.stage(f"writing {path.name}"), replacing(path) as stream:
+            yield stream
+        return
     with terminal.stage("writing stdout"):
         check()
+        # Of its own: an unbuffered sys.stdout may write a part without an error.
         with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
             yield stream
 
@@ -96,7 +243,7 @@ def headline(written: Written, content: str) -> str:
     return f"{line}; float32, so the origin ({moved}) was subtracted"
 
 
-def values(written: Written) -> dict[str, Any]:
+def as_values(written: Written) -> dict[str, Any]:
     """Return what `--json` prints of a file that was written."""
     return {
         "path": str(written.path or "-"),
@@ -108,4 +255,42 @@ def values(written: Written) -> dict[str, Any]:
     }
 
 
-with_options = groups.taking("writing", parse)
+def check_stdout() -> None:
+    """Raise before the work starts if the result could not be printed."""
+    if isinstance(sys.stdout, Closed):
+        sys.stdout.write("")
+
+
+@contextmanager
+def report_after(target: Path | None) -> Iterator[None]:
+    """Print what is said of a file that was written: on stderr if the file itself is stdout."""
+    is_stdout = target is not None and is_stream(target)
+    place = redirect_stdout(sys.stderr) if is_stdout else dispensable_stdout()
+    with place, after_writing(target):
+        yield
+
+
+@contextmanager
+def dispensable_stdout() -> Iterator[None]:
+    """Drop what is printed if stdout is closed: the results are in files."""
+    if not isinstance(sys.stdout, Closed):
+        yield
+        return
+    with open(os.devnull, "w", encoding="utf-8") as null, redirect_stdout(null):  # noqa: PTH123
+        yield
+
+
+@contextmanager
+def after_writing(*paths: Path | None) -> Iterator[None]:
+    """Add to an error of stdout, such as a full disk, that files were written before."""
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        names = [str(path) for path in paths if path is not None and not is_stream(path)]
+        if names and error.filename is None:
+            verb = "was" if len(names) == 1 else "were"
+            error.strerror = f"{error.strerror}; {' and '.join(names)} {verb} written"
+        raise

@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import options, standard_streams, terminal
+from liftmesh.cli import options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
     from liftmesh.paper.printed import TableName
     from liftmesh.paper.results import Results, Settings
-    from liftmesh.paper.summary import Row
+    from liftmesh.paper.tables import Row
 
 SHORT_HELP = "Measure the paper's tables and compare them with the printed numbers."
 HELP = (
@@ -56,7 +56,7 @@ class _Choice:
         return ("5.1", "5.2") if self.table == "both" else (self.table,)
 
     def settings(self) -> Settings:
-        from liftmesh.paper.machine import describe_machine  # noqa: PLC0415 - not for --help
+        from liftmesh.paper.experiments import describe_machine  # noqa: PLC0415 - not for --help
         from liftmesh.paper.printed import SIZES  # noqa: PLC0415 - as above
         from liftmesh.paper.results import Settings  # noqa: PLC0415 - as above
 
@@ -77,9 +77,9 @@ class _Choice:
 def run(
     out: Annotated[
         Path | None,
-        typer.Option(
-            metavar="DIR",
-            help="Folder for all files, created if missing; by default out/paper, or "
+        options.option(
+            "DIR",
+            "Folder for all files, created if missing; by default out/paper, or "
             "out/paper-quick with --quick.",
         ),
     ] = None,
@@ -87,9 +87,11 @@ def run(
         bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
     ] = False,
     seeds: Annotated[
-        str | None,
-        typer.Option(
-            metavar="N", help="Number of random sets of each size; by default 3, or 1 with --quick."
+        int | None,
+        options.option(
+            "N",
+            "Number of random sets of each size; by default 3, or 1 with --quick.",
+            options.whole(1),
         ),
     ] = None,
     table: Annotated[
@@ -97,15 +99,16 @@ def run(
         typer.Option(help="5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
     ] = "both",
     sizes: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--n", metavar="N", help="Number of points, instead of the paper's; repeatable."
+        list[int] | None,
+        options.option(
+            "N",
+            "Number of points, instead of the paper's; repeatable.",
+            options.whole(3),
+            name="--n",
         ),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
-    machine: Annotated[
-        str | None, typer.Option(metavar="TEXT", help="Description of the machine.")
-    ] = None,
+    machine: Annotated[str | None, options.option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
     from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without
@@ -113,13 +116,11 @@ def run(
     if figures:
         _check_drawing()
     out = out or Path("out/paper-quick" if quick else "out/paper")
-    counts = tuple(options.parse_count("--n", size, 3) for size in sizes or ())
-    sets = None if seeds is None else options.parse_count("--seeds", seeds, 1)
-    choice = _Choice(quick, sets, table, counts, machine)
+    choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
     results = Results(out, settings)
-    with standard_streams.dispensable_stdout():
+    with outputs.dispensable_stdout():
         _measure(results, settings.trials(choice.tables))
         _finish(out, results, settings, choice, figures=figures)
 
@@ -137,8 +138,11 @@ def _check_drawing() -> None:
 
 def _measure(results: Results, trials: Sequence[Trial]) -> None:
     """Measure the missing sets of points; write each to disk before the next."""
-    from liftmesh.paper.estimate import calibrate  # noqa: PLC0415 - help and --version do without
-    from liftmesh.paper.experiments import measure, warm_up  # noqa: PLC0415 - as above
+    from liftmesh.paper.experiments import (  # noqa: PLC0415 - as above
+        calibrate,
+        measure,
+        warm_up,
+    )
 
     missing = [trial for trial in trials if trial not in results.done]
     _print_state(results, len(trials), len(missing))

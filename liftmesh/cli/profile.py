@@ -3,27 +3,13 @@
 from __future__ import annotations
 
 import math
-import sys
-from contextlib import redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import shown
-from liftmesh.cli import (
-    files,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    second_tables,
-    shapes,
-    standard_streams,
-    surfaces,
-    terminal,
-)
-from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.base.options import counted
+from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -42,13 +28,12 @@ EXAMPLES = [
     "liftmesh profile survey.csv draped.gpkg --along roads.gpkg --max-edge 20",
 ]
 
-
 _ROUNDING = 1e-9  # of the length
 
+Corners: TypeAlias = Annotated[places.Places, places.group("along")]
 
-@overwriting.guards("target")
-@second_tables.with_options("along", "corners_table")
-@with_reading
+
+@outputs.guards("target")
 def run(
     source: surfaces.Source,
     target: Annotated[
@@ -59,44 +44,43 @@ def run(
     ],
     along: Annotated[
         list[str],
-        typer.Option(
-            metavar="FILE|X,Y",
-            help="Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
+        options.option(
+            "FILE|X,Y",
+            "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",
         ),
     ],
-    corners_table: Any = None,
-    target_format: Annotated[
-        str | None,
-        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-    ] = None,
-    reading: Any = None,
+    *,
+    corners_table: Corners,
+    target_format: options.TargetFormat = None,
+    reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface and lines, drape them over it, write them, and say what was found."""
     corners = _corners(along)
     path = None if corners else Path(along[0])
     if json:
-        standard_streams.check_stdout()
-    is_shapes = target_format is None and target.suffix.lower() in shapes.SHAPES
+        outputs.check_stdout()
+    is_shapes = target_format is None and target.suffix.lower() in places.SHAPES
     if is_shapes:
         _check_shapes(target)
     else:
-        files.check_target(target, target_format)
-    surface = reading.surface(source)
-    lines = [corners] if path is None else _lines(path, corners_table, source, surface, reading)
-    with terminal.stage(f"draping {len(lines):,} line{'' if len(lines) == 1 else 's'}"):
-        found = _draped(surface, lines, along)
+        outputs.check_target(target, target_format)
+    surface = surfaces.read(source, reading)
+    max_bytes = reading.rows.get("max_bytes")
+    lines: list[Any] = [corners]
+    if path is not None:
+        lines = _lines(path, corners_table, source, surface, max_bytes)
+    with terminal.stage(f"draping {counted(len(lines), 'line')}"):
+        draped = _draped(surface, lines, along)
     if is_shapes:
         with terminal.stage(f"writing {target.name}"):
-            written: Path | None = found.save(target)
+            written: Path | None = draped.save(target)
     else:
-        name = outputs.write(target, found.as_cloud(), target_format).path
+        name = outputs.write(target, draped.as_cloud(), target_format).path
         written = None if name is None else Path(name)
-    is_stdout = files.is_stream(target)
-    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(written):
-        _say(written, found, lines, surface, as_json=json)
+    with outputs.report_after(target):
+        _say(written, draped, lines, surface, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -127,24 +111,20 @@ def _check_shapes(target: Path) -> None:
         from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
 
         load("geopandas", extra="shapes")
-    files.check_place(target)
+    outputs.check_place(target)
 
 
-def _lines(path: Path, table: Any, source: Path, surface: Surface, reading: Any) -> list[Any]:
+def _lines(
+    path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
+) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
     from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
 
-    if table.file_format is None and not shapes.is_cloud(path):
-        return list(lines_of(path, plane_system(surface)))
-    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
-
-    cloud = table.read(path, reading.max_bytes)
     crs = plane_system(surface)
-    if are_different(crs, cloud.crs):
-        raise InputError(
-            f"{path} is in {shown(cloud.crs)}, {source} in {shown(crs)}: transform the points first"
-        )
+    if table.are_shapes(path):
+        return list(lines_of(path, crs))
+    cloud = table.read(path, source, crs, max_bytes)
     if len(cloud) < 2:
         raise InputError(f"{path} holds {len(cloud)} of the two corners that a line has at least")
     return [cloud.points[:, :2]]
@@ -167,20 +147,20 @@ def _length(lines: list[Any]) -> float:
 
 
 def _say(
-    path: Path | None, found: Draped, given: list[Any], surface: Surface, *, as_json: bool
+    path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
     from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
 
     plane, upright = unit_names(surface)
-    length, heights = float(found.lengths.sum()), found.points[:, 2]
+    length, heights = float(draped.lengths.sum()), draped.points[:, 2]
     lines, whole = len(given), _length(given)
     if as_json:
         terminal.as_json(
             {
                 "path": str(path or "-"),
                 "lines": lines,
-                "parts": len(found.lines),
+                "parts": len(draped.lines),
                 "points": len(heights),
                 "length": length,
                 "length_of_lines": whole,
@@ -188,15 +168,15 @@ def _say(
                 "highest": float(heights.max()),
                 "unit": plane,
                 "height_unit": upright,
-                **lidar.provenance(surface),
+                **notes.provenance(surface),
             }
         )
         return
     if whole - length > _ROUNDING * whole:
         terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
     terminal.sentence(
-        f"{path or 'stdout'}: {len(heights):,} points in {len(found.lines):,} part"
-        f"{'' if len(found.lines) == 1 else 's'} of {lines:,} line{'' if lines == 1 else 's'}, "
+        f"{path or 'stdout'}: {len(heights):,} points in {counted(len(draped.lines), 'part')} of "
+        f"{counted(lines, 'line')}, "
         f"{length:,.10g} {plane or '(unit unknown)'} long, heights from {heights.min():.10g} to "
         f"{heights.max():.10g} {upright or '(unit unknown)'}",
         "good",

@@ -3,28 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from liftmesh.base.options import RasterQuantity, SampleMethod, shown
-from liftmesh.cli import (
-    files,
-    lidar,
-    options,
-    overwriting,
-    standard_streams,
-    surfaces,
-    terminal,
-)
-from liftmesh.cli.reading import with_options as with_reading
-from liftmesh.cli.tiled_surfaces import opened
-from liftmesh.cli.trimming import trimmed
-from liftmesh.cli.values import checked
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.errors import InputError
-
-if TYPE_CHECKING:
-    from liftmesh.tiles.tiled_surface import TiledSurface
 
 _ANGLES = ("slope", "hillshade")
 
@@ -41,86 +26,84 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@with_reading
+@outputs.guards("target")
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[
-        str, typer.Option(metavar="SIZE", help="Width and height of a pixel, or X,Y.")
+        Any,
+        options.option("SIZE", "Width and height of a pixel, or X,Y.", options.numbers),
     ],
     bounds: Annotated[
-        str | None,
-        typer.Option(metavar="X0,Y0,X1,Y1", help="What to cover, by default the surface."),
+        Any,
+        options.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", options.numbers),
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
     ] = "height",
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     z_factor: Annotated[
-        str | None,
-        typer.Option(
-            "--z-factor",
-            metavar="FACTOR",
-            help="Multiply heights by this before slopes and shades are computed; by default they "
+        float | None,
+        options.option(
+            "FACTOR",
+            "Multiply heights by this before slopes and shades are computed; by default they "
             "get the unit of x and y, if the coordinate system says all three.",
+            options.positive,
         ),
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[
-        str, typer.Option(metavar="METHOD", help="deflate, lzw, zstd or none.")
-    ] = "deflate",
+    compress: Annotated[str, options.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
     crs: Annotated[
         str | None,
-        typer.Option(metavar="CRS", help="Coordinate system, as EPSG:25832; IN states no other."),
+        options.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
     ] = None,
-    reading: Any = None,
+    *,
+    reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - help and --version do without
+    import numpy as np  # noqa: PLC0415 - help and --version do without
 
-    standard_streams.check_stdout()
+    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - as above
+
+    outputs.check_stdout()
     check_name(target)
-    steps = _numbers("--resolution", resolution)
-    factor = surfaces.parse_number("--z-factor", z_factor, positive=True)
-    covered = None if bounds is None else _numbers("--bounds", bounds)
+    steps = resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
-    _check(steps, covered, quantity, method, crs, packing)
-    files.check_place(target)
+    _check(steps, bounds, quantity, method, crs, packing)
+    outputs.check_place(target)
+    wanted = {"bounds": bounds, "quantity": quantity, "method": method, "z_factor": z_factor}
+    wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
-        tiled = opened(source, reading, crs=crs)
+        tiled = surfaces.open_tiles(source, reading, crs=crs)
         if quantity in _ANGLES:
-            surfaces.note_units(source, tiled, factor)
-        values: dict[str, Any] = {"quantity": quantity, "z_factor": factor, "bounds": covered}
-        values |= {"method": method, "cog": cog}
-        values |= {"dtype": "float64" if double else "float32", "compress": packing}
-        values |= {"threads": reading.threads}
-        _write(tiled, target, steps if len(steps) > 1 else steps[0], values, as_json=json)
+            surfaces.note_units(source, tiled, z_factor)
+        with terminal.share_bar(f"writing {target.name}") as progress:
+            path = tiled.save_raster(
+                target, steps, cog=cog, compress=packing, progress=progress, **wanted
+            )
+        with load("rasterio", extra="terrain").open(path) as file:
+            _say(path, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
-    surface = reading.untrimmed(source)
+    surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
-    surface = trimmed(surface, reading.trimming)
+    surface = surfaces.trimmed(surface, reading.trimming)
     if quantity in _ANGLES:
-        surfaces.note_units(source, surface, factor)
+        surfaces.note_units(source, surface, z_factor)
     with terminal.stage("scanning faces"):
-        found = surface.raster(
-            steps if len(steps) > 1 else steps[0],
-            bounds=covered,
-            quantity=quantity,
-            method=method,
-            z_factor=factor,
-            dtype="float64" if double else "float32",
-            threads=reading.threads,
-        )
+        raster = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        path = found.save(target, cog=cog, compress=packing)
-    _say(path, found, lidar.provenance(surface), as_json=json)
+        path = raster.save(target, cog=cog, compress=packing)
+    known = int(np.count_nonzero(~np.isnan(raster.values)))
+    counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
+    place = raster.transform, raster.crs
+    _say(path, quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
-    steps: list[float],
+    steps: float | list[float],
     bounds: list[float] | None,
     quantity: RasterQuantity,
     method: SampleMethod,
@@ -132,37 +115,12 @@ def _check(
     from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
     from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
 
-    with checked():
-        steps_of(steps if len(steps) > 1 else steps[0])
+    with options.as_usage():
+        steps_of(steps)
         if bounds is not None:
             bounds_of(bounds)
         check_method(quantity, method)
-        writer.checked(crs, compress)
-
-
-def _write(
-    tiled: TiledSurface, target: Path, steps: Any, values: dict[str, Any], *, as_json: bool
-) -> None:
-    """Write the raster of a folder window by window, and say how large it is."""
-    with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"writing {target.name}", share - shown[0])
-            shown[0] = share
-
-        path = tiled.save_raster(target, steps, progress=progress, **values)
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
-
-    with load("rasterio", extra="terrain").open(path) as file:
-        rows_, columns, transform = file.height, file.width, list(file.transform)[:6]
-    if as_json:
-        place = {"transform": transform, "crs": tiled.crs}
-        counts = {"rows": rows_, "columns": columns}
-        told = {"path": str(path), "quantity": values["quantity"], **counts, **place}
-        terminal.as_json(told)
-        return
-    terminal.sentence(f"{path}: {columns:,} x {rows_:,} pixels of {values['quantity']}", "good")
+        writer.validate_geotiff_options(crs, compress)
 
 
 def _system(source: Path, stated: str | None, given: str) -> str:
@@ -174,23 +132,21 @@ def _system(source: Path, stated: str | None, given: str) -> str:
     return given
 
 
-def _numbers(option: str, text: str) -> list[float]:
-    """Parse finite numbers separated by commas."""
-    found = [surfaces.parse_number(option, word) for word in text.split(",")]
-    return [number for number in found if number is not None]
-
-
-def _say(path: Path, found: Any, rows_of: dict[str, Any], *, as_json: bool) -> None:
-    import numpy as np  # noqa: PLC0415 - help and --version do without
-
-    rows_, columns = found.values.shape
-    known = int(np.count_nonzero(~np.isnan(found.values)))
+def _say(
+    path: Path,
+    quantity: str,
+    shape: tuple[int, int],
+    place: tuple[Any, str | None],
+    counts: dict[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """Say how large a raster is, and how many pixels have a value, if they were counted."""
+    (rows, columns), (transform, crs) = shape, place
     if as_json:
-        place = {"transform": list(found.transform), "crs": found.crs}
-        counts = {"rows": rows_, "columns": columns, "known": known, "unit": found.unit, **rows_of}
-        terminal.as_json({"path": str(path), "quantity": found.quantity, **counts, **place})
+        size = {"rows": rows, "columns": columns}
+        there = {"transform": list(transform)[:6], "crs": crs}
+        terminal.as_json({"path": str(path), "quantity": quantity, **size, **counts, **there})
         return
-    terminal.sentence(
-        f"{path}: {columns:,} x {rows_:,} pixels of {found.quantity}, {known:,} with a value",
-        "good",
-    )
+    known = f", {counts['known']:,} with a value" if counts else ""
+    terminal.sentence(f"{path}: {columns:,} x {rows:,} pixels of {quantity}{known}", "good")

@@ -3,30 +3,14 @@
 from __future__ import annotations
 
 import re
-import sys
-from contextlib import redirect_stdout
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import SampleMethod, shown
-from liftmesh.cli import (
-    files,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    rows,
-    second_tables,
-    shapes,
-    standard_streams,
-    surfaces,
-    tables,
-    terminal,
-)
-from liftmesh.cli.trimming import trimmed, with_options as with_trimming
-from liftmesh.errors import InputError
+from liftmesh.base.options import SampleMethod
+from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import is_stream
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -46,89 +30,63 @@ EXAMPLES = [
 _CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
+Points: TypeAlias = Annotated[places.Places, places.group("at")]
 
-@overwriting.guards("target")
-@second_tables.with_options("at", "points")
-@tables.with_options
-@rows.with_options
-@with_trimming
+
+@outputs.guards("target")
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
         Path,
-        typer.Option(
-            metavar="FILE", help="Points x, y: a cloud of any format, GeoJSON or GeoPackage."
-        ),
+        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
     ],
-    points: Any = None,
+    *,
+    points: Points,
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
-    target_format: Annotated[
-        str | None,
-        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-    ] = None,
-    trimming: Any = None,
+    target_format: options.TargetFormat = None,
+    trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: Any = None,
-    selection: Any = None,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a surface and points, write the points with heights, and say how many have one."""
     if json:
-        standard_streams.check_stdout()
-    count, limit = options.parse_threads(threads), options.parse_size(max_bytes)
-    files.check_target(target, target_format)
-    surface = surfaces.read(
-        source,
-        source_format,
-        "xy",
-        nonfinite=nonfinite,
-        threads=count,
-        max_bytes=limit,
-        table=table,
-        selection=selection,
-    )
-    surface = trimmed(surface, trimming)
-    asked = _asked(at, points, source, surface.crs, limit)
+        outputs.check_stdout()
+    outputs.check_target(target, target_format)
+    rows = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
+    surface = surfaces.read(source, reading)
+    asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        found, known = _sampled(surface, asked, method, count)
-    path = _write(target, found, target_format)
-    place = redirect_stdout(sys.stderr) if path is None else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(path):
+        sampled, known = _sampled(surface, asked, method, threads)
+    path = _write(target, sampled, target_format)
+    with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
-            counts |= lidar.provenance(surface)
+            counts |= notes.provenance(surface)
             terminal.as_json({"path": str(path or "-"), "method": method, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
 
 
-def _asked(at: Path, points: Any, source: Path, own: str | None, limit: int | None) -> Cloud:
+def _asked(
+    at: Path, points: places.Places, source: Path, own: str | None, max_bytes: int | None
+) -> Cloud:
     """Read the points, which have to be in the system of the surface."""
-    if points.file_format is not None or files.is_stream(at) or shapes.is_cloud(at):
-        asked: Cloud = points.read(at, limit, flat=None)
-        _check_systems(source, own, at, asked.crs)
-        return asked
+    if is_stream(at) or not points.are_shapes(at):
+        return points.read(at, source, own, max_bytes, flat=None)
     from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
 
     with terminal.stage(f"reading {at.name}"):
         asked = points_of(at, own)
-    if not_read := files.parts_not_read(asked):
-        terminal.note(f"{at}: not read: {files.listed(not_read)}")
+    if not_read := notes.parts_not_read(asked):
+        terminal.note(f"{at}: not read: {notes.listed(not_read)}")
     return asked
-
-
-def _check_systems(source: Path, own: str | None, at: Path, given: str | None) -> None:
-    """Raise if the points are in another system than the surface."""
-    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - help and --version do without
-
-    if are_different(own, given):
-        raise InputError(
-            f"{at} is in {shown(given)}, {source} in {shown(own)}: transform the points first"
-        )
 
 
 def _sampled(
@@ -142,10 +100,10 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    values = {**own, **asked.attributes}
+    attributes = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=values, faces=None, crs=crs)
-    return found, int(np.count_nonzero(np.isfinite(heights)))
+    sampled = replace(asked, points=points, attributes=attributes, faces=None, crs=crs)
+    return sampled, int(np.count_nonzero(np.isfinite(heights)))
 
 
 class _EmptyFields:
@@ -170,17 +128,13 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import atomic, write  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
     from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:
         written = outputs.write(target, found, file_format).path
         return None if written is None else Path(written)
-    if files.is_stream(target):
-        with outputs.stdout_of_bytes() as stream:
-            write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-        return None
-    with terminal.stage(f"writing {target.name}"), atomic.replacing(target) as stream:
+    with outputs.opened(target) as stream:
         write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-    return target
+    return None if is_stream(target) else target

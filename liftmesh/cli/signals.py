@@ -1,28 +1,39 @@
-"""SIGINT (Ctrl-C) and SIGTERM: the first one ends a command, whatever the command does with it.
+"""How the process of a command ends: its signals, and its standard streams.
 
+*Signals.* The first SIGINT (Ctrl-C) or SIGTERM ends a command, whatever the command does with it.
 The handler states which signal came first and raises an exception in the main thread, so that what
 was begun is cleaned up. Code may catch it; so the statement holds by itself: from then on no file
 is put in place (`base.interruption.check`), and the exit code is that of the signal. A signal that
 is ignored when the process starts, as SIGINT is after nohup, stays ignored.
 
-While one long call of compiled code runs, Python calls no handler: `liftmesh.cli.watchdog` ends
-the process then.
+*The watchdog.* Python calls the handlers of signals in the main thread, between two instructions,
+so not while one long call of compiled code runs there. But it writes the number of each signal to a
+pipe at once (`signal.set_wakeup_fd`). A second thread reads the pipe. It ends the process if the
+main thread has not done so 0.3 s after the first signal, or at the second signal. This thread needs
+the interpreter, too: code that holds it for longer delays the end.
+
+*Closed streams*, as by ``>&-`` in a shell. The next file to be opened would get the number of a
+closed stream, and what other code prints would end up in it. So the null device is opened under
+each such number. Python's own stream is None then; `Closed` takes its place and says so where it is
+used. What is printed on a closed stderr is dropped, since there is nobody left to tell.
 """
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import select
 import signal
 import sys
 import threading
+import time
 from contextlib import suppress
 from types import FrameType
-from typing import Any
+from typing import Any, NoReturn, TextIO
 
 from liftmesh.base import interruption
 from liftmesh.cli import exit_codes
-from liftmesh.cli.standard_streams import discard_stdout
 
 CODES: dict[int, int] = {
     signal.SIGINT: exit_codes.INTERRUPTED,
@@ -30,6 +41,10 @@ CODES: dict[int, int] = {
 }
 _MESSAGES: dict[int, str] = {signal.SIGINT: "interrupted", signal.SIGTERM: "terminated by SIGTERM"}
 _DEFAULTS = (signal.SIG_DFL, signal.default_int_handler)
+GRACE = 0.3  # seconds from the first signal to the end
+_OVER = 0  # no signal has this number
+_STACK = 256 * 1024  # bytes; the usual 8 MB matter where memory is limited
+_STREAMS = ("stdin", "stdout", "stderr")
 _CLEAN_LINE = "\r\x1b[2K\x1b[?25h"  # on a terminal: no spinner, and a cursor again
 
 
@@ -112,3 +127,129 @@ def _write_now(line: str) -> None:
     with suppress(OSError, ValueError):  # closed
         if select.select([], [2], [], 0.1)[1]:  # a full pipe must not hold up the end
             os.write(2, f"{_CLEAN_LINE if os.isatty(2) else ''}{line}".encode())
+
+
+class Watchdog:
+    """Ends this process soon after the first signal, and at once after the second."""
+
+    def __init__(self, ending: Ending) -> None:
+        self._ending = ending
+        self._pipe = (-1, -1)
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+
+    def start(self) -> None:
+        """Listen, if the process may have another thread, and a pipe."""
+        usual = threading.stack_size(_STACK)
+        with suppress(OSError, RuntimeError, MemoryError):
+            self._pipe = _spare_pipe()
+            os.set_blocking(self._pipe[1], False)
+            self._thread.start()
+            signal.set_wakeup_fd(self._pipe[1], warn_on_full_buffer=False)
+            os.register_at_fork(after_in_child=_forget)
+        threading.stack_size(usual)
+
+    def stop(self) -> None:
+        """Let the process go on to its end."""
+        if self._thread.is_alive():
+            signal.set_wakeup_fd(-1)
+            os.write(self._pipe[1], bytes([_OVER]))
+            self._thread.join()
+
+    def _watch(self) -> None:
+        reader, _ = self._pipe
+        first = _next(reader)
+        if first and _next(reader, time.monotonic() + GRACE) != _OVER:
+            self.end(self._ending.tell(first))
+
+    def end(self, code: int) -> None:
+        """End the process at once, after a signal."""
+        atomic = sys.modules.get("liftmesh.io.atomic")  # no import: the main thread may be in one
+        if atomic is not None:
+            atomic.remove_unfinished()
+        os._exit(code)
+
+
+def _spare_pipe() -> tuple[int, int]:
+    """Open a pipe, if the process may open another file besides: the command has to."""
+    pipe = os.pipe()
+    try:
+        os.close(os.dup(pipe[0]))
+    except OSError:
+        for end in pipe:
+            os.close(end)
+        raise
+    return pipe
+
+
+def _next(reader: int, end: float | None = None) -> int | None:
+    """Wait for a signal and return it; `_OVER` if the command is over, None if it is late."""
+    while True:
+        left = None if end is None else max(0.0, end - time.monotonic())
+        if not select.select([reader], [], [], left)[0]:
+            return None
+        (number,) = os.read(reader, 1)
+        if number == _OVER or number in CODES:
+            return number
+
+
+def _forget() -> None:
+    """In a forked process, do not report signals: the pipe is that of its parent."""
+    if threading.current_thread() is threading.main_thread():
+        signal.set_wakeup_fd(-1)
+
+
+class Closed(io.TextIOBase):
+    """Stands for a closed stream."""
+
+    def __init__(self, stream: str) -> None:
+        self._stream = stream
+
+    @property
+    def buffer(self) -> Any:
+        """The stream of bytes, which is closed too."""
+        self._refuse()
+
+    def write(self, _text: str, /) -> NoReturn:
+        """Say that the stream is closed."""
+        self._refuse()
+
+    def fileno(self) -> NoReturn:
+        """Say that the stream is closed."""
+        self._refuse()
+
+    def _refuse(self) -> NoReturn:
+        way = "reads from" if self._stream == "stdin" else "writes to"
+        reason = f"closed, but this command {way} it: redirect it, or leave it open"
+        raise OSError(errno.EBADF, reason, self._stream)
+
+
+def open_closed() -> None:
+    """Open the null device for each closed stream; let the others print whatever there is."""
+    for number, name in enumerate(_STREAMS):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest free number, which is this one
+        if getattr(sys, name) is None:
+            setattr(sys, name, Closed(name) if number < 2 else os.fdopen(2, "w", closefd=False))
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):  # names of files are any bytes, in any encoding
+            stream.reconfigure(errors="backslashreplace")
+
+
+def discard_stdout() -> None:
+    """Redirect stdout to the null device, so that Python closes it without an error at exit."""
+    _discard(sys.stdout)
+
+
+def discard_unprinted_errors() -> None:
+    """Redirect stderr likewise if it cannot be written to: Python would exit with another code."""
+    try:
+        sys.stderr.flush()
+    except OSError:
+        _discard(sys.stderr)
+
+
+def _discard(stream: TextIO) -> None:
+    with suppress(OSError, ValueError):  # no file, or closed
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())

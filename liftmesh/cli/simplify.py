@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-import sys
-from contextlib import redirect_stdout
-from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import Duplicates
-from liftmesh.cli import (
-    files,
-    inputs,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    rows,
-    standard_streams,
-    tables,
-    terminal,
-)
-from liftmesh.cli.triangulate import bar_steps
+from liftmesh.cli import inputs, notes, options, outputs, terminal
 
 if TYPE_CHECKING:
     from liftmesh.io.write import Written
@@ -44,10 +28,7 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@tables.with_options
-@rows.with_options
-@outputs.with_options
+@outputs.guards("target")
 def run(
     sources: Annotated[
         list[Path],
@@ -55,91 +36,75 @@ def run(
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
-        str | None,
-        typer.Option(
-            metavar="Z", help="The largest distance along z, in the units of the heights."
+        float | None,
+        options.option(
+            "Z", "The largest distance along z, in the units of the heights.", options.distance
         ),
     ] = None,
     tolerance: Annotated[
-        str | None, typer.Option(metavar="Z", help="Another name of --max-error.")
+        float | None,
+        options.option("Z", "Another name of --max-error.", options.distance),
     ] = None,
     max_points: Annotated[
-        str | None, typer.Option(metavar="N", help="The most vertices of the mesh.")
+        int | None,
+        options.option("N", "The most vertices of the mesh.", options.whole(3)),
     ] = None,
     prune: Annotated[
         bool,
         typer.Option("--prune/--no-prune", help="Remove vertices that the distance does not need."),
     ] = True,
     plane: options.Plane = "xy",
-    duplicates: Annotated[
-        Duplicates,
-        typer.Option(help="Which of several rows at one planar position is used as the vertex."),
-    ] = "first",
+    duplicates: options.Duplicates = "first",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
-    table: Any = None,
-    selection: Any = None,
+    *,
+    table: inputs.Table,
+    selection: inputs.Selection,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
-    writing: Any = None,
+    writing: outputs.Writing,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
-    frame, limits = options.parse_plane(plane), _limits(max_error, tolerance, max_points)
-    if json:
-        standard_streams.check_stdout()
-    depth, limit = options.parse_color_depth(color_depth), options.parse_size(max_bytes)
-    inputs.check_once(sources)
-    files.check_target(target, target_format)
-    outputs.check_options(target, target_format, writing)
-    start = perf_counter()
-    read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
-    with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud, writing)
-        import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh  # noqa: PLC0415 - help and --version do without
 
-        with terminal.bar(1.0, len(cloud)) as bar, files.without_warnings():
+    limits = _limits(max_error, tolerance, max_points)
+    if json:
+        outputs.check_stdout()
+    inputs.check_once(sources)
+    outputs.check_target(target, target_format, writing)
+    start = perf_counter()
+    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    cloud = inputs.read_rows(sources, reading | {"color_depth": color_depth})
+    text = f"simplifying {len(cloud):,} rows"
+    with inputs.about_rows(sources, cloud):
+        outputs.check_content(target, target_format, cloud, writing)
+        with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
             surface = liftmesh.simplify(
                 cloud,
                 **limits,
                 prune=prune,
-                plane=frame,
+                plane=plane.value,
                 duplicates=duplicates,
                 nonfinite=nonfinite,
-                progress=bar_steps(bar, f"simplifying {len(cloud):,} rows"),
+                progress=progress,
             )
     written = outputs.write(target, surface, target_format, writing)
-    place = (
-        redirect_stdout(sys.stderr)
-        if files.is_stream(target)
-        else standard_streams.dispensable_stdout()
-    )
-    with place, standard_streams.after_writing(written.path):
+    with outputs.report_after(target):
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 
-def _limits(max_error: str | None, tolerance: str | None, max_points: str | None) -> dict[str, Any]:
-    """Convert the options, of which there must be one."""
+def _limits(
+    max_error: float | None, tolerance: float | None, max_points: int | None
+) -> dict[str, Any]:
+    """Return the options of which there must be one."""
     if max_error is not None and tolerance is not None:
         raise typer.BadParameter("--max-error and --tolerance are the same: give one")
-    option = "--max-error" if tolerance is None else "--tolerance"
-    max_error = max_error if tolerance is None else tolerance
-    if max_error is None and max_points is None:
+    error = tolerance if max_error is None else max_error
+    if error is None and max_points is None:
         raise typer.BadParameter("give --max-error or --max-points")
-    found: dict[str, Any] = {}
-    if max_points is not None:
-        found["max_points"] = options.parse_count("--max-points", max_points, 3)
-    if max_error is None:
-        return found
-    try:
-        value = float(max_error)
-    except ValueError:
-        value = -1.0
-    if not 0 <= value < float("inf"):
-        raise typer.BadParameter(f"{option} {max_error!r} is not a distance: 0, or more")
-    return found | {"max_error": value}
+    return options.given(max_points=max_points, max_error=error)
 
 
 def _print_report(written: Written, surface: Surface, seconds: float, *, as_json: bool) -> None:
@@ -148,12 +113,12 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
         cloud = surface.to_cloud()
         terminal.as_json(
             {
-                **outputs.values(written),
+                **outputs.as_values(written),
                 "triangles": len(surface.faces),
                 **told,
-                "notes": list(files.notes(cloud)),
-                "selection": files.counts_of(cloud),
-                **lidar.provenance(surface),
+                "notes": list(notes.notes(cloud)),
+                "selection": notes.counts_of(cloud),
+                **notes.provenance(surface),
                 "seconds": seconds,
             }
         )

@@ -8,17 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import Pinched
-from liftmesh.cli import (
-    files,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    standard_streams,
-    surfaces,
-    terminal,
-)
-from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -37,101 +27,94 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@with_reading
-@outputs.with_options
+@outputs.guards("target")
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
     base: Annotated[
-        str | None, typer.Option(metavar="HEIGHT", help="The height of a flat base.")
+        float | None,
+        options.option("HEIGHT", "The height of a flat base.", options.number),
     ] = None,
     thickness: Annotated[
-        str | None,
-        typer.Option(metavar="HEIGHT", help="The base is the surface itself, so much lower."),
+        float | None,
+        options.option(
+            "HEIGHT", "The base is the surface itself, so much lower.", options.positive
+        ),
     ] = None,
     longest: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MM", help="Scale the longer of width and depth to so many millimetres."
+        float | None,
+        options.option(
+            "MM", "Scale the longer of width and depth to so many millimetres.", options.positive
         ),
     ] = None,
     z_factor: Annotated[
-        str | None,
-        typer.Option(
-            "--z-factor", metavar="FACTOR", help="With --longest: multiply heights by this."
-        ),
+        float | None,
+        options.option("FACTOR", "With --longest: multiply heights by this.", options.positive),
     ] = None,
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
     ] = "error",
-    target_format: Annotated[
-        str | None,
-        typer.Option("--format", metavar="FORMAT", help="Format of OUT, instead of its suffix."),
-    ] = None,
-    reading: Any = None,
-    writing: Any = None,
+    target_format: options.TargetFormat = None,
+    *,
+    reading: surfaces.Reading,
+    writing: outputs.Writing,
     json: options.Json = False,
 ) -> None:
     """Read a surface, close it, write the solid, and say how large it is."""
-    standard_streams.check_stdout()
+    outputs.check_stdout()
     if (base is None) == (thickness is None):
         raise typer.BadParameter("give either --base or --thickness")
     if longest is None and z_factor is not None:
         raise typer.BadParameter("--z-factor needs --longest")
-    lengths = {"thickness": thickness, "longest": longest, "z_factor": z_factor}
-    wanted = {
-        name: surfaces.parse_number(f"--{name.replace('_', '-')}", text, positive=True)
-        for name, text in lengths.items()
-    } | {"base": surfaces.parse_number("--base", base)}
-    files.check_target(target, target_format)
-    outputs.check_options(target, target_format, writing)
-    surface = reading.surface(source)
-    if wanted["longest"] is not None:
-        surfaces.note_units(source, surface, wanted["z_factor"])
+    outputs.check_target(target, target_format, writing)
+    surface = surfaces.read(source, reading)
+    if longest is not None:
+        surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
-        found = surface.solid(**wanted, pinched=pinched)
-    written = outputs.write(target, found, target_format, writing)
-    _say(written, found, _left_out(surface, found), lidar.provenance(surface), as_json=json)
+        solid = surface.solid(
+            base=base, thickness=thickness, longest=longest, z_factor=z_factor, pinched=pinched
+        )
+    written = outputs.write(target, solid, target_format, writing)
+    _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
 
 
-def _left_out(surface: Surface, found: Cloud) -> list[str]:
+def _left_out(surface: Surface, solid: Cloud) -> list[str]:
     """Name what a surface has, and no solid of it."""
     values: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
-    if found.crs is None:
+    if solid.crs is None:
         values["crs"] = surface.crs  # of a solid that is scaled
     return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
 
 
 def _say(
     written: Written,
-    found: Cloud,
+    solid: Cloud,
     left_out: list[str],
     rows_of: dict[str, Any],
     *,
     as_json: bool,
 ) -> None:
-    faces = 0 if found.faces is None else len(found.faces)
-    size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
+    faces = 0 if solid.faces is None else len(solid.faces)
+    size = (solid.points.max(axis=0) - solid.points.min(axis=0)).tolist()
     if as_json:
-        volume = {"triangles": faces, "volume": _volume(found), "size": size}
+        volume = {"triangles": faces, "volume": _volume(solid), "size": size}
         volume |= rows_of
         dropped = {"dropped": [*left_out, *written.dropped]}
-        terminal.as_json({**outputs.values(written), **dropped, **volume})
+        terminal.as_json({**outputs.as_values(written), **dropped, **volume})
         return
     width, depth, height = (f"{each:.6g}" for each in size)
-    measures = f"volume {_volume(found):,.10g}, size {width} x {depth} x {height}"
+    measures = f"volume {_volume(solid):,.10g}, size {width} x {depth} x {height}"
     content = f"{faces:,} triangles, {measures}"
-    lost = f"; a solid does not keep {files.listed(left_out)}" if left_out else ""
+    lost = f"; a solid does not keep {notes.listed(left_out)}" if left_out else ""
     terminal.sentence(outputs.headline(written, content) + lost, "good")
 
 
-def _volume(found: Cloud) -> float:
+def _volume(solid: Cloud) -> float:
     """Return the volume inside the faces: a sixth of the determinants of their corners."""
     import math  # noqa: PLC0415 - help and --version do without
 
     import numpy as np  # noqa: PLC0415 - as above
 
-    corners = (found.points - found.points.min(axis=0))[found.faces]
+    corners = (solid.points - solid.points.min(axis=0))[solid.faces]
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     return math.fsum(parts.tolist()) / 6

@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.cli.files import notes, parts_not_read
-from liftmesh.cli.lidar import counted
+from liftmesh.cli.notes import lidar_counts, notes, parts_not_read
 from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
-from liftmesh.planar.positions import find_positions, pieces
+from liftmesh.planar.points import find_positions, pieces
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -82,7 +81,7 @@ def summarise(cloud: Cloud) -> Summary:
         not_read=parts_not_read(cloud),
         columns=found_columns(cloud.metadata),
         notes=notes(cloud),
-        lidar=counted(cloud),
+        lidar=lidar_counts(cloud),
         raster=_raster(cloud),
         minimum=minimum,
         maximum=maximum,
@@ -97,8 +96,8 @@ def summarise(cloud: Cloud) -> Summary:
 
 
 def _raster(cloud: Cloud) -> dict[str, Any]:
-    found = cloud.metadata.get("raster")
-    return dict(found) if isinstance(found, Mapping) and "transform" in found else {}
+    raster = cloud.metadata.get("raster")
+    return dict(raster) if isinstance(raster, Mapping) and "transform" in raster else {}
 
 
 def _units(cloud: Cloud) -> tuple[str | None, ...]:

@@ -1,15 +1,16 @@
-"""What the commands about surfaces share: reading one, and numbers."""
+"""Surfaces that commands read: options of reading and trimming, and what is said of them."""
 
 from __future__ import annotations
 
-from functools import partial
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
 from liftmesh.base.options import NonFinite, counted
-from liftmesh.cli import files, inputs, terminal
+from liftmesh.cli import inputs, options, terminal
+from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,36 +29,122 @@ Source: TypeAlias = Annotated[
 ]
 
 
-def read(
-    source: Path,
-    file_format: str | None,
-    plane: Any,
+def _trimming(
+    max_edge: Annotated[
+        float | None,
+        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
+    ] = None,
+    boundary_only: Annotated[
+        bool,
+        typer.Option(
+            "--boundary-only",
+            help="With --max-edge: only from the boundary inwards, so that gaps stay closed.",
+        ),
+    ] = False,
+    max_radius: Annotated[
+        float | None,
+        options.option(
+            "RADIUS",
+            "Leave out faces whose circumcircle is larger: the alpha shape.",
+            options.positive,
+        ),
+    ] = None,
+    polygon: Annotated[
+        Path | None,
+        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of trimming, and return those given, as `Surface.trim` has them."""
+    if max_edge is None and boundary_only:
+        raise typer.BadParameter("--boundary-only needs --max-edge")
+    if polygon is not None:
+        polygon.open("rb").close()
+    trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
+    return trimming | options.given(polygon=polygon)
+
+
+Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
+
+
+def trimmed(surface: Surface, trimming: dict[str, Any]) -> Surface:
+    """Leave out faces as the options say."""
+    return surface.trim(**trimming) if trimming else surface
+
+
+@dataclass(frozen=True)
+class SurfaceOptions:
+    """How surfaces are read and trimmed."""
+
+    rows: dict[str, Any]  # options of `liftmesh.read`
+    plane: Any
+    nonfinite: NonFinite
+    threads: int | None
+    trimming: dict[str, Any]
+
+
+def _reading(
+    source_format: options.SourceFormat = None,
+    plane: options.Plane = "xy",
+    nonfinite: options.SkipNonFinite = "error",
     *,
-    nonfinite: NonFinite,
-    threads: int | None,
-    max_bytes: int | None,
-    table: Any,
-    selection: Any,
-) -> Surface:
-    """Read a mesh as a surface, or a cloud, which is triangulated first."""
+    trimming: Trimming,
+    threads: options.Threads = None,
+    table: inputs.Table,
+    selection: inputs.Selection,
+    max_bytes: options.MaxBytes = None,
+) -> SurfaceOptions:
+    rows = options.given(format=source_format, max_bytes=max_bytes)
+    return SurfaceOptions({**table, **selection, **rows}, plane.value, nonfinite, threads, trimming)
+
+
+Reading: TypeAlias = Annotated[SurfaceOptions, options.Group(_reading)]
+
+
+def read(source: Path, reading: SurfaceOptions) -> Surface:
+    """Read a mesh as a surface, or a cloud, which is triangulated first; trim it."""
+    return trimmed(read_whole(source, reading), reading.trimming)
+
+
+def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
+    """Read a surface without trimming it."""
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    read = partial(files.read_ground, file_format=file_format, max_bytes=max_bytes, table=table)
-    cloud = inputs.merged([source], read, selection)
-    with files.about(source), files.without_warnings():  # the notes say it
+    cloud = inputs.read_rows([source], reading.rows)
+    choices = {"plane": reading.plane, "threads": reading.threads}
+    with inputs.about(source), inputs.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
-                made = liftmesh.triangulate(
-                    cloud, plane=plane, nonfinite=nonfinite, threads=threads
-                )
+                made = liftmesh.triangulate(cloud, nonfinite=reading.nonfinite, **choices)
             _note_overhangs(source, made.report.overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
             try:
-                return liftmesh.as_surface(cloud, plane=plane, threads=threads)
+                return liftmesh.as_surface(cloud, **choices)
             except InputError as error:
                 error.args = (f"{source}: {error}", *error.args[1:])
                 raise
+
+
+def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
+    """Open a folder that ``liftmesh tile --surface`` has written."""
+    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+
+    of_files = {"format", "max_bytes"}
+    given = [*reading.trimming]
+    given += [of_reading(name) for name in reading.rows if name not in of_files]
+    given += [name for name, value in others.items() if value not in (None, False)]
+    given += ["format"] if "format" in reading.rows else []
+    given += ["nonfinite"] if reading.nonfinite != "error" else []
+    given += ["plane"] if reading.plane != "xy" else []
+    if given:
+        name = f"--{given[0].lstrip('-').replace('_', '-')}"
+        raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
+    tiled = open_tiled(source)
+    if "surface" not in tiled.manifest:
+        raise InputError(
+            f"{source} holds triangles without heights: tile the source with --surface"
+        )
+    return tiled  # type: ignore[return-value]  # the manifest says so
 
 
 def _note_overhangs(source: Path, count: int) -> None:
@@ -107,18 +194,3 @@ def note_units(source: Path, surface: Surface | TiledSurface, factor: float | No
             f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "
             "and y (--z-factor says another)"
         )
-
-
-def parse_number(option: str, text: str | None, *, positive: bool = False) -> float | None:
-    """Parse the value of an option that is a finite number."""
-    if text is None:
-        return None
-    try:
-        number = float(text)
-    except ValueError:
-        number = float("nan")
-    least = 0.0 if positive else float("-inf")
-    if not least < number < float("inf"):
-        kind = "positive number" if positive else "number"
-        raise typer.BadParameter(f"{option} {text!r} is not a {kind}")
-    return number

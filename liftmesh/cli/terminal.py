@@ -13,16 +13,18 @@ import os
 import re
 import sys
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from threading import Event, Thread
 from time import monotonic
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TextIO
 
+from liftmesh.base.options import counted
+
 if TYPE_CHECKING:
     from rich.console import Console
-    from rich.progress import ProgressColumn
+    from rich.progress import Progress, ProgressColumn
 
 FORCED = ("FORCE_COLOR", "TTY_COMPATIBLE", "TTY_INTERACTIVE", "JUPYTER_COLUMNS")
 """Variables by which rich takes what is no terminal for one."""
@@ -36,109 +38,78 @@ STYLES = {"good": "green", "bad": "bold red", "quiet": "dim", "name": "cyan", ""
 @contextmanager
 def stage(text: str) -> Iterator[None]:
     """Show a spinner with the current activity and its duration, on a terminal only."""
-    console = _console(sys.stderr)
-    if console is None:
-        yield
-        return
-    from rich.progress import (  # noqa: PLC0415 - a pipe does without
-        Progress,
-        SpinnerColumn,
-        TextColumn,
-        TimeElapsedColumn,
-    )
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
-    with Progress(*columns, console=console, transient=True) as progress:
-        progress.add_task(printable(text), total=None)
+    def columns(rich: Any) -> tuple[ProgressColumn, ...]:
+        return rich.SpinnerColumn(), _text(rich), rich.TimeElapsedColumn()
+
+    with _progress(columns) as progress:
+        if progress is not None:
+            progress.add_task(printable(text), total=None)
         yield
 
 
 @contextmanager
-def reading(text: str, progress: Callable[[], tuple[int, int] | None]) -> Iterator[None]:
+def reading(text: str, done: Callable[[], tuple[int, int] | None]) -> Iterator[None]:
     """Show how far a file is read, how fast, and the time that is left, on a terminal only."""
-    console = _console(sys.stderr)
-    if console is None:
-        yield
-        return
-    from rich.progress import (  # noqa: PLC0415 - a pipe does without
-        BarColumn,
-        TextColumn,
-        TimeRemainingColumn,
-        TransferSpeedColumn,
-    )
 
-    columns = (BarColumn(), TransferSpeedColumn(), TextColumn("left:"), TimeRemainingColumn())
-    with _watched(console, columns, text, progress):
+    def columns(rich: Any) -> tuple[ProgressColumn, ...]:
+        bar = rich.BarColumn(), rich.TransferSpeedColumn()
+        return _text(rich), *bar, rich.TextColumn("left:"), rich.TimeRemainingColumn()
+
+    with _progress(columns) as progress, _watched(progress, text, done):
         yield
 
 
 @contextmanager
-def writing(text: str, progress: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
+def writing(text: str, done: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
     """Show how much of a file is written, how fast, and for how long, on a terminal only."""
-    console = _console(sys.stderr)
-    if console is None:
-        yield
-        return
-    from rich.progress import (  # noqa: PLC0415 - a pipe does without
-        FileSizeColumn,
-        SpinnerColumn,
-        TimeElapsedColumn,
-        TransferSpeedColumn,
-    )
 
-    columns = (SpinnerColumn(), FileSizeColumn(), TransferSpeedColumn(), TimeElapsedColumn())
-    with _watched(console, columns, text, progress):
+    def columns(rich: Any) -> tuple[ProgressColumn, ...]:
+        amount = rich.FileSizeColumn(), rich.TransferSpeedColumn()
+        return _text(rich), rich.SpinnerColumn(), *amount, rich.TimeElapsedColumn()
+
+    with _progress(columns) as progress, _watched(progress, text, done):
         yield
 
 
 @contextmanager
 def _watched(
-    console: Console,
-    columns: Sequence[ProgressColumn],
-    text: str,
-    progress: Callable[[], tuple[int, int | None] | None],
+    progress: Progress | None, text: str, done: Callable[[], tuple[int, int | None] | None]
 ) -> Iterator[None]:
     """Look at the bytes of a file, again and again, in a thread."""
-    from rich.progress import Progress, TextColumn  # noqa: PLC0415 - a pipe does without
+    if progress is None:
+        yield
+        return
+    task = progress.add_task(printable(text), total=None)
+    ended = Event()
 
-    said = TextColumn("{task.description}", markup=False)
-    with Progress(said, *columns, console=console, transient=True, get_time=monotonic) as shown:
-        task = shown.add_task(printable(text), total=None)
-        ended = Event()
+    def watch() -> None:
+        while not ended.wait(_PERIOD):
+            if found := done():
+                progress.update(task, completed=found[0], total=found[1])
 
-        def watch() -> None:
-            while not ended.wait(_PERIOD):
-                if found := progress():
-                    shown.update(task, completed=found[0], total=found[1])
-
-        watcher = Thread(target=watch, daemon=True)
-        watcher.start()
-        try:
-            yield
-        finally:
-            ended.set()
-            watcher.join()
+    watcher = Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join()
 
 
 @contextmanager
 def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
     """Show a progress bar, on a terminal only."""
-    console = _console(sys.stderr)
-    if console is None:
-        yield lambda _text, _done, _rows=0: None
-        return
-    from rich.progress import (  # noqa: PLC0415 - a pipe does without
-        BarColumn,
-        Progress,
-        TextColumn,
-        TimeElapsedColumn,
-        TimeRemainingColumn,
-    )
 
-    text, rate = TextColumn("{task.description}", markup=False), TextColumn("{task.fields[rate]}")
-    left = (TextColumn("left:"), TimeRemainingColumn())
-    columns = (BarColumn(), TimeElapsedColumn(), *left, rate, text)
-    with Progress(*columns, console=console, transient=True) as progress:
+    def columns(rich: Any) -> tuple[ProgressColumn, ...]:
+        left = rich.TextColumn("left:"), rich.TimeRemainingColumn()
+        rate = rich.TextColumn("{task.fields[rate]}")
+        return rich.BarColumn(), rich.TimeElapsedColumn(), *left, rate, _text(rich)
+
+    with _progress(columns) as progress:
+        if progress is None:
+            yield lambda _text, _done, _rows=0: None
+            return
         task = progress.add_task("", total=total, rate="")
 
         def advance(text: str, done: float, rows: int = rows) -> None:
@@ -152,6 +123,53 @@ def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
             )
 
         yield advance
+
+
+class Share:
+    """A `progress` of the library, which hears what share of the work is done, on a bar."""
+
+    def __init__(self, advance: Callable[..., None], text: str, rows: int = 0) -> None:
+        self._advance = advance
+        self._text = text
+        self._share, self._rows = 0.0, rows
+
+    def begin(self, rows: int) -> None:
+        """Hear how many rows there are."""
+        self._rows = rows
+
+    def __call__(self, share: float) -> None:
+        """Hear how much is done."""
+        self._advance(self._text, share - self._share, self._rows)
+        self._share = share
+
+
+@contextmanager
+def share_bar(text: str, rows: int = 0) -> Iterator[Share]:
+    """Show on a bar how far work is, on a terminal only; of rows, how many are done in a second."""
+    with bar(1.0) as advance:
+        share = Share(advance, text, rows)
+        share(0.0)
+        yield share
+
+
+@contextmanager
+def _progress(columns: Callable[[Any], Iterable[ProgressColumn]]) -> Iterator[Progress | None]:
+    """Show columns that are made by `rich.progress`; None where stderr is no terminal."""
+    console = _console(sys.stderr)
+    if console is None:
+        yield None
+        return
+    from rich import progress as rich  # noqa: PLC0415 - a pipe does without
+
+    with rich.Progress(
+        *columns(rich), console=console, transient=True, get_time=monotonic
+    ) as progress:
+        yield progress
+
+
+def _text(rich: Any) -> ProgressColumn:
+    column: ProgressColumn = rich.TextColumn("{task.description}", markup=False)
+    return column
 
 
 def rate_text(rows: float) -> str:
@@ -191,7 +209,7 @@ def few_of_a_kind() -> Iterator[None]:
         if more > 0:
             name, said = alike[_MOST_ALIKE - 1]
             short = said if len(said) <= _SHORT else said[: _SHORT - 3] + "..."
-            note(f"{more:,} more file{'' if more == 1 else 's'}, as {name}: {short}")
+            note(f"{counted(more, 'more file')}, as {name}: {short}")
 
 
 def sentence(text: str, style: str = "") -> None:

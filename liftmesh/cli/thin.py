@@ -1,28 +1,19 @@
-"""``liftmesh thin``: fewer rows of a cloud, in a file of their own."""
+"""``liftmesh thin``: fewer rows of a cloud, in a file of their own; and how others thin theirs."""
 
 from __future__ import annotations
 
-import sys
-from contextlib import redirect_stdout
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.cli import (
-    files,
-    inputs,
-    options,
-    outputs,
-    overwriting,
-    rows,
-    standard_streams,
-    tables,
-    terminal,
-    thinning,
-)
+from liftmesh.base.options import CellRow
+from liftmesh.cli import inputs, notes, options, outputs, terminal
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
 
 SHORT_HELP = "Thin a cloud and write the rows that stay."
 HELP = "At random, one of each cell, a distance apart, or those without which most is lost."
@@ -30,13 +21,59 @@ EXAMPLES = [
     "liftmesh thin survey.laz few.laz --cell 0.5",
     "liftmesh thin dem.tif points.ply --adaptive 10000",
 ]
+_WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 
 
-@overwriting.guards("target")
-@tables.with_options
-@rows.with_options
-@thinning.with_options
-@outputs.with_options
+def _thinning(
+    random: Annotated[
+        int | None,
+        options.option("N", "Thin: n rows, chosen at random.", options.whole(1)),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        options.option(
+            "N", "Of --random, 0 by default; the same rows on every machine.", options.whole(0)
+        ),
+    ] = None,
+    cell: Annotated[
+        float | None,
+        options.option("SIZE", "Thin: one row of each square of this size.", options.positive),
+    ] = None,
+    keep: Annotated[
+        CellRow | None,
+        typer.Option(help="Of --cell: by height (lowest by default), or nearest to the centre."),
+    ] = None,
+    distance: Annotated[
+        float | None,
+        options.option(
+            "D",
+            "Thin: rows of which no two are nearer to each other in the plane.",
+            options.positive,
+            name="--min-distance",
+        ),
+    ] = None,
+    adaptive: Annotated[
+        int | None,
+        options.option(
+            "N", "Thin: the n rows without which a surface loses most.", options.whole(3)
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
+    thinning = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
+    if len(thinning) > 1:
+        raise typer.BadParameter(_WAYS)
+    if seed is not None and random is None:
+        raise typer.BadParameter("--seed is of --random only: give both, or neither")
+    if keep is not None and cell is None:
+        raise typer.BadParameter("--keep is of --cell only: give both, or neither")
+    return thinning | options.given(seed=seed, keep=keep)
+
+
+Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
+
+
+@outputs.guards("target")
 def run(
     sources: Annotated[
         list[Path],
@@ -45,41 +82,52 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
-    table: Any = None,
-    selection: Any = None,
-    thin: Any = None,
+    *,
+    table: inputs.Table,
+    selection: inputs.Selection,
+    thin: Thinning,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
-    writing: Any = None,
+    writing: outputs.Writing,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
     if not thin and "every" not in selection:
-        ways = "give one of --random, --cell, --min-distance and --adaptive"
-        raise typer.BadParameter(f"{ways}, or --every")
+        raise typer.BadParameter(f"{_WAYS}, or --every")
     if json:
-        standard_streams.check_stdout()
-    depth, limit = options.parse_color_depth(color_depth), options.parse_size(max_bytes)
+        outputs.check_stdout()
     inputs.check_once(sources)
-    files.check_target(target, target_format)
-    outputs.check_options(target, target_format, writing)
+    outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    read = partial(files.read, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth), selection)
-    with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud, writing)
-        kept = thinning.thinned(cloud, thin)
+    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading |= {"color_depth": color_depth}
+    cloud = inputs.read_rows(sources, reading, of_surface=False)
+    with inputs.about_rows(sources, cloud):
+        outputs.check_content(target, target_format, cloud, writing)
+        kept = thinned(cloud, thin)
     written = outputs.write(target, kept, target_format, writing)
     told = {
-        **outputs.values(written),
+        **outputs.as_values(written),
         "thinning": kept.metadata.get("thinning"),
-        "selection": files.counts_of(cloud),
+        "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
-    is_stdout = files.is_stream(target)
-    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(written.path):
+    with outputs.report_after(target):
         if json:
             terminal.as_json(told)
-            return
-        terminal.sentence(outputs.headline(written, f"{len(kept):,} rows"), "good")
+        else:
+            terminal.sentence(outputs.headline(written, f"{len(kept):,} rows"), "good")
+
+
+def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
+    """Thin a cloud, and say on stderr how many rows stay."""
+    if not thinning:
+        return cloud
+    from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without
+
+    with terminal.stage(f"thinning {len(cloud):,} rows"):
+        kept = thin(cloud, **thinning)
+    told = kept.metadata["thinning"].items()
+    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
+    terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
+    return kept

@@ -12,11 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
-from liftmesh.cli import files, inputs, lidar, options, standard_streams, terminal
-from liftmesh.cli.python_options import of_reading
-from liftmesh.cli.rows import with_options as with_rows
-from liftmesh.cli.tables import with_options as with_table
-from liftmesh.cli.values import checked
+from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
 if TYPE_CHECKING:
@@ -38,8 +35,6 @@ _NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracke
 SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
-@with_table
-@with_rows
 def run(
     sources: Annotated[
         list[Path],
@@ -57,27 +52,27 @@ def run(
         ),
     ] = None,
     memory: Annotated[
-        str | None,
-        typer.Option(
-            metavar="SIZE", help="Memory of each process, as 500M or 4G: sizes the tiles."
+        int | None,
+        options.option(
+            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
         ),
     ] = None,
     tile_rows: Annotated[
-        str | None, typer.Option(metavar="N", help="Rows of a tile, in place of --memory.")
+        int | None,
+        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
     ] = None,
     workers: Annotated[
-        str | None,
-        typer.Option(metavar="N", help="Processes, run by Dask; by default this one alone."),
+        int | None,
+        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option(metavar="ADDRESS", help="Scheduler of Dask whose workers do the work."),
+        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
     ] = None,
     scratch: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FOLDER",
-            help="For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT.",
+        options.option(
+            "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
     anew: Annotated[
@@ -91,12 +86,13 @@ def run(
     ] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
-    table: Any = None,
-    selection: Any = None,
+    *,
+    table: inputs.Table,
+    selection: inputs.Selection,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
-    standard_streams.check_stdout()
+    outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
     reading = {**table, **selection}
@@ -111,27 +107,26 @@ def run(
         rows_within,
     )
 
-    limit = options.parse_size(memory, "--memory")
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    with checked():
-        rows: Any = "auto" if limit is None else rows_within(limit, row_bytes=row_bytes)
-    if tile_rows is not None:
-        rows = options.parse_count("--tile-rows", tile_rows, 16)
+    rows: Any = "auto" if tile_rows is None else tile_rows
+    if memory is not None:
+        with options.as_usage():
+            rows = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
     common |= {"shards": shards, "neighbors": neighbors}
     if surface:
         common |= {"duplicates": duplicates or "first", **reading}
     paths = [str(path) for path in sources]
-    with _named(paths), terminal.bar(1.0) as advance:
-        progress = _Shown(advance, f"triangulating into {out}")
-        if workers is None and scheduler is None:
-            count = options.parse_threads(threads)
-            found = _alone(surface=surface)(paths, out, threads=count, progress=progress, **common)
+    with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
+        common |= {"progress": progress}
+        by_dask = workers is not None or scheduler is not None
+        make = _maker(surface=surface, by_dask=by_dask)
+        if not by_dask:
+            tiled = make(paths, out, threads=threads, **common)
         else:
-            with _client(workers, scheduler, limit) as client:
-                make = _by_dask(surface=surface)
-                found = make(paths, out, client=client, progress=progress, **common)
-    _say(found, json=json)
+            with _client(workers, scheduler, memory) as client:
+                tiled = make(paths, out, client=client, **common)
+    _say(tiled, json=json)
 
 
 @contextmanager
@@ -140,34 +135,16 @@ def _named(paths: list[str]) -> Iterator[None]:
     try:
         yield
     except DegenerateInputError as error:
-        error.args = (f"{files.listed(paths)}: {error}",)
+        error.args = (f"{notes.listed(paths)}: {error}",)
         raise
 
 
-class _Shown:
-    """Shows on a bar how far a run is, and how many rows are done in a second."""
-
-    def __init__(self, advance: Callable[..., None], text: str) -> None:
-        self._advance = advance
-        self._text = text
-        self._share, self._rows = 0.0, 0
-
-    def begin(self, rows: int) -> None:
-        """Hear how many rows there are."""
-        self._rows = rows
-
-    def __call__(self, share: float) -> None:
-        """Hear how much is done."""
-        self._advance(self._text, share - self._share, self._rows)
-        self._share = share
-
-
 def _check_options(
-    memory: str | None,
-    tile_rows: str | None,
-    workers: str | None,
+    memory: int | None,
+    tile_rows: int | None,
+    workers: int | None,
     scheduler: str | None,
-    threads: str | None,
+    threads: int | None,
 ) -> None:
     """Raise if two options contradict each other."""
     for one, other, given in (
@@ -180,26 +157,19 @@ def _check_options(
             raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
-def _alone(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work in this process."""
-    if surface:
-        from liftmesh.tiles.build import tile_surface  # noqa: PLC0415 - as above
+def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
+    """Return what does the work, in this process or on the workers of Dask."""
+    if by_dask:
+        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
 
-        return tile_surface
-    from liftmesh.tiles.build import tile  # noqa: PLC0415 - as above
+        return triangulate if surface else delaunay
+    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
 
-    return tile
-
-
-def _by_dask(*, surface: bool) -> Callable[..., Tiled]:
-    """Return what does the work on the workers of Dask."""
-    from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
-
-    return triangulate if surface else delaunay
+    return tile_surface if surface else tile
 
 
 @contextmanager
-def _client(workers: str | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
+def _client(workers: int | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
     from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
     from liftmesh.optional import load  # noqa: PLC0415 - as above
 
@@ -211,12 +181,11 @@ def _client(workers: str | None, scheduler: str | None, limit: int | None) -> It
         return
     settings: dict[str, Any] = {} if limit is None else {"memory_limit": limit}
     settings["silence_logs"] = logging.CRITICAL  # errors of tasks are raised here
-    count = options.parse_count("--workers", workers or "", 1)
     # A signal ends this process while workers end, too: whatever semaphores they had are removed by
     # the tracker of multiprocessing, which takes the options of warnings from its parent.
     sys.warnoptions.append(_NO_LEAKS)
     try:
-        with local_cluster(n_workers=count, **settings) as client:
+        with local_cluster(n_workers=workers, **settings) as client:
             yield client
     finally:
         sys.warnoptions.remove(_NO_LEAKS)
@@ -239,23 +208,23 @@ def _check_address(text: str) -> None:
         )
 
 
-def _say(found: Tiled, *, json: bool) -> None:
-    counts = {name: found.manifest[name] for name in SHOWN}
-    if "surface" in found.manifest:
-        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+def _say(tiled: Tiled, *, json: bool) -> None:
+    counts = {name: tiled.manifest[name] for name in SHOWN}
+    if "surface" in tiled.manifest:
+        counts["overhangs"] = tiled.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
-    classes: dict[int, int] = getattr(found, "classes", {})
+    classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(found.directory), **counts, "classes": classes}
-        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
+        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
-    merges = found.manifest["merges"]
+    merges = tiled.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
-            *lidar.lines({"classes": classes}),
+            *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(found.shards):,} in {found.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
         ]
     )

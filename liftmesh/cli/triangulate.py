@@ -2,32 +2,17 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
-from contextlib import redirect_stdout
-from functools import partial
+from collections.abc import Mapping
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import Duplicates, Method
-from liftmesh.cli import (
-    classifying,
-    files,
-    inputs,
-    lidar,
-    options,
-    outputs,
-    overwriting,
-    rows,
-    standard_streams,
-    tables,
-    terminal,
-    thinning,
-)
-from liftmesh.cli.trimming import trimmed, with_options as with_trimming
+from liftmesh.base.options import GroundMethod, Method
+from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli.thin import Thinning, thinned
+from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -49,13 +34,60 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@tables.with_options
-@rows.with_options
-@classifying.with_options
-@thinning.with_options
-@outputs.with_options
-@with_trimming
+_GROUND = 2  # not "ground", which takes all rows where there is none
+_NO_UNIT = "; the unit is not known, and taken to be metres"
+_UNITS = {  # what is said where that of the plane and that of heights are known
+    (True, True): "", (False, True): _NO_UNIT, (False, False): _NO_UNIT,
+    (True, False): "; the unit of z is not stated, and taken to be that of x",
+}  # fmt: skip
+
+
+def _rigidness(text: str) -> int:
+    if text not in {"1", "2", "3"}:
+        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
+    return int(text)
+
+
+def _ground(
+    ground: Annotated[
+        GroundMethod | None,
+        typer.Option(help="Find the ground of an unclassified cloud, by the cloth simulation CSF."),
+    ] = None,
+    cloth_resolution: Annotated[
+        float | None,
+        options.option(
+            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
+        ),
+    ] = None,
+    cloth_rigidness: Annotated[
+        int | None,
+        options.option(
+            "N",
+            "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
+            _rigidness,
+        ),
+    ] = None,
+    cloth_threshold: Annotated[
+        float | None,
+        options.option(
+            "METRES",
+            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
+            options.positive,
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
+    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
+    choices |= options.given(rigidness=cloth_rigidness)
+    if choices and ground is None:
+        raise typer.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
+    return {} if ground is None else {"method": ground, **choices}
+
+
+Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
+
+
+@outputs.guards("target")
 def run(
     sources: Annotated[
         list[Path],
@@ -63,79 +95,106 @@ def run(
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     plane: options.Plane = "xy",
-    duplicates: Annotated[
-        Duplicates,
-        typer.Option(help="Which of several rows at one planar position is used as the vertex."),
-    ] = "first",
+    duplicates: options.Duplicates = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
         Method,
         typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow."),
     ] = "auto",
     q: Annotated[
-        str,
-        typer.Option(
-            "--q",
-            metavar="Q",
-            help="Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+        Any,
+        options.option(
+            "Q",
+            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
+            options.vertex,
         ),
     ] = "origin",
     source_format: options.SourceFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
-    trimming: Any = None,
+    *,
+    trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: Any = None,
-    selection: Any = None,
-    ground: Any = None,
-    thin: Any = None,
-    writing: Any = None,
+    table: inputs.Table,
+    selection: inputs.Selection,
+    ground: Ground,
+    thin: Thinning,
+    writing: outputs.Writing,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report."""
-    frame, vertex = options.parse_plane(plane), options.parse_q(q)
-    lifted_by = options.parse_member(weights, radii, metric)
+    lifted_by = options.lifting(weights, radii, metric)
     if json:
-        standard_streams.check_stdout()
-    count = options.parse_threads(threads)
-    depth = options.parse_color_depth(color_depth)
-    limit = options.parse_size(max_bytes)
+        outputs.check_stdout()
     inputs.check_once(sources)
-    files.check_target(target, target_format)
-    outputs.check_options(target, target_format, writing)
+    outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    first, later = (selection, {}) if not ground else classifying.parted(selection)
-    read = partial(files.read_ground, file_format=source_format, max_bytes=limit, table=table)
-    cloud = inputs.merged(sources, partial(read, color_depth=depth), first)
-    cloud = cloud if not ground else classifying.classified(cloud, ground, later)
-    cloud = thinning.thinned(cloud, thin)
+    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading |= {"color_depth": color_depth}
+    if ground:  # classes count only once there are some
+        cloud = inputs.read_rows(sources, reading | {"classes": "all"})
+        cloud = _classified(cloud, ground, selection.get("classes", _GROUND))
+    else:
+        cloud = inputs.read_rows(sources, reading)
+    cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
-    with inputs.about(sources, cloud):
-        files.check_content(target, target_format, cloud, writing)
+    with inputs.about_rows(sources, cloud):
+        outputs.check_content(target, target_format, cloud, writing)
         surface = _triangulate(
             cloud,
-            plane=frame,
+            plane=plane.value,
             duplicates=duplicates,
             nonfinite=nonfinite,
             method=method,
-            q=vertex,
-            threads=count,
+            q=q,
+            threads=threads,
             **lifted_by,
         )
-        surface = trimmed(surface, trimming)
+        surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
     written = outputs.write(target, surface, target_format, writing)
     seconds["write"] = perf_counter() - start
-    # If the mesh itself goes to stdout, the report goes to stderr.
-    is_stdout = files.is_stream(target)
-    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(written.path):
+    with outputs.report_after(target):
         _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)
+
+
+def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
+    """Classify a cloud and select the ground; say on stderr what was found."""
+    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
+
+    with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
+        try:
+            with inputs.without_warnings():
+                classified = classify_ground(cloud, **ground)
+        except InputError as error:
+            said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
+            error.args = (said,)
+            raise
+    counts = classified.metadata["ground"]
+    if not counts["ground"]:
+        raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
+    unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
+    terminal.note(
+        f"ground by {counts['method']}: {counts['ground']:,} of {counts['rows']:,} rows (cloth of "
+        f"{counts['resolution']:g} m, rigidness {counts['rigidness']}{unit}); where ground is "
+        "sparse, it may hold low vegetation and roofs"
+    )
+    if lost := bare_warning(counts):
+        remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
+        terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
+    chosen = validate_selection(classes=classes)
+    classified = (
+        classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
+    )
+    if not len(classified):
+        raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
+    return classified
 
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
@@ -149,23 +208,9 @@ def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
     import liftmesh  # noqa: PLC0415 - help and --version do without
 
-    with terminal.bar(1.0, len(cloud)) as bar:
-        advance = bar_steps(bar, f"triangulating {len(cloud):,} rows")
-        with files.without_warnings():  # the notes say it
-            return liftmesh.triangulate(cloud, progress=advance, **choices)
-
-
-def bar_steps(bar: Callable[[str, float], None], text: str) -> Callable[[float], None]:
-    """Return a `progress` callback that converts fractions done to steps of a bar."""
-    done = 0.0
-
-    def advance(fraction: float) -> None:
-        nonlocal done
-        bar(text, fraction - done)
-        done = fraction
-
-    advance(done)
-    return advance
+    text = f"triangulating {len(cloud):,} rows"
+    with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
+        return liftmesh.triangulate(cloud, progress=progress, **choices)
 
 
 def _print_report(
@@ -179,18 +224,18 @@ def _print_report(
     report = surface.report
     if as_json:
         cloud = surface.to_cloud()
-        notes = {
-            "notes": [*files.notes(cloud), *replaced],
-            "not_read": list(files.parts_not_read(cloud)),
+        about = {
+            "notes": [*notes.notes(cloud), *replaced],
+            "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
-            "selection": files.counts_of(cloud),
+            "selection": notes.counts_of(cloud),
             "merged": cloud.metadata.get("merged"),
             "ground": cloud.metadata.get("ground"),
             "thinning": cloud.metadata.get("thinning"),
-            **lidar.provenance(cloud),
+            **notes.provenance(cloud),
             "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
-        terminal.as_json(_values(written, report, seconds) | notes)
+        terminal.as_json(_values(written, report, seconds) | about)
         return
     for each in replaced:
         terminal.note(each)
@@ -201,7 +246,7 @@ def _print_report(
     if surface.mask is not None:
         counts["trimmed"] = int(surface.mask.sum())
     rows = [(name, f"{count:,}") for name, count in counts.items()]
-    rows += lidar.lines({"classes": report.classes})
+    rows += notes.lidar_lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
 
@@ -225,7 +270,7 @@ def _counts(report: Report) -> dict[str, int]:
 
 def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
-        **outputs.values(written),
+        **outputs.as_values(written),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
         "policy": report.policy,
         "left_out": report.left_out.tolist(),

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import sys
-from contextlib import nullcontext, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import NonFinite
-from liftmesh.cli import exit_codes, files, options, overwriting, standard_streams, terminal
+from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -35,7 +34,7 @@ EXAMPLES = [
 SHOWN = 3  # offenders of a flaw
 
 
-@overwriting.guards("certificate")
+@outputs.guards("certificate")
 def run(
     source: Annotated[
         Path,
@@ -45,9 +44,7 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Write what was found as JSON, with SHA-256 sums; - for stdout."
-        ),
+        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
@@ -55,46 +52,47 @@ def run(
     source_format: options.SourceFormat = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of FILE: is it regular by these weights?"),
+        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
     ] = None,
     radii: Annotated[
-        str | None, typer.Option(metavar="COLUMN", help="The same with radii, not squared.")
+        str | None, options.option("COLUMN", "The same with radii, not squared.")
     ] = None,
     metric: Annotated[
-        str | None,
-        typer.Option(metavar="A,B,C", help="Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?"),
+        Any,
+        options.option(
+            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
+        ),
     ] = None,
     points: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="The points of a folder, if its source has moved."),
+        options.option("FILE", "The points of a folder, if its source has moved."),
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
-    standard_streams.check_stdout()
-    frame = options.parse_plane(plane)
-    lifting = options.parse_member(weights, radii, metric)
-    count = options.parse_threads(threads)
-    limit = options.parse_size(max_bytes)
-    files.check_place(certificate)
+    outputs.check_stdout()
+    lifting = options.lifting(weights, radii, metric)
+    outputs.check_place(certificate)
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, count, certificate)
+        certified = _verify_tiles(source, points, threads, certificate)
     else:
-        found = _verify_file(source, source_format, limit, frame, nonfinite, count, lifting)
+        _check_format(source, source_format)
+        cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
+        _note_polygons(cloud)
+        with inputs.about(source):
+            choices = {"nonfinite": nonfinite, "threads": threads}
+            certified = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
-        _write(certificate, found)
-    # Where the certificate itself goes to stdout, what there is to say goes to stderr.
-    aside = certificate is not None and files.is_stream(certificate)
-    place = redirect_stdout(sys.stderr) if aside else nullcontext()
-    with place, standard_streams.after_writing(certificate):
+        _write(certificate, certified)
+    with outputs.report_after(certificate):
         if json:
-            sys.stdout.write(found.to_json())
+            sys.stdout.write(certified.to_json())
         else:
-            _say(found)
-    if not found.valid:
+            _say(certified)
+    if not certified.valid:
         raise typer.Exit(exit_codes.DIFFERENT)
 
 
@@ -105,34 +103,25 @@ def _verify_tiles(
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
-    overwriting.check([] if certificate is None else [certificate], tiled_files)
-    with terminal.bar(1.0) as advance:
-        shown = [0.0]
-
-        def progress(share: float) -> None:
-            advance(f"verifying {tiled.nsimplex:,} triangles", share - shown[0])
-            shown[0] = share
-
+    outputs.check_lost([] if certificate is None else [certificate], tiled_files)
+    with terminal.share_bar(f"verifying {tiled.nsimplex:,} triangles") as progress:
         return tiled.verify(points, threads=threads, progress=progress)
 
 
 def _verify_file(
-    source: Path,
-    source_format: str | None,
-    limit: int | None,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
+    cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    _check_format(source, source_format)
-    cloud = files.read(source, source_format, limit)
-    _note_polygons(cloud)
-    with files.about(source):
-        found = _verify(cloud, source, plane, nonfinite, threads, lifting)
-        if not found.valid and not lifting:
-            _note_part(cloud, plane, threads)
-        return found
+    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+
+    if cloud.faces is None or not len(cloud.faces):
+        raise _no_triangles(source)
+    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
+        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
+        certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not certified.valid and not lifting:
+        _note_part(cloud, plane, choices["threads"])
+    return certified
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
@@ -141,7 +130,7 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
 
     try:
-        with files.without_warnings():
+        with inputs.without_warnings():
             surface = as_surface(cloud, plane=plane, threads=threads)
     except LiftmeshError:  # it is no part of one
         return
@@ -161,8 +150,8 @@ def _check_format(source: Path, file_format: str | None) -> None:
 
     if file_format is None and not source.is_file():
         return
-    found = find_format(file_format or suffix_of(source.name), str(source))
-    if "faces" not in found.keeps:
+    kind = find_format(file_format or suffix_of(source.name), str(source))
+    if "faces" not in kind.keeps:
         raise _no_triangles(source)
 
 
@@ -172,29 +161,9 @@ def _no_triangles(source: Path) -> InputError:
     )
 
 
-def _verify(
-    cloud: Cloud,
-    source: Path,
-    plane: Any,
-    nonfinite: NonFinite,
-    threads: int | None,
-    lifting: dict[str, Any],
-) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
-
-    if cloud.faces is None or not len(cloud.faces):
-        raise _no_triangles(source)
-    with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
-        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        lifted_by = _lifted_by(cloud, lifting)
-        return verify(planar, cloud.faces, nonfinite=nonfinite, threads=threads, **lifted_by)
-
-
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.member import options_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
 
     if not lifting:
         return options_of(cloud)
@@ -206,36 +175,38 @@ def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
 
 def _note_polygons(cloud: Cloud) -> None:
     """Report faces of the file that are not among the triangles verified, on stderr."""
-    found = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
-    cut, left_out = (each if isinstance(each, int) else 0 for each in found)  # glTF holds any names
+    counts = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
+    cut, left_out = (
+        each if isinstance(each, int) else 0 for each in counts
+    )  # glTF holds any names
     notes = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
     notes += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
     if notes:
         terminal.note(f"faces of the file: {', '.join(notes)}")
 
 
-def _write(path: Path, found: Certificate) -> None:
+def _write(path: Path, certified: Certificate) -> None:
     from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
-    if files.is_stream(path):
-        sys.stdout.write(found.to_json())
+    if is_stream(path):
+        sys.stdout.write(certified.to_json())
         return
     with replacing(path) as stream:
-        stream.write(found.to_json().encode())
+        stream.write(certified.to_json().encode())
 
 
-def _say(found: Certificate) -> None:
-    terminal.sentence(_verdict(found), "good" if found.valid else "bad")
-    for flaw in found.flaws:
+def _say(certified: Certificate) -> None:
+    terminal.sentence(_verdict(certified), "good" if certified.valid else "bad")
+    for flaw in certified.flaws:
         terminal.item(flaw.text)
         for place in flaw.first[:SHOWN]:
             terminal.item(f"such as: {place.text}")
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
-    counts[2:2] = [] if found.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(found, name))) for name in counts]
-    sums = [("points", found.points_sha256), ("triangles", found.simplices_sha256)]
-    sums += [] if found.values_sha256 is None else [(found.member, found.values_sha256)]
+    counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
+    lines = [(name.replace("_", " "), _number(getattr(certified, name))) for name in counts]
+    sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
+    sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
 
 
@@ -243,11 +214,11 @@ def _number(count: int | None) -> str:
     return "not counted" if count is None else f"{count:,}"
 
 
-def _verdict(found: Certificate) -> str:
-    if found.canonical:
-        which = "" if found.member == "delaunay" else f", the {found.name}"
+def _verdict(certified: Certificate) -> str:
+    if certified.canonical:
+        which = "" if certified.member == "delaunay" else f", the {certified.name}"
         return f"Valid, and canonical: these are the triangles that liftmesh makes{which}."
-    if found.valid:
-        tied = "cocircular" if found.member in ("delaunay", "farthest") else "tied"
-        return f"Valid: a {found.name}, with other choices among {tied} points."
-    return f"Not valid: this is not the {found.name} of these points."
+    if certified.valid:
+        tied = "cocircular" if certified.member in ("delaunay", "farthest") else "tied"
+        return f"Valid: a {certified.name}, with other choices among {tied} points."
+    return f"Not valid: this is not the {certified.name} of these points."

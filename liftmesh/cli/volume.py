@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.cli import lidar, options, standard_streams, surfaces, terminal
-from liftmesh.cli.reading import with_options as with_reading
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 
 if TYPE_CHECKING:
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -26,10 +25,9 @@ EXAMPLES = [
     "liftmesh volume survey.csv --level 0 --max-edge 20 --boundary-only --json",
 ]
 
-_VOLUMES = ("above", "below", "cut", "fill", "net")
+_MEASURES = ("level", "above", "below", "cut", "fill", "net")
 
 
-@with_reading
 def run(
     source: surfaces.Source,
     other: Annotated[
@@ -39,45 +37,44 @@ def run(
         ),
     ] = None,
     level: Annotated[
-        str | None, typer.Option(metavar="HEIGHT", help="The level, 0 by default.")
+        float | None,
+        options.option("HEIGHT", "The level, 0 by default.", options.number),
     ] = None,
     within: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE", help="Measure inside of polygons alone, cut at their borders."
-        ),
+        options.option("FILE", "Measure inside of polygons alone, cut at their borders."),
     ] = None,
-    reading: Any = None,
+    *,
+    reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, measure it, and print what was found."""
-    standard_streams.check_stdout()
+    outputs.check_stdout()
     if within is not None:
         within.open("rb").close()
-    height = surfaces.parse_number("--level", level)
-    if other is not None and height is not None:
+    if other is not None and level is not None:
         raise typer.BadParameter("--level goes with one surface, not with two")
 
-    surface = reading.surface(source)
-    rows_of = lidar.provenance(surface)
+    surface = surfaces.read(source, reading)
+    rows_of = notes.provenance(surface)
     if other is None:
         with terminal.stage(f"measuring {len(surface.faces):,} faces"):
-            values = _values(surface.volume(height or 0.0, polygon=within))
+            measures = _values(surface.volume(level or 0.0, polygon=within))
             if within is None:
-                values["surface_area"] = surface.area()
+                measures["surface_area"] = surface.area()
             else:
-                parts = surface.volume_by_polygon(within, height or 0.0)
-                values["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
+                parts = surface.volume_by_polygon(within, level or 0.0)
+                measures["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
-        after = reading.surface(other)
+        after = surfaces.read(other, reading)
         _check_grounds({source: surface, other: after})
-        rows_of["after"] = lidar.provenance(after)
+        rows_of["after"] = notes.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
-            values = _changes(surface.cut_and_fill(after, polygon=within))
+            measures = _values(surface.cut_and_fill(after, polygon=within))
             if within is not None:
                 works = surface.cut_and_fill_by_polygon(after, within)
-                values["polygons"] = _by_name({key: _changes(work) for key, work in works.items()})
-    _print(values, rows_of, as_json=json)
+                measures["polygons"] = _by_name({key: _values(work) for key, work in works.items()})
+    _print(measures, rows_of, as_json=json)
 
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
@@ -88,24 +85,12 @@ def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 
 
-def _values(found: Volume) -> dict[str, Any]:
-    return {
-        "level": found.level,
-        "above": found.above,
-        "below": found.below,
-        "net": found.net,
-        "planar_area": found.area,
-        "cubic_metres_per_unit": found.cubic_metres,
-    }
-
-
-def _changes(found: Earthwork) -> dict[str, Any]:
-    return {
-        "cut": found.cut,
-        "fill": found.fill,
-        "net": found.net,
-        "planar_area": found.area,
-        "cubic_metres_per_unit": found.cubic_metres,
+def _values(measures: Volume | Earthwork) -> dict[str, Any]:
+    """Return what was measured, by the names that are printed."""
+    measured = {name: getattr(measures, name) for name in _MEASURES if hasattr(measures, name)}
+    return measured | {
+        "planar_area": measures.area,
+        "cubic_metres_per_unit": measures.cubic_metres,
     }
 
 
@@ -118,14 +103,14 @@ def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:
     ]
 
 
-def _print(values: dict[str, Any], rows_of: dict[str, Any], *, as_json: bool) -> None:
+def _print(measures: dict[str, Any], rows_of: dict[str, Any], *, as_json: bool) -> None:
     """Print numbers, those of volumes with their unit."""
     if as_json:
-        terminal.as_json(values | rows_of)
+        terminal.as_json(measures | rows_of)
         return
-    unit, polygons = values.pop("cubic_metres_per_unit"), values.pop("polygons", [])
+    unit, polygons = measures.pop("cubic_metres_per_unit"), measures.pop("polygons", [])
     terminal.table(
-        [(name.replace("_", " "), _shown(name, value, unit)) for name, value in values.items()]
+        [(name.replace("_", " "), _shown(name, value, unit)) for name, value in measures.items()]
     )
     if len(polygons) > 1:
         terminal.blank()
@@ -138,7 +123,7 @@ def _line(part: dict[str, Any]) -> str:
 
 
 def _shown(name: str, value: float, unit: float | None) -> str:
-    if name in _VOLUMES:
+    if name in _MEASURES[1:]:
         return _volume(value, unit)
     is_doubtful = name == "surface_area" and unit is None
     return f"{value:.10g}" + ("  (z taken to be in the unit of x and y)" if is_doubtful else "")

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import os
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager, redirect_stdout
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
 import typer
 
-from liftmesh.cli import files, options, overwriting, standard_streams, tables, terminal
+from liftmesh.cli import inputs, options, outputs, terminal
+from liftmesh.cli.options import is_stream
+from liftmesh.cli.places import is_table
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -30,8 +28,7 @@ EXAMPLES = [
 ]
 
 
-@overwriting.guards("target")
-@tables.with_options
+@outputs.guards("target")
 def run(
     source: options.Source,
     target: Annotated[
@@ -42,61 +39,59 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        typer.Option(
-            metavar="DOMAIN",
-            help="A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
+        options.option(
+            "DOMAIN",
+            "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
         str | None,
-        typer.Option(metavar="COLUMN", help="Values of IN that are weights: makes power cells."),
+        options.option("COLUMN", "Values of IN that are weights: makes power cells."),
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        typer.Option(
-            metavar="COLUMN",
-            help="Values of IN that are radii of disks: makes cells of what is nearest to their "
+        options.option(
+            "COLUMN",
+            "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
         ),
     ] = None,
     tolerance: Annotated[
         float | None,
-        typer.Option(
-            metavar="LENGTH",
-            help="How far the sides of cells of disks may be from the arcs; by default a "
+        options.option(
+            "LENGTH",
+            "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
+            float,
         ),
     ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
         str | None,
-        typer.Option("--format", metavar="FORMAT", help="geojson, gpkg, ply or svg, for stdout."),
+        options.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
     ] = None,
-    table: Any = None,
+    *,
+    table: inputs.Table,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
     if json:
-        standard_streams.check_stdout()
-    limit = options.parse_size(max_bytes)
+        outputs.check_stdout()
     _check_one(weights, radii, disks, tolerance)
     kind = _kind(target, target_format)
-    files.check_place(target)
-    cloud = files.read(source, source_format, limit, _planar(source, source_format, table))
+    outputs.check_place(target)
+    planar = {"flat": None} if is_table(source, source_format) else {}
+    reading = {**planar, **table, "format": source_format, "max_bytes": max_bytes}
+    cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)
-    with files.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
-        if disks is None:
-            cells = _cells(cloud, area, weights, radii)
-        else:
-            cells = _cells_of_disks(cloud, area, disks, tolerance)
+    with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
+        cells = _cells(cloud, area, weights, radii, disks, tolerance)
     _note_rows_elsewhere(cells)
     size, dropped = _write(target, cells, kind, cloud, crs)
-    is_stdout = files.is_stream(target)
-    place = redirect_stdout(sys.stderr) if is_stdout else standard_streams.dispensable_stdout()
-    with place, standard_streams.after_writing(target):
+    with outputs.report_after(target):
         _report(target, kind, size, cells, dropped, as_json=json)
 
 
@@ -114,56 +109,48 @@ def _kind(target: Path, name: str | None) -> str:
 
     if name is not None:
         return check_format(name)
-    if files.is_stream(target):
+    if is_stream(target):
         raise typer.BadParameter("stdout has no suffix: give the format with --format geojson")
     return format_of(target)
-
-
-def _planar(source: Path, source_format: str | None, table: dict[str, Any]) -> dict[str, Any]:
-    """Options of a table: cells need x and y only."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
-
-    kind = source_format or suffix_of(source.name)
-    is_table = bool(kind) and find_format(kind, str(source)).name == "text"
-    return {"flat": None, **table} if is_table else table
 
 
 def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
     if text is None or text == "box":
         return None, cloud.crs
-    if (box := options.parse_box(text)) is not None:
+    if (box := options.box(text)) is not None:
         return box, cloud.crs
     path = Path(text).expanduser()
     if not path.exists():
         raise typer.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
-    from liftmesh.cells.domain_file import read_domain  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import read_domain  # noqa: PLC0415 - as above
     from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
 
     shape, crs = read_domain(path)
     return shape, common_system(cloud.crs, crs)
 
 
-def _cells(cloud: Cloud, area: Any, weights: str | None, radii: str | None) -> ClippedCells:
+def _cells(
+    cloud: Cloud,
+    area: Any,
+    weights: str | None,
+    radii: str | None,
+    disks: str | None,
+    tolerance: float | None,
+) -> ClippedCells:
     import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import chosen, named_values  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
 
     planar = cloud.points[:, :2]
+    if disks is not None:
+        reach = named_values(cloud, "disks", disks)
+        return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
     kind, name = chosen(weights, radii)
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
-
-
-def _cells_of_disks(cloud: Cloud, area: Any, disks: str, tolerance: float | None) -> ClippedCells:
-    import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.weights import named_values  # noqa: PLC0415 - as above
-
-    radii = named_values(cloud, "disks", disks)
-    return liftmesh.apollonius_diagram(cloud.points[:, :2], radii, domain=area, tolerance=tolerance)
 
 
 def _note_rows_elsewhere(cells: ClippedCells) -> None:
@@ -175,7 +162,7 @@ def _note_rows_elsewhere(cells: ClippedCells) -> None:
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.columns import free_name  # noqa: PLC0415 - as above
+    from liftmesh.cells.clipped import free_name  # noqa: PLC0415 - as above
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}
@@ -189,7 +176,7 @@ def _write(
     from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
 
     columns = _columns(cloud)
-    with _opened(target) as stream:
+    with outputs.opened(target) as stream:
         counted = _Counting(stream)
         dropped = write_cells(cast("BinaryIO", counted), cells, kind, columns, crs)
     if kind != "svg":
@@ -198,19 +185,6 @@ def _write(
                 terminal.note(f"{name} is a column of the points: that of cells is {own}")
     lost = [part for part in ("colors", "normals") if getattr(cloud, part) is not None]
     return counted.count, [*dropped, *lost]
-
-
-@contextmanager
-def _opened(target: Path) -> Iterator[Any]:
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - as above
-
-    if not files.is_stream(target):
-        with replacing(target) as stream:
-            yield stream
-        return
-    # A separate stream: an unbuffered sys.stdout may write a part without an error.
-    with os.fdopen(os.dup(sys.stdout.fileno()), "wb") as stream:
-        yield stream
 
 
 class _Counting:

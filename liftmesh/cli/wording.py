@@ -1,42 +1,59 @@
-"""Help and messages about wrong usage in words of our own.
+"""Messages in the words of the command line: of wrong usage, and of what the library raises.
 
-Those of typer, and of the libraries that it uses, change from version to version: here, the type of
-an exception and what it concerns decide; its text serves only to find what was typed.
+*Wrong usage.* The words of typer, and of the libraries that it uses, change from version to
+version: here, the type of an exception and what it concerns decide; its text serves only to find
+what was typed.
+
+*Options.* The library names its own options in what it raises: ``band=`` becomes ``--band``. A name
+counts where it begins a word, so that folders such as ``tiles/band=2`` stay as they are.
 """
 
 from __future__ import annotations
 
 import re
+import shlex
 from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
 
-from typer.core import TyperCommand, TyperGroup
-
-from liftmesh.cli.values import convert_simply
-
-
-class Command(TyperCommand):
-    """A command whose help shows no type for flags, which take no value."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters, flags without a placeholder for a value."""
-        return convert_simply(_without_types(super().get_params(ctx)))
-
-
-class Group(TyperGroup):
-    """The same of the program."""
-
-    def get_params(self, ctx: Any) -> list[Any]:
-        """Return the parameters, flags without a placeholder for a value."""
-        return convert_simply(_without_types(super().get_params(ctx)))
-
-
-def _without_types(parameters: list[Any]) -> list[Any]:
-    for each in parameters:
-        if getattr(each, "is_flag", False) and each.metavar is None:
-            each.metavar = ""
-    return parameters
+_OPTION_NAMES = (
+    "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
+    "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
+    "skip_rows", "to_crs", "unit", "z_factor",
+)  # fmt: skip
+_PHRASES = {
+    "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
+    "with format='raster'": "with --from raster",
+    "with format=": "with --from FORMAT",
+    "with max_bytes=": "with --max-bytes SIZE",
+    "with crs=": "with --from-crs",
+    "to_crs= or crs=": "--to-crs or --from-crs",
+    "neighbors=True, resume=False": "--neighbors --anew",
+    "resume=False": "--anew",
+    "with neighbors ": "with --neighbors ",
+    "with nonfinite '": "with --nonfinite '",
+    "with shard_format '": "with --shards '",
+    "with tile_rows ": "with --tile-rows ",
+    "fewer tile_rows": "fewer --tile-rows",
+    "dtype='float64'": "--double",
+    "find the ground with classify_ground": "find the ground with triangulate --ground csf",
+    "flat=True": "--flat",
+    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
+        "give --to-crs, which transforms both"
+    ),
+    "give one of None, ": "give one of none, ",
+}
+_SUBJECTS = (
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
+    "point_format", "resolution",
+)  # fmt: skip
+_OF_READING = {"crs": "from_crs", "header": "no_header"}
+_OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
+_OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
+_QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
+_NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
+_BARE = re.compile(rf"(?<![^\s(]){_OPTION_NAME}(?=[\s,;:)]|$)")
+_SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
 
 
 def usage_message(error: Any) -> str:
@@ -91,8 +108,10 @@ def _about_words(text: str, context: Any) -> str:
 
 def _about_value(error: Any) -> str:
     """Describe a value that an option does not have."""
-    if error.param is None:  # ours
+    if error.param is None:  # of several options
         return str(error.message)
+    if type(error).__name__ == "WrongValue":  # ours
+        return f"{error.param_hint or _name(error.param)} {error.message}"
     typed = _typed(error)
     name, choices = _name(error.param), _choices(error.param)
     given = name if typed is None else f"{name} {typed!r}"
@@ -105,13 +124,13 @@ def _about_value(error: Any) -> str:
 def _typed(error: Any) -> str | None:
     """Find the value that was typed: in the cause, or else between quotation marks."""
     listed: list[Any] = getattr(error.__cause__, "errors", list)()
-    found = listed[0].get("input") if listed else None
-    return found if isinstance(found, str) else _quoted(error.message)
+    typed = listed[0].get("input") if listed else None
+    return typed if isinstance(typed, str) else _quoted(error.message)
 
 
 def _quoted(text: str) -> str | None:
-    found = re.search(r"'(.*?)'", text)
-    return found[1] if found else None
+    quoted = re.search(r"'(.*?)'", text)
+    return quoted[1] if quoted else None
 
 
 def _choices(param: Any) -> Sequence[str]:
@@ -143,3 +162,29 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
     if names:
         return f": did you mean {' or '.join(names)}?"
     return f": give one of {', '.join(known)}" if known else ""
+
+
+def of_reading(name: str) -> str:
+    """Return the option of the command line for one of `liftmesh.read`."""
+    return _option(_OF_READING.get(name, name))
+
+
+def as_on_command_line(message: str) -> str:
+    """Replace Python options in a message by those of the command line."""
+    for phrase, words in _PHRASES.items():
+        message = message.replace(phrase, words)
+    message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
+    for pattern in (_QUOTED, _NUMBER, _BARE):
+        message = pattern.sub(_as_option, message)
+    return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)
+
+
+def _as_option(found: re.Match[str]) -> str:
+    """Write an option as a shell takes it, with its value if it has one."""
+    value = found.groupdict().get("value")
+    option = _option(found["name"])
+    return option if value is None else f"{option} {shlex.quote(value)}"
+
+
+def _option(name: str) -> str:
+    return f"--{_OTHER_NAMES.get(name, name).replace('_', '-')}"

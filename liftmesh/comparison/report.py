@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.planar.lifting import LowerHull, lift
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Comparison:
+class Comparison(FrozenResult):
     r"""liftmesh's triangles compared with the lower facets of trimesh's hull.
 
     ``triangles = identical + cocircular + len(missing)`` and
@@ -109,12 +109,6 @@ class Comparison:
     proofs: tuple[Proof, ...]
     seconds: Mapping[str, float]
     error: str | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return (

@@ -7,18 +7,25 @@ paraboloid, and a plane that touches three of them from below is a circle that t
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Indices, Mask, Progress
-from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
-from liftmesh.base.options import NonFinite, check_option, check_progress
-from liftmesh.disks.graph import ApolloniusGraph
-from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.planar.weights import as_weights
+from liftmesh._typing import Floats, Progress, Rows
+from liftmesh.base.arrays import as_numbers, of_one_array
+from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
+from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
+from liftmesh.disks.sides import pieces_in, traced
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.planar.certificate import Certificate
+
+
+_FINEST = 2.0**-46  # least distance from arcs, of the coordinates: 64 times their rounding
 
 
 @of_one_array
@@ -102,57 +109,221 @@ def apollonius(
     return ApolloniusGraph(disks[:, :2], disks[:, 2], **found)
 
 
-def are_finite(disks: Floats) -> Mask:
-    """Return which rows of disks are finite."""
-    finite: Mask = np.asarray(np.isfinite(disks).all(axis=1))
-    return finite
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class ApolloniusGraph(DiskGraph):
+    """The Delaunay graph of disks, as returned by `apollonius`.
 
+    Every index is a row of the caller's arrays. It is no triangulation of the centres: triangles
+    may be degenerate or turned over as triangles of these, and two may have the same corners, one
+    for each order. A disk may have two neighbours only, and share two edges with one of them. All
+    arrays are read-only.
 
-def as_disks(
-    centers: ArrayLike,
-    radii: ArrayLike,
-    nonfinite: NonFinite = "error",
-    *,
-    skippable: bool = True,
-) -> Floats:
-    """Convert centres and radii to rows x, y, r."""
-    rows = as_coordinates(centers)
-    if rows.shape[1] != 2:
-        raise InputError(f"centers need the shape (n, 2), not {rows.shape}: give x and y alone")
-    disks = np.empty((len(rows), 3))
-    disks[:, :2] = rows
-    disks[:, 2] = as_weights("radii", radii, len(rows)).values
-    finite = are_finite(disks)
-    if nonfinite == "error" and not finite.all():
-        raise _non_finite(disks, int(finite.argmin()), skippable=skippable)
-    negative = finite & (disks[:, 2] < 0)
-    if negative.any():
-        row = int(negative.argmax())
-        raise InputError(
-            f"row {row} has the radius {float(disks[row, 2])!r}: radii are not negative"
+    Parameters
+    ----------
+    centers : (n, 2) ndarray of float64
+        The centres.
+    radii : (n,) ndarray of float64
+        The radii.
+    simplices : (m, 3) ndarray of int32
+        The triangles, in ascending order, each from its lowest row on: the order in which a circle
+        that no disk enters touches its three disks, counter-clockwise about the circle's centre.
+    neighbors : (m, 3) ndarray of int32
+        The triangle across the edge opposite corner k; -1 outside. If two triangles share two
+        edges, each names the other twice.
+    circles : (m, 3) ndarray of float64
+        Centre and radius of these circles, rounded. The radius is negative if the circle is
+        touched from its inside, in the overlap of three disks.
+    convex_hull : (h, 2) ndarray of int32
+        Pairs of disks with a common tangent that no disk crosses, counter-clockwise, each from the
+        second of the one before to the first of the next. A large disk may occur several times. Of
+        disks that touch one such tangent from the same side, each makes a pair with the next.
+    hidden : (k, ) ndarray of int32
+        Rows within a disk of another row, in ascending order: also those that touch its boundary
+        from inside. They have no cell.
+    duplicates : (j, 2) ndarray of int32
+        Rows equal to a row before, unless hidden, each with the first such row, which stands for
+        them.
+    skipped : (i,) ndarray of int32
+        Rows skipped because they are not finite.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> graph = liftmesh.apollonius([[-4, 0], [4, 0], [0, 0]], [3, 3, 0.5])
+    >>> graph.simplices.tolist()  # the circles above and below
+    [[0, 1, 2], [0, 2, 1]]
+    >>> graph.circles[0].round(6).tolist()
+    [0.0, -1.95, 1.45]
+    >>> graph.edges.tolist()
+    [[0, 1], [0, 1], [0, 2], [1, 2]]
+    """
+
+    def __repr__(self) -> str:
+        skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""
+        return (
+            f"<ApolloniusGraph: {len(self.simplices):,} triangles over {len(self.radii):,} disks, "
+            f"{len(self.hidden):,} hidden, {len(self.duplicates):,} duplicates{skipped}>"
         )
-    _check_range(disks, np.flatnonzero(finite))
-    return disks
+
+    @property
+    def edges(self) -> Rows:
+        """Pairs of disks whose cells share a side, (e, 2) int32, in ascending order.
+
+        A pair stands there once for each side: disks between which another stands may share two.
+        """
+        # Of its two sides, of triangles or of the hull, one is in ascending order.
+        sides = self.simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
+        pairs = np.concatenate([sides, self.convex_hull[:, ::-1]])
+        pairs = pairs[pairs[:, 0] < pairs[:, 1]]
+        return pairs[np.lexsort(pairs.T[::-1])]
+
+    def verify(
+        self, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Certificate:
+        """Verify exactly that this is the Delaunay graph of its disks.
+
+        The same as ``liftmesh.verify(graph)``. Nothing is taken for granted: the arrays may come
+        from any program. The checks are: in each triangle no disk is within another, and a circle
+        touches its disks in their order; every side is the reverse of one other; what separates two
+        cells leads from the circle on one side of their edge to that on the other, forward; the
+        hull winds around once; and every other row is within another disk, or equal to a row with
+        triangles. That suffices: the cells are then star-shaped about their centres, tile the
+        plane, and are the true ones. Ties are checked too, and `circles`, which have to be those of
+        `apollonius`, bit for bit: circles that another program has rounded are a flaw of the kind
+        "other_circles", and the only one if all else is right.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`. The certificate is the same for any number.
+        progress : callable, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            True if this is a Delaunay graph of the disks; ``canonical`` is whether it is also the
+            one that `apollonius` returns, in whatever order its triangles are and wherever its hull
+            begins. Its member is "apollonius".
+
+        Raises
+        ------
+        InputError
+            An array has another shape or type, or the disks are none that `apollonius` takes.
+        NonFiniteError
+            A coordinate or a radius is not finite, and no row is said to be skipped.
+
+        Notes
+        -----
+        O(n) on n disks of which none is hidden, and O(n log n) on the hull. If there are hidden
+        rows, a disk that contains each is looked for as `apollonius` does it, and takes as long;
+        whether it contains the row is decided apart from that.
+
+        Examples
+        --------
+        >>> from dataclasses import replace
+        >>> import liftmesh
+        >>> graph = liftmesh.apollonius([[0, 0], [6, 0], [0, 6], [6, 6]], [2, 1, 1, 1])
+        >>> print(graph.verify())
+        valid: these 2 triangles are the canonical Delaunay graph of disks of 4 rows
+        >>> print(replace(graph, simplices=graph.simplices[:, ::-1]).verify().flaws[0].text)
+        2 triangles have no circle that touches their disks in their order
+        """
+        # Only those who ask need it.
+        from liftmesh.disks.verification import verify_graph  # noqa: PLC0415
+
+        return verify_graph(self, threads=threads, progress=progress)
+
+    def neighbors_of(self, row: int) -> Rows:
+        """Return the disks whose cells meet that of a disk.
+
+        Parameters
+        ----------
+        row : int
+            A row.
+
+        Returns
+        -------
+        (k,) ndarray of int32
+            In ascending order, each once; empty for a row that is hidden, a duplicate or skipped.
+
+        Raises
+        ------
+        InputError
+            It is no number of a row, or there is no such row.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.apollonius([[0, 0], [5, 0], [0, 5]], [1, 1, 1]).neighbors_of(2)
+        array([0, 1], dtype=int32)
+        """
+        if as_count("row", row, 0) >= len(self.radii):
+            raise InputError(f"there is no row {row} among {len(self.radii):,} disks")
+        edges = self.edges
+        return np.unique(edges[:, ::-1][edges == row])
+
+    def cell_sides(self, box: ArrayLike, tolerance: float) -> list[tuple[tuple[int, int], Floats]]:
+        """Return the sides of all cells in a box, as polylines.
+
+        A side is an arc of a hyperbola, or a segment between equal disks. The points are rounded;
+        between them, chords are at most `tolerance` off the arc.
+
+        Parameters
+        ----------
+        box : (4,) array_like
+            The least x and y, and the greatest. Sides are cut off there.
+        tolerance : float
+            Positive, in the unit of the coordinates; 2^-46 of those of the box at least. No more
+            than the longer side of the box counts.
+
+        Returns
+        -------
+        list of tuple
+            For each piece the two disks whose cells share it, the lower row first, and its points,
+            (k, 2) float64.
+
+        Raises
+        ------
+        InputError
+            They are no numbers, the box is not finite or has no area, or the tolerance is not
+            positive or not finite, near the rounding of coordinates, or so small that there are too
+            many points to hold.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1])
+        >>> [(disks, line)] = graph.cell_sides((0, -1, 4, 1), 0.1)
+        >>> disks, line.round(9).tolist()
+        ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
+        """
+        limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
+        return list(pieces_in(traced(self, limits, length)))
 
 
-def _non_finite(disks: Floats, row: int, *, skippable: bool) -> NonFiniteError:
-    if not np.isfinite(disks[row, :2]).all():
-        return non_finite(row, disks[row, :2], skippable=skippable)
-    advice = ", or skip them with nonfinite='skip'" if skippable else " first"
-    return NonFiniteError(
-        f"row {row} has the radius {float(disks[row, 2])!r}: remove such rows{advice}", row=row
-    )
+def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
+    values = as_numbers("box is", box, "give real numbers")
+    if values.shape != (4,) or not np.isfinite(values).all():
+        raise InputError(f"box is {shown(box)}: give four finite numbers")
+    x, y, right, upper = values.tolist()
+    if not (x < right and y < upper):
+        raise InputError(f"box is {shown(box)}: give the least x and y, then the greatest")
+    return x, y, right, upper
 
 
-def _check_range(disks: Floats, rows: Indices) -> None:
-    digits, *ends = _kernel.binary_range(disks[rows])
-    if digits <= _kernel.WIDEST_RANGE_OF_DISKS:
-        return
-    finest, largest = rows[ends].tolist()
-    (small, large) = (tuple(disks[row].tolist()) for row in (finest, largest))
-    named = f"rows {finest} and {largest}, {small} and {large}, span"
-    raise InputError(
-        f"{named if finest != largest else f'row {finest}, {small}, spans'} {digits} binary digits "
-        f"from the lowest to the highest, and {_kernel.WIDEST_RANGE_OF_DISKS} are exact: round "
-        "what is far smaller than the rest"
-    )
+def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
+    """Convert how far polylines may be from their arcs."""
+    value = as_numbers("tolerance is", tolerance, "give real numbers")
+    is_number = value.shape == () and not isinstance(tolerance, bool | np.bool_)
+    if not (is_number and 0 < value < np.inf):
+        raise InputError(f"tolerance is {shown(tolerance)}: give a positive, finite number")
+    limits = np.asarray(box, dtype=np.float64)
+    least = float(np.abs(limits).max()) * _FINEST
+    if value < least:
+        raise InputError(
+            f"tolerance is {shown(tolerance)}, near the rounding of coordinates of the box: give "
+            f"{least:.2g} at least"
+        )
+    longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
+    return min(float(value), longer)

@@ -48,7 +48,7 @@ class TooManyPointsError(Exception):
 class Polylines(NamedTuple):
     """Points along arcs."""
 
-    starts: Integers
+    starts: Integers  # of arcs, and the end; each has two points at least
     points: Floats
 
 
@@ -56,13 +56,13 @@ class Polylines(NamedTuple):
 class Arcs:
     """Parts of the curves of points as far from a disk p as from a disk q, not smaller."""
 
-    rows: Rows
-    ends: Rows
-    focus: Floats
-    axis: Floats
-    radius_difference: Floats
+    rows: Rows  # p and q
+    ends: Rows  # the vertices at both ends, counter-clockwise about p; -1 if there is none
+    focus: Floats  # the centre of p
+    axis: Floats  # from there to the centre of q
+    radius_difference: Floats  # q's less p's
     power: Floats
-    turns: Floats
+    turns: Floats  # the directions of both ends, in radians from that of q
 
     @cached_property
     def centre_distance(self) -> Floats:
@@ -162,6 +162,8 @@ class Arcs:
         self, arc: Indices, low: Floats, high: Floats, box: Box, tolerance: float
     ) -> tuple[Mask, float]:
         """Return which chords are too far off, or pass p on the wrong side, and what is to come."""
+        # The second is about how many more points there will be after these are halved, counted
+        # where that is known: all of the arc is in the box, and each half is a quarter as high.
         mean, half = (low + high) / 2, (high - low) / 2
         difference = self.radius_difference[arc]
         meets, clearance = self._meets(arc, mean, half), self.clearance[arc]

@@ -1,4 +1,4 @@
-"""Atomic writing: write a temporary file, then rename it over the target.
+"""Atomic writing: a temporary file, then renamed over the target; and hidden folders to work in.
 
 A reader of the target sees the old file or the new one, never a part, and an error while writing
 leaves the old file as it was and no other file. On systems that support it, the temporary file has
@@ -8,12 +8,10 @@ the file it replaces. If the target is a symbolic link that the user has named, 
 to is replaced; a target that is not a regular file (a pipe, ``/dev/stdout``) cannot be replaced and
 is written at the end. What has a name that liftmesh chose is replaced itself, be it a link or not.
 
-Hidden folders to work in, which outlive neither their block nor, for long, their process.
-
-`atomic.remove_unfinished` removes those of a process that is ended in the middle. What a killed
-process leaves is removed when the next folder of its kind is made in the same place: each folder
-holds a file that is locked for as long as its process lives. A folder without that file, or with
-another name, is somebody else's.
+A working folder outlives neither its block nor, for long, its process. `remove_unfinished` removes
+those of a process that is ended in the middle. What a killed process leaves is removed when the
+next folder of its kind is made in the same place: each folder holds a file that is locked for as
+long as its process lives. A folder without that file, or with another name, is somebody else's.
 """
 
 from __future__ import annotations
@@ -48,6 +46,9 @@ _unfinished: set[tuple[int, str]] = set()
 # The folders of `working_folder` that may exist at the moment.
 unfinished_folders: set[Path] = set()
 _ATTEMPTS = 3  # at removing a folder in which another thread may still make files
+
+LOCK = "in-use"
+_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
 @contextmanager
@@ -95,18 +96,54 @@ def check_writable(path: str | os.PathLike[str]) -> None:
 
 
 @contextmanager
-def _held(target: Path) -> Iterator[BinaryIO]:
-    """Hold what is written to a pipe or a device, in which formats cannot go back."""
-    with target.open("wb") as stream:
-        held = io.BytesIO()
-        yield held
-        stream.write(held.getbuffer())
+def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
+    """Make a folder, and remove it with all that it holds in the end."""
+    here = Path(place).absolute()
+    _remove_abandoned(here, kind)
+    folder = here / f".liftmesh-{kind}-{os.urandom(8).hex()}"
+    unfinished_folders.add(folder)
+    try:
+        folder.mkdir(mode=0o700)
+        with _in_use(folder):
+            yield folder
+    finally:
+        if folder.exists():
+            shutil.rmtree(folder)
+        unfinished_folders.discard(folder)
+
+
+def remove_unfinished() -> None:
+    """Remove the temporary files and folders of this process, which is about to end at once."""
+    for folder, temporary in tuple(_unfinished):
+        with suppress(OSError):
+            os.unlink(temporary, dir_fd=folder)
+    for place in tuple(unfinished_folders) * _ATTEMPTS:
+        shutil.rmtree(place, ignore_errors=True)
 
 
 def _check_free(target: Path, *, overwrite: bool) -> None:
     if not overwrite and holds_data(target):
         reason = "this file exists, and is replaced with overwrite=True only"
         raise FileExistsError(errno.EEXIST, reason, str(target))
+
+
+@contextmanager
+def _named(target: Path) -> Iterator[None]:
+    """Add the file's name to an error: streams do not know it."""
+    try:
+        yield
+    except OSError as error:
+        add_name(error, str(target))
+        raise
+
+
+@contextmanager
+def _held(target: Path) -> Iterator[BinaryIO]:
+    """Hold what is written to a pipe or a device, in which formats cannot go back."""
+    with target.open("wb") as stream:
+        held = io.BytesIO()
+        yield held
+        stream.write(held.getbuffer())
 
 
 @contextmanager
@@ -134,25 +171,6 @@ def _new_file(target: Path) -> Iterator[BinaryIO]:
             _unfinished.discard((folder, temporary))
 
 
-def remove_unfinished() -> None:
-    """Remove the temporary files and folders of this process, which is about to end at once."""
-    for folder, temporary in tuple(_unfinished):
-        with suppress(OSError):
-            os.unlink(temporary, dir_fd=folder)
-    for place in tuple(unfinished_folders) * _ATTEMPTS:
-        shutil.rmtree(place, ignore_errors=True)
-
-
-@contextmanager
-def _named(target: Path) -> Iterator[None]:
-    """Add the file's name to an error: streams do not know it."""
-    try:
-        yield
-    except OSError as error:
-        add_name(error, str(target))
-        raise
-
-
 @contextmanager
 def _created(temporary: str, folder: int) -> Iterator[BinaryIO]:
     with ExitStack() as stack:
@@ -167,11 +185,19 @@ def _open_new(temporary: str, folder: int, stack: ExitStack) -> int:
         try:
             flags = _NAMELESS | os.O_RDWR
             return stack.enter_context(opened(".", flags, 0o666, folder=folder))
-        except OSError as error:
+        except OSError as error:  # pragma: no cover - other file systems
             if error.errno not in _NOT_NAMELESS:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR
     return stack.enter_context(opened(temporary, flags, 0o666, folder=folder))
+
+
+def _check_place(target: Path, folder: int) -> None:
+    """Raise if the folder was moved: the file would end up elsewhere."""
+    there = target.parent.is_dir() and os.path.samestat(target.parent.stat(), os.fstat(folder))
+    if not there:
+        reason = "cannot write here: the folder was moved or removed in the meantime"
+        raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
 
 
 def _keep_permissions(name: str, folder: int, stream: BinaryIO) -> None:
@@ -195,35 +221,6 @@ def _put_in_place(temporary: str, target: Path, folder: int) -> None:
         os.replace(temporary, target.name, src_dir_fd=folder, dst_dir_fd=folder)
     except OSError as error:
         raise type(error)(error.errno, error.strerror, str(target)) from error
-
-
-def _check_place(target: Path, folder: int) -> None:
-    """Raise if the folder was moved: the file would end up elsewhere."""
-    there = target.parent.is_dir() and os.path.samestat(target.parent.stat(), os.fstat(folder))
-    if not there:
-        reason = "cannot write here: the folder was moved or removed in the meantime"
-        raise FileNotFoundError(errno.ENOENT, reason, str(target.parent))
-
-
-LOCK = "in-use"
-_WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
-
-
-@contextmanager
-def working_folder(place: str | os.PathLike[str], kind: str) -> Iterator[Path]:
-    """Make a folder, and remove it with all that it holds in the end."""
-    here = Path(place).absolute()
-    _remove_abandoned(here, kind)
-    folder = here / f".liftmesh-{kind}-{os.urandom(8).hex()}"
-    unfinished_folders.add(folder)
-    try:
-        folder.mkdir(mode=0o700)
-        with _in_use(folder):
-            yield folder
-    finally:
-        if folder.exists():
-            shutil.rmtree(folder)
-        unfinished_folders.discard(folder)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Rows
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import confirmed_depth
 
@@ -27,6 +27,22 @@ PARTS = (*POSITION, *COLOR, ALPHA, *NORMAL)  # of a point
 def type_in_text(name: str, dtype: np.dtype) -> np.dtype:
     """Return the type of a column of text; coordinates are doubles."""
     return np.dtype(np.float64) if name in POSITION and dtype.kind == "f" else dtype
+
+
+def taken_together(columns: dict[str, Array], names: tuple[str, ...]) -> Array | None:
+    """Remove and return columns that belong together, as one array; None if not all are there."""
+    if not all(name in columns and columns[name].ndim == 1 for name in names):
+        return None
+    return np.stack([columns.pop(name) for name in names], axis=1)
+
+
+def taken_points(columns: dict[str, Array], rows: int) -> Floats:
+    """Remove and return the coordinates; those that are not there are 0."""
+    points = np.zeros((rows, len(POSITION)))
+    for position, name in enumerate(POSITION):
+        if name in columns:
+            points[:, position] = columns.pop(name)
+    return points
 
 
 class CloudBuilder:

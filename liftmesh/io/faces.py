@@ -1,22 +1,28 @@
-"""Faces as files hold them: checked, and split into triangles if they are polygons.
+"""Faces as files hold them: rows of different lengths, checked, and split into triangles.
 
-Rows of different lengths in one flat array: polygons of any size, lists of a PLY file.
-
-Lengths keep the type in which a file states them: rows of one byte each must not take eight bytes
-of memory for their lengths alone. What is computed from them is computed in runs of few rows and
-values, for the same reason.
+A `Ragged` holds such rows in one flat array: polygons of any size, and lists of a PLY file. Lengths
+keep the type in which a file states them: rows of one byte each must not take eight bytes of memory
+for their lengths alone. What is computed from them is computed in runs of few rows and values, for
+the same reason.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.errors import FormatError
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+
+_ROWS = 1 << 18  # rows copied at a time: Ctrl-C takes effect in between
+_RUN = 1 << 16  # rows, and values, of a run
 
 
 def outside(vertex: int, vertices: int) -> str:
@@ -40,6 +46,46 @@ def triangulated(
     if size >= 3 and np.all(faces.sizes == size):
         return _fans_of_one_size(faces.values.reshape(-1, size))
     return _fans(faces)
+
+
+def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
+    """Return (m, 3) faces as int32; raise if one refers to a vertex that does not exist."""
+    if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
+        raise FormatError(
+            f"{name}: faces must be an (m, 3) array of integers, "
+            f"not {faces.dtype} of shape {faces.shape}"
+        )
+    if not _within(faces, vertices):
+        wrong = (faces < 0) | (faces >= vertices)
+        row, corner = (int(each) for each in np.argwhere(wrong)[0])
+        raise FormatError(f"{name}: face {row} {outside(int(faces[row, corner]), vertices)}")
+    return faces.astype(np.int32, copy=False)
+
+
+def face_counts(faces: Ragged) -> dict[str, int]:
+    """Count the polygons and degenerate faces, for a cloud's metadata."""
+    counts = {
+        "polygons": int((faces.sizes > 3).sum()),
+        "degenerate_faces": int((faces.sizes < 3).sum()),
+    }
+    return {key: count for key, count in counts.items() if count}
+
+
+def faces_of(cloud: Cloud) -> Rows:
+    """Return the faces of a cloud: an empty array if it has none."""
+    return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+
+
+def narrowed(faces: Array) -> Array:
+    """Return faces as int32; as they are if one is beyond it, for whoever checks them."""
+    limits = np.iinfo(np.int32)
+    fit = not faces.size or (faces.min() >= limits.min and faces.max() <= limits.max)
+    return faces.astype(np.int32, copy=False) if fit else faces
+
+
+def _within(indices: Array, vertices: int) -> bool:
+    """Whether every index is that of a vertex, computed without a mask as large as the mesh."""
+    return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
 
 
 def _fans_of_one_size(polygons: Array) -> Rows:
@@ -78,45 +124,6 @@ def _fill(triangles: Rows, sizes: Array, corners: Array) -> int:
     some[:, 1] = corners[second]
     some[:, 2] = corners[second + 1]
     return len(second)
-
-
-def face_counts(faces: Ragged) -> dict[str, int]:
-    """Count the polygons and degenerate faces, for a cloud's metadata."""
-    counts = {
-        "polygons": int((faces.sizes > 3).sum()),
-        "degenerate_faces": int((faces.sizes < 3).sum()),
-    }
-    return {key: count for key, count in counts.items() if count}
-
-
-def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
-    """Return (m, 3) faces as int32; raise if one refers to a vertex that does not exist."""
-    if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
-        raise FormatError(
-            f"{name}: faces must be an (m, 3) array of integers, "
-            f"not {faces.dtype} of shape {faces.shape}"
-        )
-    if not _within(faces, vertices):
-        wrong = (faces < 0) | (faces >= vertices)
-        row, corner = (int(each) for each in np.argwhere(wrong)[0])
-        raise FormatError(f"{name}: face {row} {outside(int(faces[row, corner]), vertices)}")
-    return faces.astype(np.int32, copy=False)
-
-
-def narrowed(faces: Array) -> Array:
-    """Return faces as int32; as they are if one is beyond it, for whoever checks them."""
-    limits = np.iinfo(np.int32)
-    fit = not faces.size or (faces.min() >= limits.min and faces.max() <= limits.max)
-    return faces.astype(np.int32, copy=False) if fit else faces
-
-
-def _within(indices: Array, vertices: int) -> bool:
-    """Whether every index is that of a vertex, computed without a mask as large as the mesh."""
-    return indices.size == 0 or bool(indices.min() >= 0 and indices.max() < vertices)
-
-
-_ROWS = 1 << 18  # rows copied at a time: Ctrl-C takes effect in between
-_RUN = 1 << 16  # rows, and values, of a run
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,17 +199,6 @@ def gathered(values: Array, starts: Integers, sizes: Integers) -> Array:
     return found
 
 
-def _gathered_evenly(values: Array, starts: Integers, size: int) -> Array | None:
-    """The same for starts at equal distances, as in lines of triangles; None for others."""
-    step = int(starts[1] - starts[0])
-    if step < size or starts[-1] + size > len(values) or (np.diff(starts) != step).any():
-        return None
-    (stride,) = values.strides
-    rows = as_strided(values[int(starts[0]) :], (len(starts), size), (step * stride, stride))
-    flat: Array = np.array(rows, order="C").reshape(-1)
-    return flat
-
-
 def _gathered_uniform(values: Array, starts: Integers, size: int) -> Array:
     if len(starts) == 1:
         return np.array(values[int(starts[0]) : int(starts[0]) + size])
@@ -213,4 +209,15 @@ def _gathered_uniform(values: Array, starts: Integers, size: int) -> Array:
         some = slice(row, row + max(_RUN // max(size, 1), 1))
         found[some] = values[starts[some, None] + np.arange(size)]
     flat: Array = found.reshape(-1)
+    return flat
+
+
+def _gathered_evenly(values: Array, starts: Integers, size: int) -> Array | None:
+    """The same for starts at equal distances, as in lines of triangles; None for others."""
+    step = int(starts[1] - starts[0])
+    if step < size or starts[-1] + size > len(values) or (np.diff(starts) != step).any():
+        return None
+    (stride,) = values.strides
+    rows = as_strided(values[int(starts[0]) :], (len(starts), size), (step * stride, stride))
+    flat: Array = np.array(rows, order="C").reshape(-1)
     return flat

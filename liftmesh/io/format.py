@@ -4,20 +4,14 @@ A format declares what a cloud must have to be written (`Format.needs`) and whic
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
 needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
 
-PLY and OBJ have no place for a coordinate system but comments: there it is ``crs`` and a JSON
-string. Metadata stand there too (`io.metadata`).
-
-Functions that are imported when they are first called.
-
-What is known of a format or of a type of object stands in a table, and its code in a module of its
-own: a command that reads a PLY file loads no other reader.
+What is known of a format stands in a table, and its code in a module of its own, which is imported
+at the first call (`LazyFunction`): a command that reads a PLY file loads no other reader.
 """
 
 from __future__ import annotations
 
 import inspect
-import json
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib import import_module
@@ -27,23 +21,20 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import used_rows
-from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.base.interruption import deferred
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.markup import ascii_string
+from liftmesh.io.precision import Origin, fits_single
 
-Origin: TypeAlias = tuple[float, float, float]
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
 ChunkReader: TypeAlias = Callable[..., Iterator[Cloud]]  # (stream, name, rows), and the same
 Writer: TypeAlias = Callable[..., Origin | None]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
 
 Read = TypeVar("Read")
-
-_CRS = "crs "  # begins the comment that states a coordinate system
 
 NEEDS = ("points", "faces", "finite")
 
@@ -166,6 +157,44 @@ class Format:
                 )
 
 
+class LazyFunction:
+    """A function of a module, which is imported at the first call."""
+
+    def __init__(self, module: str, name: str) -> None:
+        self.module = module
+        self.name = self.__name__ = name
+        self._function: Callable[..., Any] | None = None
+
+    def __call__(self, *values: Any, **options: Any) -> Any:
+        """Call the function."""
+        return self._imported()(*values, **options)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.module, self.name)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the other one stands for the same function."""
+        return isinstance(other, LazyFunction) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    def __repr__(self) -> str:
+        """Name the function in full."""
+        return f"{self.module}.{self.name}"
+
+    @property
+    def __wrapped__(self) -> Callable[..., Any]:
+        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
+        return self._imported()
+
+    def _imported(self) -> Callable[..., Any]:
+        if self._function is None:
+            with deferred():
+                self._function = getattr(import_module(self.module), self.name)
+        return self._function
+
+
 def configured(
     reader: Callable[..., Read], found: Format, name: str, options: Mapping[str, Any]
 ) -> Callable[..., Read]:
@@ -209,6 +238,19 @@ def check_before(found: Format, cloud: Cloud) -> None:
         found.check(cloud)
 
 
+def _check_finite(found: Format, cloud: Cloud) -> None:
+    held = _held(found, cloud)
+    bad = ~np.isfinite(held).all(axis=1)
+    if bad.any():
+        row = int(np.argmax(bad))
+        if cloud.faces is not None and len(held) < len(cloud):
+            row = int(used_rows(len(cloud), cloud.faces)[row])
+        raise FormatError(
+            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
+            "only: remove such rows, or write PLY or OBJ"
+        )
+
+
 def dropped(
     found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
@@ -221,32 +263,13 @@ def dropped(
     if {"alpha", "deep_colors"} <= {*lost} and fits_eight_bits(cloud.colors[:, :3]):  # type: ignore[index]
         lost.remove("deep_colors")  # only alpha has more than eight bits
     is_said = "float64" in losses
-    if "float64" not in kept and (is_said or not _fits_single(_held(found, cloud), origin)):
+    if "float64" not in kept and (is_said or not fits_single(_held(found, cloud), origin)):
         lost.append("float64")
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
-        names += metadata.lost(cloud.metadata)
+        names += metadata.dropped_entries(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
     return (*names, *named, *metadata.not_read(cloud.metadata))
-
-
-def lost_values(name: str) -> str:
-    """Name values that a format does not keep, for `Format.loses`."""
-    return f"{name} (values)" if name in CONTENT else name
-
-
-def _names(cloud: Cloud, word: str) -> list[str]:
-    """Name a part of a cloud: attributes and metadata one by one."""
-    if word == "attributes":
-        return sorted(cloud.attributes)
-    if word == "metadata":
-        return metadata.named(metadata.user_entries(cloud.metadata))
-    return [CONTENT[word]]
-
-
-def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
-    """List the attributes that a file holds under other names, with these."""
-    return () if found.renames is None else tuple(found.renames(cloud).items())
 
 
 def _has(cloud: Cloud, word: str) -> bool:
@@ -266,102 +289,31 @@ def _has(cloud: Cloud, word: str) -> bool:
     return part is not None and len(part) > 0
 
 
+def _has_unused_rows(cloud: Cloud) -> bool:
+    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
+
+
+def _names(cloud: Cloud, word: str) -> list[str]:
+    """Name a part of a cloud: attributes and metadata one by one."""
+    if word == "attributes":
+        return sorted(cloud.attributes)
+    if word == "metadata":
+        return metadata.named(metadata.user_entries(cloud.metadata))
+    return [CONTENT[word]]
+
+
+def dropped_values(name: str) -> str:
+    """Name values that a format does not keep, for `Format.loses`."""
+    return f"{name} (values)" if name in CONTENT else name
+
+
+def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
+    """List the attributes that a file holds under other names, with these."""
+    return () if found.renames is None else tuple(found.renames(cloud).items())
+
+
 def _held(found: Format, cloud: Cloud) -> Floats:
     """The points that a file holds: all, or those of the faces."""
     if "points" in found.keeps or cloud.faces is None:
         return cloud.points
     return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)
-
-
-def _has_unused_rows(cloud: Cloud) -> bool:
-    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
-
-
-def _fits_single(points: Floats, origin: Origin | None) -> bool:
-    """Whether all coordinates, relative to an origin, round-trip through single precision."""
-    shift = np.zeros(3) if origin is None else np.array(origin)
-    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        again = (points - shift).astype(np.float32).astype(np.float64) + shift
-    return np.array_equal(again, points, equal_nan=True)
-
-
-def _check_finite(found: Format, cloud: Cloud) -> None:
-    held = _held(found, cloud)
-    bad = ~np.isfinite(held).all(axis=1)
-    if bad.any():
-        row = int(np.argmax(bad))
-        if cloud.faces is not None and len(held) < len(cloud):
-            row = int(used_rows(len(cloud), cloud.faces)[row])
-        raise FormatError(
-            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
-            "only: remove such rows, or write PLY or OBJ"
-        )
-
-
-def crs_comment(crs: str | None) -> list[str]:
-    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none."""
-    return [] if crs is None else [_CRS + ascii_string(crs)]
-
-
-def stated_crs(comments: Iterable[str]) -> str | None:
-    """The coordinate system that comments state; None for comments that only look alike."""
-    found = (_crs(comment) for comment in comments if comment.startswith(_CRS))
-    return next((crs for crs in found if crs is not None), None)
-
-
-OWN = "liftmesh"  # the comment that begins every header
-
-
-def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
-    """Return the comments that are not liftmesh's own: its name, and the coordinate system."""
-    return tuple(
-        comment
-        for comment in comments
-        if comment != OWN and (crs is None or stated_crs([comment]) != crs)
-    )
-
-
-def _crs(comment: str) -> str | None:
-    try:
-        crs = json.loads(comment.removeprefix(_CRS))
-    except (ValueError, RecursionError):
-        return None
-    return crs if is_crs(crs) else None
-
-
-class LazyFunction:
-    """A function of a module, which is imported at the first call."""
-
-    def __init__(self, module: str, name: str) -> None:
-        self.module = module
-        self.name = self.__name__ = name
-        self._function: Callable[..., Any] | None = None
-
-    def __call__(self, *values: Any, **options: Any) -> Any:
-        """Call the function."""
-        return self._imported()(*values, **options)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.module, self.name)
-
-    def __eq__(self, other: object) -> bool:
-        """Whether the other one stands for the same function."""
-        return isinstance(other, LazyFunction) and repr(self) == repr(other)
-
-    def __hash__(self) -> int:
-        return hash(repr(self))
-
-    def __repr__(self) -> str:
-        """Name the function in full."""
-        return f"{self.module}.{self.name}"
-
-    @property
-    def __wrapped__(self) -> Callable[..., Any]:
-        """The function itself: what `inspect.signature` and `inspect.unwrap` look at."""
-        return self._imported()
-
-    def _imported(self) -> Callable[..., Any]:
-        if self._function is None:
-            with deferred():
-                self._function = getattr(import_module(self.module), self.name)
-        return self._function

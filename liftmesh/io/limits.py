@@ -4,12 +4,11 @@ A compressed or instanced file can hold far more than its bytes, and each column
 memory for its name and its array, however short the table. What a file would take is computed from
 what it states, and compared with the limit before anything is built.
 
-What JSON takes in memory once it is parsed, counted from its text before that.
-
-Marks of the text are counted: each brace begins an object, each bracket a list, and each comma an
-entry of one of them, perhaps with a number. Strings are cheap if they are keys that come again,
-because Python holds equal keys once, and dear if they are keys that do not. To tell them apart
-takes about as long as parsing, so all are taken for new keys first, which suffices for most files.
+What JSON takes once it is parsed is counted from the marks of its text: each brace begins an
+object, each bracket a list, and each comma an entry of one of them, perhaps with a number. Strings
+are cheap if they are keys that come again, because Python holds equal keys once, and dear if they
+are keys that do not. To tell them apart takes about as long as parsing, so all are taken for new
+keys first, which suffices for most files.
 """
 
 from __future__ import annotations
@@ -25,6 +24,16 @@ LEAST = 1 << 28  # bytes that the content of any file may take
 # bytes in the file, 20 to 40, for each of which 20 are allowed.
 COLUMN_BYTES = 2000
 MOST_COLUMNS = 10_000
+
+# Bytes at most, with their share of growing tables: CPython 3.10 to 3.14, 64 bits.
+_OBJECT, _LIST, _ENTRY = 210, 90, 40
+_KEY, _STRING = 170, 60
+
+# What the text takes itself, for each of its bytes: it is held as bytes, and as characters of up
+# to four bytes if one of them needs as many.
+_ASCII, _OTHER = 2, 5
+
+_STRINGS = re.compile(rb'"([^"]*)"([ \t\r\n]*:)?')
 
 
 def limit_of(max_bytes: int | None, usual: int, least: int = LEAST) -> int:
@@ -50,17 +59,6 @@ def check_expanded(needed: int, limit: int, name: str, what: str, remedy: str = 
             f"{name}: {what} expands to {needed:,} bytes, more than the limit of {limit:,}: "
             f"{remedy}if you trust the file, raise it with max_bytes="
         )
-
-
-# Bytes at most, with their share of growing tables: CPython 3.10 to 3.14, 64 bits.
-_OBJECT, _LIST, _ENTRY = 210, 90, 40
-_KEY, _STRING = 170, 60
-
-# What the text takes itself, for each of its bytes: it is held as bytes, and as characters of up
-# to four bytes if one of them needs as many.
-_ASCII, _OTHER = 2, 5
-
-_STRINGS = re.compile(rb'"([^"]*)"([ \t\r\n]*:)?')
 
 
 def bytes_of_text(text: bytes) -> int:

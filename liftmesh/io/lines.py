@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Integers, Mask
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
 
 BLOCK = 1 << 17  # lines taken at a time, at most
@@ -284,6 +284,15 @@ def promised(lines: Lines, wanted: int, what: str, name: str) -> Iterator[Block]
             )
         yield block
         left -= len(block)
+
+
+def check_end(lines: Lines, name: str) -> None:
+    """Raise for lines beyond those that a header promises: they would be lost."""
+    if len(lines.take(1)):
+        raise FormatError(
+            f"{name}: line {lines.number}: more rows follow than the header promises: "
+            "correct its counts"
+        )
 
 
 def leading_comments(

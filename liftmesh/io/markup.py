@@ -1,12 +1,9 @@
-"""Parsing JSON of files: the interpreter is held meanwhile, and no signal is heard.
+"""JSON and XML in files: what is parsed, and how texts are written.
 
-So the text is limited, without embedded buffers, which take no time. And Python's search for
-reference cycles is put off: it would look again and again at all that is there already, for up to
-four fifths of the time, and JSON holds no cycles.
-
-Numbers in JSON: those of files may be text, booleans, or too large for a double.
-
-Texts in XML: which characters it can hold, and how they are written.
+While JSON is parsed, the interpreter is held, and no signal is heard. So the text is limited,
+without embedded buffers, which take no time. And Python's search for reference cycles is put off:
+it would look again and again at all that is there already, for up to four fifths of the time, and
+JSON holds no cycles. Numbers of files may be text, booleans, or too large for a double.
 """
 
 from __future__ import annotations
@@ -24,6 +21,9 @@ _MOST = 1 << 25
 _EMBEDDED = b'"data:'
 _LONG = 1000  # shorter strings may be keys, and their number matters
 
+# XML 1.0 has no other characters below the blank, no surrogates, and not these two.
+_IMPOSSIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
+
 
 def parsed(text: bytes | str) -> object:
     """Parse a text; raise ValueError or RecursionError if it is not JSON."""
@@ -34,6 +34,14 @@ def parsed(text: bytes | str) -> object:
     finally:
         if was_enabled:
             gc.enable()
+
+
+def parsed_or_none(text: str | bytes) -> object:
+    """Parse a short text in UTF-8; None if it is not JSON."""
+    try:
+        return json.loads(text if isinstance(text, str) else text.decode())
+    except (ValueError, RecursionError):
+        return None
 
 
 def without_buffers(text: bytes) -> bytes:
@@ -48,11 +56,6 @@ def without_buffers(text: bytes) -> bytes:
     return b"".join([*parts, text[done:]]) if parts else text
 
 
-def ascii_string(text: str) -> str:
-    """Return a text as a JSON string of printable ASCII."""
-    return json.dumps(text).replace("\x7f", "\\u007f")
-
-
 def check_length(text: bytes, name: str) -> None:
     """Raise if a text without embedded buffers is too long to be parsed while signals wait."""
     if len(text) > _MOST:
@@ -60,6 +63,11 @@ def check_length(text: bytes, name: str) -> None:
             f"{name}: its JSON without embedded buffers has {len(text):,} bytes, more than the "
             f"limit of {_MOST:,}: if you trust the file, give its content a limit with max_bytes="
         )
+
+
+def ascii_string(text: str) -> str:
+    """Return a text as a JSON string of printable ASCII."""
+    return json.dumps(text).replace("\x7f", "\\u007f")
 
 
 def finite_numbers(values: object, count: int) -> list[float] | None:
@@ -83,10 +91,6 @@ def shown(values: object) -> str:
     listed = values[:4] if isinstance(values, list) else [values]
     texts = (type(v).__name__ if isinstance(v, list | dict) else repr(v) for v in listed)
     return ", ".join(map(shortened, texts))
-
-
-# XML 1.0 has no other characters below the blank, no surrogates, and not these two.
-_IMPOSSIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def is_possible(text: str) -> bool:

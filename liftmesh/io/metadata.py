@@ -12,10 +12,13 @@ holds it without loss (tuples come back as lists) and it is not too long; others
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+
+from liftmesh.base.cloud import is_crs
+from liftmesh.io.markup import ascii_string, parsed_or_none
 
 # What readers note; `read` sets "source" and "format" of every cloud.
 _LABELS = ("source", "format")
@@ -32,11 +35,14 @@ TRANSFORMATION = "transformation"
 LIFTED = "triangulated_by"
 """The entry that says by what the points of a mesh were lifted, if not to the paraboloid."""
 
+OWN = "liftmesh"  # the comment that begins every header
+
 # Lines of a file, which PLY keeps as such.
 LINES = ("comments", "obj_info")
 
-_STATED = "metadata "  # begins the comment that states an entry
-_OWN = (_STATED, "crs ", "property ", "color_depth ")  # and those that state something else
+# What begins the comments that state a coordinate system, an entry, or something else.
+_CRS, _STATED = "crs ", "metadata "
+_STATEMENTS = (_STATED, _CRS, "property ", "color_depth ")
 
 # Characters of an entry, and of all: a line of a PLY header is as long at most, and objects of
 # Python take up to 64 times their JSON.
@@ -131,7 +137,7 @@ def _has_short_lines(key: str, value: Any, text: str) -> bool:
     return all(len(str(_text(key, [each]))) <= LONGEST for each in value)
 
 
-def lost(metadata: Mapping[str, Any]) -> list[str]:
+def dropped_entries(metadata: Mapping[str, Any]) -> list[str]:
     """Name the entries that files cannot store, as `Written.dropped` does."""
     stored = storable(metadata)
     return named(key for key in user_entries(metadata) if key not in stored)
@@ -140,6 +146,35 @@ def lost(metadata: Mapping[str, Any]) -> list[str]:
 def named(keys: Iterable[object]) -> list[str]:
     """Name entries by their keys."""
     return [f"metadata {key}" for key in keys]
+
+
+def header_comments(
+    crs: str | None, entries: Mapping[str, Any], given: Sequence[str], stated: Iterable[str] = ()
+) -> list[str]:
+    """The comments of a header: our own, with other statements among them, then the caller's."""
+    own = [OWN, *crs_comment(crs), *stated, *statements(entries, "comments")]
+    listed = [given] if isinstance(given, str) else given
+    return [*own, *(each for each in listed if each not in own)]
+
+
+def crs_comment(crs: str | None) -> list[str]:
+    """Comments that state a coordinate system: one, in ASCII whatever the text holds, or none."""
+    return [] if crs is None else [_CRS + ascii_string(crs)]
+
+
+def stated_crs(comments: Iterable[str]) -> str | None:
+    """The coordinate system that comments state; None for comments that only look alike."""
+    stated = (comment.removeprefix(_CRS) for comment in comments if comment.startswith(_CRS))
+    return next((str(crs) for crs in map(parsed_or_none, stated) if is_crs(crs)), None)
+
+
+def others(comments: Iterable[str], crs: str | None) -> tuple[str, ...]:
+    """Return the comments that are not liftmesh's own: its name, and the coordinate system."""
+    return tuple(
+        comment
+        for comment in comments
+        if comment != OWN and (crs is None or stated_crs([comment]) != crs)
+    )
 
 
 def statements(entries: Mapping[str, Any], *lines: str) -> list[str]:
@@ -159,7 +194,7 @@ def _line(key: str, line: str) -> str:
 
 def _is_plain(line: str) -> bool:
     is_bare = line.isascii() and line.isprintable() and line == line.strip()
-    is_own = line == "liftmesh" or line.startswith(_OWN)
+    is_own = line == OWN or line.startswith(_STATEMENTS)
     is_marked = line.startswith("#") or line.endswith("\\")  # which mean something in OBJ
     return is_bare and not is_own and not is_marked and len(line) <= LONGEST
 
@@ -191,10 +226,7 @@ def stated(comments: Iterable[str]) -> dict[str, Any]:
 
 def parsed(text: str) -> dict[str, Any] | None:
     """Parse an object of entries; None if a text is anything else. Lines become tuples again."""
-    try:
-        found = json.loads(text) if len(text) <= _MOST else None
-    except (ValueError, RecursionError):
-        return None
+    found = parsed_or_none(text) if len(text) <= _MOST else None
     if not isinstance(found, dict):
         return None
     return _with_lines({key: found[key] for key in found if key not in (*_LABELS, *_NOTES)})
@@ -210,7 +242,7 @@ def as_text(entries: Mapping[str, Any]) -> str:
 
 
 # What else stands in the extras of a glTF scene.
-NOTE = "liftmesh"  # the origin, and the names of attributes
+NOTE = OWN  # the origin, and the names of attributes
 _TAKEN = ("origin", "crs", "metadata", NOTE)
 
 

@@ -1,4 +1,4 @@
-"""The origin of files in single precision.
+"""What floating-point numbers hold: the origin of files in single precision, and whole numbers.
 
 A float has 24 bits: at 5,200,000 m its steps are half a metre. If rounding the coordinates along an
 axis would move a vertex by more than a millionth of the model's size, an origin near the smallest
@@ -7,16 +7,15 @@ models smaller than one unit. x and y get it together: both are of one map, wher
 next to a large northing would else be rounded far more than the northing. The file records the
 origin, and its reader adds it again.
 
-Whether floating-point numbers hold whole ones exactly, decided in whole numbers.
-
-Converting there and back does not tell: 2**63 - 1 becomes the double 2**63, which is beyond the
-type, and what that becomes depends on the machine.
+Whether doubles hold whole numbers exactly is decided in whole numbers: converting there and back
+does not tell, since 2**63 - 1 becomes the double 2**63, which is beyond the type, and what that
+becomes depends on the machine.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -26,10 +25,11 @@ from liftmesh.io.markup import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Origin
 
 
-TOLERANCE = 1e-6
+Origin: TypeAlias = tuple[float, float, float]
+
+TOLERANCE = 1e-6  # of the size of a model, by which rounding may move a vertex
 
 
 def needed_origin(points: Floats, what: str) -> Origin | None:
@@ -81,6 +81,14 @@ def with_origin(cloud: Cloud, origin: Origin | None) -> Cloud:
         points=cloud.points + np.array(origin),
         metadata={**cloud.metadata, "origin": origin},
     )
+
+
+def fits_single(points: Floats, origin: Origin | None) -> bool:
+    """Whether all coordinates, relative to an origin, round-trip through single precision."""
+    shift = np.zeros(3) if origin is None else np.array(origin)
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        again = (points - shift).astype(np.float32).astype(np.float64) + shift
+    return np.array_equal(again, points, equal_nan=True)
 
 
 def checked_origin(values: object, name: str) -> Origin:

@@ -1,6 +1,7 @@
 """read(), read_chunks() and read_cloud(): from files, streams and objects to clouds.
 
-Readers of chunks: of formats that are read whole, and of colours whose depth all rows decide.
+Formats that have no reader of chunks are read whole, then split. The depth of colours is decided
+once, from all chunks of a file.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import TRANSFORMATION, Label
 from liftmesh.io.registry import as_cloud, find_format
-from liftmesh.io.selection import ClassChoice, Selection, Selector, checked, selected
+from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
 
 if TYPE_CHECKING:
@@ -162,7 +163,7 @@ def read(  # noqa: PLR0913 - options are keywords
     """
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
-    chosen = checked(
+    chosen = validate_selection(
         classes=classes,
         returns=returns,
         bbox=bbox,
@@ -247,7 +248,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     rows = as_count("rows", rows, 1)
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
-    chosen = checked(
+    chosen = validate_selection(
         classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
     )
     if chosen is not None and chosen.classes == "ground":
@@ -277,6 +278,44 @@ def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) 
     if isinstance(source, str | os.PathLike):
         return read(source, max_bytes=max_bytes, **options)
     return as_cloud(source, **options)
+
+
+def split(reader: Reader) -> ChunkReader:
+    """Make a chunk reader from a reader of whole files."""
+
+    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        cloud = reader(stream, name)
+        for start in range(0, len(cloud), rows):
+            yield cloud.select(slice(start, start + rows))
+
+    return chunks
+
+
+def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
+    """Make a chunk reader that decides the depth of colours once, from all chunks of a file."""
+
+    def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
+        begin = stream.tell()
+        pieces = chunks(stream, name, rows)
+        first = next(pieces, None)
+        if first is None:
+            return
+        if known is not None or first.color_depth is None:
+            yield first
+            yield from pieces
+            return
+        depths = [first.color_depth, *map(_depth, pieces)]
+        depth = None if None in depths else max(filter(None, depths))
+        stream.seek(begin)
+        for piece in chunks(stream, name, rows):
+            yield piece if depth is None else piece.with_color_depth(depth)
+
+    return uniform
+
+
+def _depth(piece: Cloud) -> int | None:
+    is_narrow = piece.colors is not None and piece.colors.dtype == np.uint8
+    return 8 if is_narrow else piece.color_depth
 
 
 def _chunks(
@@ -309,6 +348,24 @@ def _selecting(reader: Reader, found: Format, chosen: Selection | None) -> Reade
     if found.selects:
         return partial(reader, selection=chosen)
     return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
+
+
+def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
+    if found.read is None:
+        raise FormatError(
+            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
+        )
+    return _limited(configured(found.read, found, name, options), found, limit)
+
+
+def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
+    """Set the limit of a reader, if its format expands; others take none."""
+    return partial(reader, max_bytes=limit) if found.expands else reader
+
+
+def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
+    labels = {"source": Label(name), "format": Label(found.name)}
+    return replace(cloud, metadata={**cloud.metadata, **labels})
 
 
 def _changed(
@@ -366,59 +423,3 @@ def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
     if has_unit and isinstance(raster := entries.get("raster"), Mapping):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
     return entries
-
-
-def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    labels = {"source": Label(name), "format": Label(found.name)}
-    return replace(cloud, metadata={**cloud.metadata, **labels})
-
-
-def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
-    if found.read is None:
-        raise FormatError(
-            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
-        )
-    return _limited(configured(found.read, found, name, options), found, limit)
-
-
-def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
-    """Set the limit of a reader, if its format expands; others take none."""
-    return partial(reader, max_bytes=limit) if found.expands else reader
-
-
-def split(reader: Reader) -> ChunkReader:
-    """Make a chunk reader from a reader of whole files."""
-
-    def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        cloud = reader(stream, name)
-        for start in range(0, len(cloud), rows):
-            yield cloud.select(slice(start, start + rows))
-
-    return chunks
-
-
-def of_one_depth(chunks: ChunkReader, known: int | None) -> ChunkReader:
-    """Make a chunk reader that decides the depth of colours once, from all chunks of a file."""
-
-    def uniform(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        begin = stream.tell()
-        pieces = chunks(stream, name, rows)
-        first = next(pieces, None)
-        if first is None:
-            return
-        if known is not None or first.color_depth is None:
-            yield first
-            yield from pieces
-            return
-        depths = [first.color_depth, *map(_depth, pieces)]
-        depth = None if None in depths else max(filter(None, depths))
-        stream.seek(begin)
-        for piece in chunks(stream, name, rows):
-            yield piece if depth is None else piece.with_color_depth(depth)
-
-    return uniform
-
-
-def _depth(piece: Cloud) -> int | None:
-    is_narrow = piece.colors is not None and piece.colors.dtype == np.uint8
-    return 8 if is_narrow else piece.color_depth

@@ -42,7 +42,7 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
 
 @dataclass(frozen=True, slots=True)
 class Selection:
-    """Checked conditions on rows; `checked` makes them of what a caller gives."""
+    """Checked conditions on rows; `validate_selection` makes them of what a caller gives."""
 
     classes: frozenset[int] | Literal["ground"] | None = None
     returns: Returns | None = None
@@ -53,7 +53,7 @@ class Selection:
     resolution: float | None = None
 
 
-def checked(
+def validate_selection(
     *,
     classes: ClassChoice = None,
     returns: Returns | None = None,
@@ -283,7 +283,7 @@ def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
     return {**found} if all(isinstance(each, int) for each in found.values()) else {}
 
 
-def described(counts: Mapping[str, int]) -> str:
+def selection_sentence(counts: Mapping[str, int]) -> str:
     """Say in a sentence which rows were selected."""
     kind = {1: "ground (class 2): ", 0: "no ground (class 2), so all classes: "}
     first = kind.get(counts.get("ground", -1), "")

@@ -25,9 +25,9 @@ from liftmesh.io.selection import (
     ClassChoice,
     Selection,
     Selector,
-    checked,
     class_column,
     found_selection,
+    validate_selection,
 )
 from liftmesh.io.streams import suffix_of
 
@@ -81,7 +81,7 @@ def _ground_of(name: str, choices: Mapping[str, Any]) -> dict[str, int]:
     """Say whether a file has ground, and whether rows would be selected without."""
     conditions = {key: each for key, each in choices.items() if key in _CONDITIONS}
     others = {key: each for key, each in choices.items() if key not in (*_CONDITIONS, *_SYSTEMS)}
-    selector = Selector(checked(**conditions) or Selection(), name)
+    selector = Selector(validate_selection(**conditions) or Selection(), name)
     for cloud in read_chunks(name, **others):
         places = dict(zip(POSITION, cloud.points.T, strict=True))
         selector.rows(len(cloud), {**cloud.attributes, **places})

@@ -29,7 +29,8 @@ from liftmesh.io.streams import (
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Format, Origin
+    from liftmesh.io.format import Format
+    from liftmesh.io.precision import Origin
 
 
 _KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only

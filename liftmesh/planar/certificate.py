@@ -6,14 +6,20 @@ can confirm that it is theirs.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import numpy as np
+
+from liftmesh._typing import Array
+
 FORMAT = "liftmesh certificate"
 FORMAT_VERSION = 1
 OF_MEMBERS = 2  # of other triangulations than Delaunay's, which readers of version 1 do not know
+_HASHED_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
@@ -270,3 +276,12 @@ def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return repr(value)
     return value
+
+
+def sha256_of(array: Array, dtype: str) -> str:
+    """Hash the values in one form, for any layout, without copying the whole array."""
+    digest = hashlib.sha256()
+    for first in range(0, len(array), _HASHED_AT_ONCE):
+        piece = np.ascontiguousarray(array[first : first + _HASHED_AT_ONCE], dtype=dtype)
+        digest.update(piece.data)
+    return digest.hexdigest()

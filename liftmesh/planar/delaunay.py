@@ -20,16 +20,15 @@ from liftmesh.base.options import (
     RowOrder,
     as_folder,
     as_switch,
+    as_threads,
     check_option,
     check_progress,
     counted,
 )
-from liftmesh.base.threads import as_threads
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.planar.counters import Counters
-from liftmesh.planar.lifting import given_vertex, resolve_q
-from liftmesh.planar.meshes import rows_of
-from liftmesh.planar.metric import as_metric
+from liftmesh.planar.kinds import as_metric
+from liftmesh.planar.lifting import Counters, given_vertex, resolve_q
+from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
@@ -224,6 +223,13 @@ def _folder(
 def _by_metric(form: Floats, run: _kernel.Run) -> _kernel.Outcome:
     (a, b), (_, c) = form.tolist()
     return _kernel.delaunay_by_metric(run[0], a, b, c, *run[1:])
+
+
+def solve_farthest(rows: Floats, *, copy: bool = False) -> dict[str, Any]:
+    """Compute what a farthest-point `Delaunay` is made of, the upper hull."""
+    planar = rows.copy() if copy else rows
+    outcome, hidden = _kernel.farthest(planar, False, *as_threads(None, len(rows)), None)
+    return solution_of(outcome, rows, planar, "engine", None, {"hidden": hidden})
 
 
 def solution_of(

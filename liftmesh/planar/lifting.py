@@ -1,8 +1,12 @@
-"""Lifting of planar points to a paraboloid, and the lower hull of the lifted points.
+"""Lifting of planar points, and the lower hull of the lifted points.
 
 A planar point p is lifted to z = (x - qx)^2 + (y - qy)^2, where q is the vertex of the paraboloid.
 The lower facets of the convex hull of the lifted points project to the Delaunay triangles. q
 changes the heights, never the triangles.
+
+A metric lifts to another quadratic form, and weights lower the rows. All these heights are rounded,
+and shown to those who ask for the lifted points: no triangle depends on them, for the kernel
+decides by exact signs of the coordinates, the weights, the radii and the metric themselves.
 """
 
 from __future__ import annotations
@@ -14,52 +18,18 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_reals, as_rows3, read_only
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.planar.meshes import rows_of
+from liftmesh.planar.points import rows_of
 
 if TYPE_CHECKING:
     import trimesh
 
+    from liftmesh import _kernel
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import Written
-    from liftmesh.planar.counters import Counters
-
-
-def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
-    """Convert the option q to the coordinates of the paraboloid's vertex."""
-    vertex = given_vertex(q)
-    if vertex is not None:
-        return vertex
-    return (0.0, 0.0) if isinstance(q, str) and q == "origin" else _median(points)
-
-
-def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
-    """Validate the option q, and return the point if it is one."""
-    if isinstance(q, str):
-        if q in ("origin", "median"):
-            return None
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
-    try:
-        with np.errstate(all="ignore"):
-            pair = as_reals(q)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)") from error
-    if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
-    return float(pair[0]), float(pair[1])
-
-
-def _median(points: Reals) -> tuple[float, float]:
-    """Coordinate-wise median of the finite rows, computed at half scale if it would overflow."""
-    finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
-    if len(finite) == 0:
-        return 0.0, 0.0
-    scale = 0.5 if np.abs(finite).max() > 2.0**1022 else 1.0
-    x, y = np.median(finite * scale, axis=0) / scale
-    return float(x), float(y)
 
 
 def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
@@ -123,8 +93,98 @@ def project(points: ArrayLike) -> Floats:
     return read_only(as_rows3(rows_of(points))[:, :2])
 
 
+def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
+    """Convert the option q to the coordinates of the paraboloid's vertex."""
+    vertex = given_vertex(q)
+    if vertex is not None:
+        return vertex
+    return (0.0, 0.0) if isinstance(q, str) and q == "origin" else _median(points)
+
+
+def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
+    """Validate the option q, and return the point if it is one."""
+    if isinstance(q, str):
+        if q in ("origin", "median"):
+            return None
+        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
+    with np.errstate(all="ignore"):
+        pair = as_numbers("q is", q, "give 'origin', 'median' or a point (qx, qy)")
+    if pair.shape != (2,) or not np.isfinite(pair).all():
+        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
+    return float(pair[0]), float(pair[1])
+
+
+def _median(points: Reals) -> tuple[float, float]:
+    """Coordinate-wise median of the finite rows, computed at half scale if it would overflow."""
+    finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
+    if len(finite) == 0:
+        return 0.0, 0.0
+    scale = 0.5 if np.abs(finite).max() > 2.0**1022 else 1.0
+    x, y = np.median(finite * scale, axis=0) / scale
+    return float(x), float(y)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heights:
+    """The heights of points: those of a paraboloid or a metric, less the weights."""
+
+    metric: Floats | None = None
+    weights: Floats | None = None
+    radii: Floats | None = None
+
+    def lifted(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
+        """Lift points without weight."""
+        if self.metric is None:
+            return lift(points, q)
+        placed = np.empty((len(points), 3))
+        placed[:, :2] = points
+        with np.errstate(all="ignore"):
+            placed[:, 2] = self._product(points - q, points - q)
+        return placed
+
+    def lifted_rows(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
+        """Lift the rows, each lowered by its weight."""
+        lifted = self.lifted(points, q)
+        with np.errstate(all="ignore"):
+            if self.weights is not None:
+                lifted[:, 2] -= self.weights
+            elif self.radii is not None:
+                lifted[:, 2] -= self.radii * self.radii
+        return lifted
+
+    def planes(self, points: Floats, simplices: Rows) -> Floats:
+        """Compute the planes of lifted triangles."""
+        a, b, c = (points[corner] for corner in simplices.T)
+        u, v = b - a, c - a
+        with np.errstate(all="ignore"):
+            rise_u = self._product(u, a + b) - self._lowering(*simplices[:, :2].T)
+            rise_v = self._product(v, a + c) - self._lowering(*simplices[:, ::2].T)
+            area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+            slope_x = (rise_u * v[:, 1] - rise_v * u[:, 1]) / area
+            slope_y = (rise_v * u[:, 0] - rise_u * v[:, 0]) / area
+            at_a = self._product(a, a) - self._lowering(None, simplices[:, 0])
+            height = at_a - slope_x * a[:, 0] - slope_y * a[:, 1]
+            planes = np.stack([slope_x, slope_y, np.full_like(area, -1.0), height], axis=1)
+            unit: Floats = planes / np.sqrt(slope_x**2 + slope_y**2 + 1)[:, None]
+        return unit
+
+    def _product(self, u: Floats, v: Floats) -> Floats:
+        """Inner products of vectors, row by row."""
+        product: Floats = (u * (v if self.metric is None else v @ self.metric)).sum(axis=1)
+        return product
+
+    def _lowering(self, start: Rows | None, end: Rows) -> Floats | float:
+        """By how much rows are lowered more than others, or than points without weight."""
+        if self.weights is not None:
+            return self.weights[end] - (0.0 if start is None else self.weights[start])
+        if self.radii is None:
+            return 0.0
+        first = 0.0 if start is None else self.radii[start]
+        return (self.radii[end] - first) * (self.radii[end] + first)
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LowerHull:
+class LowerHull(FrozenResult):
     """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
     Parameters
@@ -154,12 +214,6 @@ class LowerHull:
     q: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"
@@ -250,3 +304,79 @@ class LowerHull:
         from liftmesh.io.write import write  # noqa: PLC0415
 
         return write(path, self.to_cloud(), **options)
+
+
+REJECTIONS = ("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)", "4.3 (v)", "4.4")
+
+
+@dataclass(frozen=True, slots=True)
+class Counters:
+    """The work of a gift wrapping run, in the paper's terms.
+
+    Parameters
+    ----------
+    calls : int
+        Calls of the procedure, one for each edge processed.
+    candidate_planes : int
+        Planes (a, b, p) with a downward normal that were tried.
+    evaluations : int
+        Points compared with a plane by a dot product, not counting a, b and p themselves; for
+        "lfres-indexed" every point of the grid cells searched.
+    rejected : dict of str to int
+        Points classified by comparing coordinates alone, by proposition: above the plane for
+        ``"4.3 (i)"`` to ``"4.3 (v)"``, below it for ``"4.4"``.
+    undecided : int
+        Evaluations whose sign was uncertain due to rounding, decided by the exact predicate.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> counters = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf").counters
+    >>> counters.candidate_planes
+    1
+    """
+
+    calls: int
+    candidate_planes: int
+    evaluations: int
+    rejected: dict[str, int]
+    undecided: int
+
+    @classmethod
+    def from_kernel(cls, counts: _kernel.Counts) -> Counters:
+        """Convert the numbers that the kernel returns.
+
+        Parameters
+        ----------
+        counts : tuple
+            Calls, candidate planes, evaluations, the six rejections, undecided.
+
+        Returns
+        -------
+        Counters
+            The same numbers by name.
+
+        Examples
+        --------
+        >>> Counters.from_kernel((1, 1, 9, (4, 0, 0, 0, 0, 2), 0)).rejected["4.4"]
+        2
+        """
+        calls, planes, evaluations, rejected, undecided = counts
+        by_name = dict(zip(REJECTIONS, rejected, strict=True))
+        return cls(calls, planes, evaluations, by_name, undecided)
+
+    @property
+    def points(self) -> int:
+        """Number of points examined, by a dot product or by their coordinates alone.
+
+        Returns
+        -------
+        int
+            The sum of evaluations and rejections.
+
+        Examples
+        --------
+        >>> Counters(1, 1, 5, {"4.3 (i)": 3}, 0).points
+        8
+        """
+        return self.evaluations + sum(self.rejected.values())

@@ -1,7 +1,13 @@
-"""What the classes that stand in for SciPy's share: their input, errors and incremental mode."""
+"""What the classes that stand in for SciPy's share: input, errors, incremental mode, options.
+
+Most options of Qhull control how it deals with its rounding errors, or what it prints. An exact
+triangulation needs none of them, so they have no effect. The others move, scale, rotate or leave
+out points, or choose other triangles.
+"""
 
 from __future__ import annotations
 
+import re
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
@@ -12,8 +18,7 @@ from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
-from liftmesh.planar import farthest
-from liftmesh.planar.delaunay import solve
+from liftmesh.planar.delaunay import solve, solve_farthest
 
 if TYPE_CHECKING:
     from scipy import spatial
@@ -106,7 +111,7 @@ class Growing:
 def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
     """Triangulate points, with the errors that SciPy's callers expect."""
     try:
-        return (farthest.solve if furthest_site else solve)(rows, copy=copy)
+        return (solve_farthest if furthest_site else solve)(rows, copy=copy)
     except DegenerateInputError as error:
         raise DegenerateQhullError(*error.args) from None
     except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
@@ -132,3 +137,43 @@ def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
             f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
             "dimensions"
         )
+
+
+_HARMLESS = re.compile(
+    r"d|Qt"  # a Delaunay triangulation, in triangles: SciPy's own
+    r"|Qbb|Qz|Qs|Qf|Qr|Qa"  # how the hull is built, and the lift scaled for that
+    r"|Qc|Qi"  # rows that are no vertex are listed in any case
+    r"|Qx|Qv|Q[0-9]|Q1[0-5]|C-0"  # how facets that rounding spoilt are merged
+    r"|Qw|Pp|Po|Ts|Tv|Tz|[finopsmx]|F\w"  # warnings, checks and printed output
+)
+_JOGGLES = re.compile(r"QJ.*|R\d.*")
+_OF_RESULT = {  # what there is instead, and where rows at one position are listed
+    "Delaunay": ("triangulation", "coplanar"),
+    "Voronoi": ("diagram", "duplicates"),
+}
+
+
+def check_qhull_options(options: str | None, kind: str = "Delaunay") -> None:
+    """Raise if options of Qhull would change a triangulation."""
+    if options is not None and not isinstance(options, str):
+        raise InputError(
+            f"qhull_options are a {type(options).__name__}: give a string, such as 'Qbb Qc Qz'"
+        )
+    for option in (options or "").split():
+        if not _HARMLESS.fullmatch(option):
+            raise InputError(f"qhull_options: {option!r} {_reason(option, kind)}")
+
+
+def _reason(option: str, kind: str) -> str:
+    result, listed = _OF_RESULT[kind]
+    if _JOGGLES.fullmatch(option):
+        return (
+            f"moves the points at random, for which an exact {result} has no need: leave it "
+            f"out (rows at one position stay duplicates, listed in `{listed}`)"
+        )
+    if option == "Qu":
+        return "is furthest_site=True here"
+    return (
+        f"may give another {result} than that of the points: leave it out, or use "
+        f"scipy.spatial.{kind}"
+    )

@@ -26,8 +26,7 @@ from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import as_switch
 from liftmesh.errors import InputError
 from liftmesh.optional import load
-from liftmesh.planar.qhull_options import check_qhull_options
-from liftmesh.planar.scipy_class import Growing, planar_rows, solved
+from liftmesh.planar.scipy_class import Growing, check_qhull_options, planar_rows, solved
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:

@@ -22,8 +22,7 @@ from liftmesh.base.arrays import read_only
 from liftmesh.base.options import as_switch
 from liftmesh.optional import load
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
-from liftmesh.planar.qhull_options import check_qhull_options
-from liftmesh.planar.scipy_class import Growing, planar_rows, solved
+from liftmesh.planar.scipy_class import Growing, check_qhull_options, planar_rows, solved
 
 if TYPE_CHECKING:
     from scipy import spatial

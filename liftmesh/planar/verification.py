@@ -1,12 +1,12 @@
 """`verify`: an exact test whether given triangles are the Delaunay triangulation of points.
 
 The kernel checks triangles, edges, the boundary and the rows. This module turns its numbers into a
-`Certificate`; offenders.py describes what it found.
+`Certificate`; violations.py describes what it found.
 """
 
 from __future__ import annotations
 
-import hashlib
+import os
 from collections.abc import Sequence, Sized
 from contextlib import suppress
 from typing import Any
@@ -17,19 +17,14 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite
-from liftmesh.base.options import NonFinite, as_switch, check_option, check_progress
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import NonFinite, as_switch, as_threads, check_option, check_progress
 from liftmesh.errors import InputError
-from liftmesh.planar.anisotropic_stars import AnisotropicStars
-from liftmesh.planar.certificate import Certificate, Flaw
-from liftmesh.planar.member import Member, as_member
-from liftmesh.planar.meshes import points_and_triangles
-from liftmesh.planar.offenders import MEANINGS, Evidence
+from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
+from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
+from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
 MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
-_HASHED_AT_ONCE = 1 << 20
 _REMEDY = "give the three rows of each triangle; cut other polygons into triangles first"
-
 _PREMATURE = {"invalid_index", "non_finite"}  # with these, neither edges nor rows are counted
 
 
@@ -140,22 +135,22 @@ def verify(  # noqa: PLR0913 - options are keywords
         return certificate
     if simplices is None:
         told = is_farthest or any(each is not None for each in given)
-        points, simplices, is_skipping, own = points_and_triangles(points, told=told)
+        points, simplices, is_skipping, own = _points_and_triangles(points, told=told)
         nonfinite = "skip" if is_skipping else nonfinite
         lifted_by |= own
     rows = as_coordinates(points)
-    member = as_member(len(rows), **lifted_by)
+    kind = as_kind(len(rows), **lifted_by)
     triangles = _as_triples(simplices)
     corners = _as_int32(triangles)
     most = max(len(rows), len(corners))
     count, shared = as_threads(threads, most)
     run = (rows, corners, nonfinite == "skip", count, shared, progress)
-    verdict = _kernel.verify(*run, member.kind, member.values)
+    verdict = _kernel.verify(*run, kind.name, kind.values)
     status, row, *_ = verdict
     if status == "non-finite":
-        raise member.non_finite(row) or non_finite(row, rows[row])
+        raise kind.non_finite(row) or non_finite(row, rows[row])
     sums = _sums(rows, triangles, count > 1 and most >= 2 * _kernel.ROWS_PER_THREAD)
-    certificate = _certify(rows, triangles, verdict, sums, member)
+    certificate = _certify(rows, triangles, verdict, sums, kind)
     if progress is not None:
         progress(1.0)
     return certificate
@@ -177,7 +172,7 @@ def _refuse_more(*are_given: bool) -> None:
 def _refuse_other_results(points: Any, simplices: Any) -> None:
     if _is_graph_of_disks(simplices):
         raise InputError("simplices are a graph of disks, which has its own points: give it alone")
-    if isinstance(points, AnisotropicStars):
+    if hasattr(type(points), "inconsistent"):  # `AnisotropicStars`, of a module above
         raise InputError(
             "anisotropic stars are no triangulation and cannot be verified: their `consistent` and "
             "`inconsistent` say which stars agree"
@@ -185,6 +180,36 @@ def _refuse_other_results(points: Any, simplices: Any) -> None:
     if hasattr(points, "ring_corners"):  # of a room above
         own = "their `graph`" if hasattr(points, "graph") else "the triangulation they are dual to"
         raise InputError(f"cells are no triangulation and cannot be verified: give {own}")
+
+
+def _points_and_triangles(
+    mesh: Any, *, told: bool = False
+) -> tuple[Array, Array, bool, dict[str, Any]]:
+    """Return the planar points and the triangles of a mesh."""
+    solved = getattr(mesh, "triangulation", None)  # of a `Surface`, whose plane may be any
+    said = (lambda _: {}) if told else options_of
+    lifted_by = said(mesh if solved is None else solved)
+    if solved is not None and hasattr(mesh, "faces"):
+        return solved.points, mesh.faces, len(solved.skipped) > 0, lifted_by
+    if hasattr(mesh, "points") and hasattr(mesh, "simplices"):
+        return mesh.points, mesh.simplices, len(getattr(mesh, "skipped", ())) > 0, lifted_by
+    if hasattr(mesh, "get_masked_triangles"):  # of matplotlib
+        return np.column_stack([mesh.x, mesh.y]), mesh.get_masked_triangles(), False, {}
+    cloud = _as_mesh(mesh)
+    return cloud.points, cloud.faces, False, said(cloud)
+
+
+def _as_mesh(mesh: Any) -> Any:
+    from liftmesh.io.read import read_cloud  # noqa: PLC0415 - arrays do without
+
+    cloud = read_cloud(mesh)
+    if cloud.faces is None or not len(cloud.faces):
+        what = repr(mesh) if isinstance(mesh, str | os.PathLike) else f"a {type(mesh).__name__}"
+        raise InputError(
+            f"{what} without triangles cannot be verified: give a mesh, or give simplices besides; "
+            "simplices need the shape (m, 3)"
+        )
+    return cloud
 
 
 def _as_triples(simplices: ArrayLike) -> Array:
@@ -252,19 +277,19 @@ def _certify(
     given: Array,
     verdict: _kernel.Verdict,
     sums: tuple[str, str],
-    member: Member,
+    kind: TriangulationKind,
 ) -> Certificate:
     _, _, skipped, vertices, merged, hidden, interior_edges, boundary_edges, places = verdict
-    evidence = Evidence(rows, given, member)
+    violations = TriangleViolations(rows, given, kind)
     found = zip(MEANINGS, places, strict=True)
-    flaws = {kind: evidence.flaw(kind, *counted) for kind, counted in found if counted[0]}
+    flaws = {name: violations.flaw(name, *counted) for name, counted in found if counted[0]}
     is_counted = not flaws.keys() & _PREMATURE
     edges = interior_edges + boundary_edges
     if is_counted:
         flaws |= _disk_flaw(len(given), vertices, edges, boundary_edges)
     missing = flaws["missing_vertices"].count if "missing_vertices" in flaws else 0
     # Of lifts that may hide rows, those without a vertex are judged if nothing else is wrong.
-    is_judged = not member.may_hide or not flaws.keys() - {"not_canonical", "missing_vertices"}
+    is_judged = not kind.may_hide or not flaws.keys() - {"not_canonical", "missing_vertices"}
     others = len(rows) - skipped - vertices - missing - hidden
     return Certificate(
         rows=len(rows),
@@ -279,10 +304,10 @@ def _certify(
         points_sha256=sums[0],
         simplices_sha256=sums[1],
         version=_kernel.VERSION,
-        member=member.kind,
+        member=kind.name,
         hidden=hidden if is_counted and is_judged else None,
-        metric=member.metric,
-        values_sha256=member.values_sha256,
+        metric=kind.metric,
+        values_sha256=sha256_of(kind.values, "<f8") if kind.has_values else None,
     )
 
 
@@ -306,10 +331,10 @@ def _sums(rows: Reals, given: Array, in_parallel: bool) -> tuple[str, str]:
         from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - few runs need it
 
         with suppress(RuntimeError), ThreadPoolExecutor(1) as pool:  # "can't start new thread"
-            other = pool.submit(_sha256, *points)
-            own = _sha256(*triangles)
+            other = pool.submit(sha256_of, *points)
+            own = sha256_of(*triangles)
             return other.result(), own
-    return _sha256(*points), _sha256(*triangles)
+    return sha256_of(*points), sha256_of(*triangles)
 
 
 def _narrowest(given: Array) -> str:
@@ -320,12 +345,3 @@ def _narrowest(given: Array) -> str:
     if least >= -(2**31) and most < 2**31:
         return "<i4"
     return "<i8" if most < 2**63 else "<u8"
-
-
-def _sha256(array: Array, dtype: str) -> str:
-    """Hash the values in one form, for any layout, without copying the whole array."""
-    digest = hashlib.sha256()
-    for first in range(0, len(array), _HASHED_AT_ONCE):
-        piece = np.ascontiguousarray(array[first : first + _HASHED_AT_ONCE], dtype=dtype)
-        digest.update(piece.data)
-    return digest.hexdigest()

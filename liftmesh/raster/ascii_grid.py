@@ -91,10 +91,10 @@ class AsciiGrid:
         self._said[key.lower()] = number
 
     def _count(self, key: str) -> int:
-        found = self._said.get(key, 0.0)
-        if not (1 <= found < 1 << 53 and found == int(found)):
-            raise self._wrong(f"{key} is {found:g}: it must be a whole number from 1")
-        return int(found)
+        number = self._said.get(key, 0.0)
+        if not (1 <= number < 1 << 53 and number == int(number)):
+            raise self._wrong(f"{key} is {number:g}: it must be a whole number from 1")
+        return int(number)
 
     def _placed(self) -> Transform:
         width, height = (self._step(key) for key in ("dx", "dy"))
@@ -102,31 +102,31 @@ class AsciiGrid:
         return Transform(width, 0.0, left, 0.0, -height, lower + self.height * height)
 
     def _step(self, key: str) -> float:
-        found = self._said.get(key, self._said.get("cellsize", 0.0))
-        if not 0 < found < math.inf:
-            raise self._wrong(f"cellsize is {found:g}: it must be a positive number")
-        return found
+        size = self._said.get(key, self._said.get("cellsize", 0.0))
+        if not 0 < size < math.inf:
+            raise self._wrong(f"cellsize is {size:g}: it must be a positive number")
+        return size
 
     def _corner(self, axis: str, step: float) -> float:
         corner, center = (self._said.get(key) for key in _CORNERS[axis])
-        found = corner if center is None else center - step / 2
-        if found is None or not math.isfinite(found) or (corner is not None and center is not None):
+        place = corner if center is None else center - step / 2
+        if place is None or not math.isfinite(place) or (corner is not None and center is not None):
             raise self._wrong(f"a grid needs either {' or '.join(_CORNERS[axis])}")
-        return found
+        return place
 
     def _numbers(self, block: Block) -> Floats:
         """Parse the heights; there must be neither more nor fewer than the keywords say."""
         wanted, there = self.width * self.height, 0
         parts: list[Array] = []
         while len(block):
-            found = ragged_numbers(block, self._name)
-            ends = np.cumsum(found.sizes) + there
+            numbers = ragged_numbers(block, self._name)
+            ends = np.cumsum(numbers.sizes) + there
             if ends[-1] > wanted:
                 line = block.numbers[int(np.argmax(ends > wanted))]
                 raise FormatError(
                     f"{self._name}: line {line}: {self._promise} numbers, more follow"
                 )
-            parts.append(found.values.astype(np.float64, copy=False))
+            parts.append(numbers.values.astype(np.float64, copy=False))
             there = int(ends[-1])
             block = self._lines.take(BLOCK)
         if there < wanted:

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_decimal, as_reals
+from liftmesh.base.arrays import as_decimal, as_numbers, as_reals
 from liftmesh.base.options import as_thousands, shown
 from liftmesh.errors import InputError
 
@@ -69,8 +69,8 @@ def bounds_of(bounds: object) -> tuple[float, float, float, float]:
 def _steps(resolution: Any) -> tuple[float, ...]:
     """Convert a resolution to width and height; zeros if it is none."""
     try:
-        found = as_reals(resolution)
-        return _numbers("resolution", np.repeat(found, 2) if found.ndim == 0 else found, 2)
+        steps = as_reals(resolution)
+        return _numbers("resolution", np.repeat(steps, 2) if steps.ndim == 0 else steps, 2)
     except (TypeError, ValueError, OverflowError, InputError):
         return (0.0, 0.0)
 
@@ -106,13 +106,10 @@ def _checked(transform: Sequence[float], rows: int, columns: int) -> Layout:
 
 def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
     """Convert an option to so many finite numbers."""
-    try:
-        found = as_reals(values)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(values)}: give {count} numbers") from error
-    if found.shape != (count,) or not np.isfinite(found).all():
+    numbers = as_numbers(f"{name} is", values, f"give {count} numbers")
+    if numbers.shape != (count,) or not np.isfinite(numbers).all():
         raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
-    return tuple(found.tolist())
+    return tuple(numbers.tolist())
 
 
 def _without_last_row(transform: Any) -> Any:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Raster:
+class Raster(FrozenResult):
     """Values of a surface at the centres of pixels, as `Surface.raster` returns them; read-only.
 
     Parameters
@@ -51,12 +51,6 @@ class Raster:
     crs: str | None = None
     quantity: str = "height"
     unit: str | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         rows, columns = self.values.shape
@@ -127,14 +121,14 @@ class Raster:
         >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").name
         'dtm.tif'
         """
-        found = Path(path)
-        check_name(found)
+        target = Path(path)
+        check_name(target)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)
         packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
-        with replacing(found) as stream:
+        with replacing(target) as stream:
             writer.write(stream, self.values, self.transform, crs, **packed)
-        return found
+        return target
 
 
 def written_system(crs: str | None, quantity: str) -> str | None:

@@ -44,7 +44,7 @@ from liftmesh.raster.blocks import (
     window_of,
     without_warnings,
 )
-from liftmesh.raster.sidecars import Transform, system_of, world_of
+from liftmesh.raster.sidecars import ALONE, Transform, system_of, world_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
@@ -52,10 +52,8 @@ _MOST_EXACT = 2**53
 _ESRI = -9999.0  # of grids that do not say it
 _TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in memory
-_ALONE = {
-    "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF",
-    "GTIFF_REPORT_COMPD_CS": "YES",  # the system of heights, also of files of GeoTIFF 1.0
-}  # fmt: skip
+# GDAL is also to say the system of heights, that of files of GeoTIFF 1.0, too.
+_SETTINGS = {**ALONE, "GTIFF_REPORT_COMPD_CS": "YES"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +67,7 @@ class RasterOptions:
 _DEFAULTS = RasterOptions()
 
 
-def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
     """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
@@ -100,7 +98,7 @@ def read_raster(
     data = without_wkt(data)
     with (
         _decoding(name),
-        rasterio.Env(**_ALONE),
+        rasterio.Env(**_SETTINGS),
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):
@@ -141,8 +139,8 @@ class _Raster:
             raise FormatError(f"{name}: there is no band {band}: give one from 1 to {file.count}")
         if np.dtype(file.dtypes[band - 1]).kind not in "iuf":
             raise FormatError(f"{name}: band {band} holds {file.dtypes[band - 1]}, not heights")
-        if self._is_plain and (found := world_of(name)):
-            self._transform, self._world = found
+        if self._is_plain and (placed := world_of(name)):
+            self._transform, self._world = placed
         if file.gcps[0] and self._is_plain:
             raise FormatError(
                 f"{name}: positions are given by control points: rectify it first (gdalwarp)"
@@ -220,21 +218,21 @@ class _Raster:
                 top += len(rows)
                 window = (rows.start, rows[-1] + 1), (columns.start, columns[-1] + 1)
                 steps = slice(None, None, rows.step), slice(None, None, columns.step)
-                found = self._file.read(self._band, window=window)[steps]
+                samples = self._file.read(self._band, window=window)[steps]
                 known = self._file.read_masks(self._band, window=window)[steps] != 0
-                known &= ~self._are_missing(found)
-                values[place], mask[place] = self._heights(found, known), known
+                known &= ~self._are_missing(samples)
+                values[place], mask[place] = self._heights(samples, known), known
             left = right
         return values, mask
 
     def _are_missing(self, values: Array) -> Mask:
         """Which numbers the caller says to stand for none, rounded as the file stores them."""
-        found = np.zeros(values.shape, np.bool_)
+        is_missing = np.zeros(values.shape, np.bool_)
         for mark in self._missing:
-            found |= values == mark
+            is_missing |= values == mark
             if values.dtype.kind == "f":
-                found |= values == np.float64(mark).astype(values.dtype)
-        return found
+                is_missing |= values == np.float64(mark).astype(values.dtype)
+        return is_missing
 
     def _heights(self, values: Array, known: Mask) -> Floats:
         """Apply scale and offset; the numbers themselves where there are none."""
@@ -253,9 +251,9 @@ class _Raster:
 
     def _positions(self, rows: Array, columns: Array) -> tuple[Floats, Floats]:
         """Return x and y of the centres of pixels."""
-        row, column, found = rows[:, None] + 0.5, columns[None, :] + 0.5, self._placed
-        x = found.a * column + found.b * row + found.c
-        y = found.d * column + found.e * row + found.f
+        row, column, transform = rows[:, None] + 0.5, columns[None, :] + 0.5, self._placed
+        x = transform.a * column + transform.b * row + transform.c
+        y = transform.d * column + transform.e * row + transform.f
         return x, y
 
     def _entries(self, samples: int) -> dict[str, Any]:
@@ -290,8 +288,8 @@ class _Raster:
         return tuple(notes)
 
     def _crs(self, data: bytes) -> str | None:
-        found = self._file.crs
-        text = system_of(self._name) if found is None else found.to_wkt()
+        system = self._file.crs
+        text = system_of(self._name) if system is None else system.to_wkt()
         if text is None or text.startswith(("LOCAL_CS", "ENGCRS")):
             text = wkt_in(data) or text
         return text if is_crs(text) else None

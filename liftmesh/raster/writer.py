@@ -8,6 +8,7 @@ written in windows, to a file in a folder of its own.
 from __future__ import annotations
 
 import errno
+import math
 import os
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
@@ -24,11 +25,11 @@ from liftmesh.crs.description import without_files
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import check_writable, replacing, working_folder
 from liftmesh.optional import load
+from liftmesh.raster.sidecars import ALONE
 
 _COMPRESSIONS = (None, "deflate", "lzw", "zstd")
 _TILE = 256
 _PIECE = 1 << 24
-_ALONE = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF"}
 
 
 def write(
@@ -42,19 +43,11 @@ def write(
     compress: str | None = "deflate",
 ) -> None:
     """Write one band, with NaN as nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
-    profile = {
-        "width": values.shape[1],
-        "height": values.shape[0],
-        "count": 1,
-        "dtype": values.dtype.name,
-        "transform": rasterio.Affine(*transform),
-        "crs": system,
-        "nodata": np.nan,
-        **(_cog(compress) if cog else _tiff(compress, values.nbytes)),
-    }
-    with rasterio.Env(**_ALONE), rasterio.MemoryFile() as memory:
+    driver = _cog(compress) if cog else _tiff(compress, values.nbytes)
+    profile = _profile(values.shape, values.dtype, transform, system) | driver
+    with rasterio.Env(**ALONE), rasterio.MemoryFile() as memory:
         with memory.open(**profile) as file:
             file.write(values, 1)
             _state_unit(file, unit)
@@ -75,24 +68,15 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     compress: str | None = "deflate",
 ) -> None:
     """Write one band from windows, which need not fit in memory together; NaN is nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     check_writable(path)
-    rows, columns = shape
-    profile = {
-        "width": columns,
-        "height": rows,
-        "count": 1,
-        "dtype": kind.name,
-        "transform": rasterio.Affine(*transform),
-        "crs": system,
-        "nodata": np.nan,
-        **_tiff(compress, rows * columns * kind.itemsize),
-    }
+    size = math.prod(shape) * kind.itemsize
+    profile = _profile(shape, kind, transform, system) | _tiff(compress, size)
     beside = Path(os.path.realpath(path)).parent
     with working_folder(beside, "raster") as folder:
         written = folder / "raster.tif"
-        with rasterio.Env(**_ALONE), _told(path):
+        with rasterio.Env(**ALONE), _told(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:
                 _state_unit(file, unit)
@@ -101,15 +85,67 @@ def write_windows(  # noqa: PLR0913 - options are keywords
                     file.write(values, 1, window=window)
                     sums.append((window, crc32(np.ascontiguousarray(values).data)))
             if cog:
-                written = _optimised(written, rows * columns * kind.itemsize, compress)
+                written = _optimised(written, size, compress)
             _check(written, sums)
         with written.open("rb") as source, replacing(path) as stream:
             shutil.copyfileobj(source, stream, _PIECE)
 
 
+def validate_geotiff_options(crs: str | None, compress: str | None) -> Any:
+    """Check what a file is asked to have, before there are values."""
+    if compress not in _COMPRESSIONS:
+        known = ", ".join(map(repr, _COMPRESSIONS))
+        raise InputError(f"compress is {shown(compress)}: give one of {known}")
+    if crs is None:
+        return None
+    rasterio = load("rasterio", extra="terrain")
+    errors = load("rasterio.errors", extra="terrain")
+    unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+    text = without_files(crs)
+    if text is None:
+        raise unknown
+    try:
+        with rasterio.Env(**ALONE):  # or GDAL prints what it raises
+            return rasterio.crs.CRS.from_user_input(text)
+    except (errors.CRSError, UnicodeError) as error:
+        raise unknown from error
+
+
+def _profile(
+    shape: tuple[int, ...], kind: np.dtype[Any], transform: Sequence[float], system: Any
+) -> dict[str, Any]:
+    """Return what rasterio is told of a raster of one band, in which NaN is nodata."""
+    rows, columns = shape
+    place = load("rasterio", extra="terrain").Affine(*transform)
+    size = {"width": columns, "height": rows, "count": 1, "dtype": kind.name}
+    return {**size, "transform": place, "crs": system, "nodata": np.nan}
+
+
+def _tiff(compress: str | None, size: int) -> dict[str, Any]:
+    options: dict[str, Any] = {"driver": "GTiff", "BIGTIFF": "YES" if size >> 31 else "NO"}
+    if compress is None:
+        return options
+    tiles = {"tiled": True, "blockxsize": _TILE, "blockysize": _TILE}
+    return {**options, **tiles, "compress": compress, "predictor": 3}
+
+
+def _cog(compress: str | None) -> dict[str, Any]:
+    options = {"driver": "COG", "compress": compress or "none", "resampling": "nearest"}
+    return options if compress is None else {**options, "predictor": "FLOATING_POINT"}
+
+
 def _state_unit(file: Any, unit: str | None) -> None:
     if unit is not None:
         file.set_band_unit(1, unit)
+
+
+def _optimised(path: Path, size: int, compress: str | None) -> Path:
+    """Copy a file as a cloud optimised one, beside it."""
+    copied = path.with_name("optimised.tif")
+    options = {**_cog(compress), "BIGTIFF": "YES"} if size >> 31 else _cog(compress)
+    load("rasterio.shutil", extra="terrain").copy(path, copied, **options)
+    path.unlink()
+    return copied
 
 
 @contextmanager
@@ -132,45 +168,3 @@ def _check(path: Path, sums: Sequence[tuple[Any, int]]) -> None:
         for window, expected in sums:
             if crc32(file.read(1, window=window)) != expected:
                 raise rasterio.errors.RasterioIOError(f"{path} holds other values")
-
-
-def _optimised(path: Path, size: int, compress: str | None) -> Path:
-    """Copy a file as a cloud optimised one, beside it."""
-    copied = path.with_name("optimised.tif")
-    options = {**_cog(compress), "BIGTIFF": "YES"} if size >> 31 else _cog(compress)
-    load("rasterio.shutil", extra="terrain").copy(path, copied, **options)
-    path.unlink()
-    return copied
-
-
-def checked(crs: str | None, compress: str | None) -> Any:
-    """Check what a file is asked to have, before there are values."""
-    if compress not in _COMPRESSIONS:
-        known = ", ".join(map(repr, _COMPRESSIONS))
-        raise InputError(f"compress is {shown(compress)}: give one of {known}")
-    if crs is None:
-        return None
-    rasterio = load("rasterio", extra="terrain")
-    errors = load("rasterio.errors", extra="terrain")
-    unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    text = without_files(crs)
-    if text is None:
-        raise unknown
-    try:
-        with rasterio.Env(**_ALONE):  # or GDAL prints what it raises
-            return rasterio.crs.CRS.from_user_input(text)
-    except (errors.CRSError, UnicodeError) as error:
-        raise unknown from error
-
-
-def _tiff(compress: str | None, size: int) -> dict[str, Any]:
-    options: dict[str, Any] = {"driver": "GTiff", "BIGTIFF": "YES" if size >> 31 else "NO"}
-    if compress is None:
-        return options
-    tiles = {"tiled": True, "blockxsize": _TILE, "blockysize": _TILE}
-    return {**options, **tiles, "compress": compress, "predictor": 3}
-
-
-def _cog(compress: str | None) -> dict[str, Any]:
-    options = {"driver": "COG", "compress": compress or "none", "resampling": "nearest"}
-    return options if compress is None else {**options, "predictor": "FLOATING_POINT"}

@@ -15,9 +15,8 @@ from liftmesh._typing import Rows
 from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
 from liftmesh.base.options import HullMethod, Method, check_option
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.planar.counters import Counters
-from liftmesh.planar.lifting import LowerHull
-from liftmesh.planar.meshes import rows_of
+from liftmesh.planar.lifting import Counters, LowerHull
+from liftmesh.planar.points import rows_of
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
 # process. No result depends on it.

@@ -1,12 +1,10 @@
-"""Changed copies of surfaces: other values for the same vertices, and vertices that were moved.
+"""Changed copies: clouds and surfaces with other values, and surfaces whose vertices were moved.
 
 A surface whose vertices move keeps its faces. If the planar coordinates stay bit for bit, as when
 heights are scaled, it keeps its triangulation too. If they change, the triangles must be those that
 `delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
 triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
 stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
-
-Colours, normals and named values that a caller gives apart from the points.
 """
 
 from __future__ import annotations
@@ -20,23 +18,28 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
-from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
-from liftmesh.planar.regular_triangulation import RegularTriangulation
+from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
+from liftmesh.terrain.surface_data import as_cloud
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
+_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
-def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
-    """Make a copy of a surface with other values for some of its parts."""
-    depth = given.get("color_depth")
-    parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
+
+def replaced(surface: AnySurface, depth: int | None = None, **given: Any) -> AnySurface:
+    """Make a copy of a surface with other values for some of its parts, those that are not `...`.
+
+    The depth is that of integer colours; None lets new values decide.
+    """
+    parts = as_parts({name: value for name, value in given.items() if value is not ...})
     if "vertices" in parts:
         parts["vertices"] = _vertices(parts["vertices"], surface)
     if depth is not None:
@@ -45,17 +48,20 @@ def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
         parts["colors"] = _colors(parts["colors"], surface.colors, depth)
     _check_lifting(surface, parts.get("attributes", {}))
     changed = replace(surface, **parts)
-    Cloud(  # which checks that the parts belong together
-        changed.vertices,
-        colors=changed.colors,
-        normals=changed.normals,
-        attributes=changed.attributes,
-        metadata=changed.metadata,
-        crs=changed.crs,
-    )
+    as_cloud(changed)  # which checks that the parts belong together
     if "vertices" not in parts:
         return changed
     return replace(changed, triangulation=_moved(surface, changed.vertices))
+
+
+def with_attributes(
+    surface: AnySurface,
+    attributes: Mapping[str, ArrayLike] | None,
+    named: Mapping[str, ArrayLike],
+) -> AnySurface:
+    """Make a copy of a surface with further named values."""
+    added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
+    return replaced(surface, attributes={**surface.attributes, **added, **named})
 
 
 def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:
@@ -118,14 +124,14 @@ def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
     if len(old.skipped):
         planar = planar.copy()
         planar[old.skipped] = np.nan
-    found = _at(planar, old)
+    triangulation = _at(planar, old)
     row, kept = old.duplicates.T
-    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(found):
+    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(triangulation):
         raise InputError(
             "the moved vertices have another triangulation than the surface: triangulate them, "
             "or move them along the normal of the plane only"
         )
-    return found
+    return triangulation
 
 
 def _at(planar: Floats, old: Triangulation) -> Triangulation:
@@ -137,10 +143,10 @@ def _at(planar: Floats, old: Triangulation) -> Triangulation:
     return Triangulation(*same, metric=old.metric)
 
 
-def _is_canonical(found: Triangulation) -> bool:
+def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
-    certificate = found.verify()
-    hidden = found.hidden if isinstance(found, RegularTriangulation) else ()
+    certificate = triangulation.verify()
+    hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
     return certificate.canonical and certificate.hidden == len(hidden)
 
 
@@ -148,9 +154,6 @@ def _from_least(hull: Rows, planar: Floats) -> Rows:
     """Let the rows of a hull begin at the lexicographically least point."""
     x, y = planar[hull].T
     return np.roll(hull, -int(np.lexsort((y, x))[0]))
-
-
-_WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
 def with_parts(cloud: Cloud, given: Mapping[str, Any]) -> Cloud:

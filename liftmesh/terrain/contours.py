@@ -13,22 +13,20 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_number, as_reals
-from liftmesh.base.frozen import constructed_from, freeze
-from liftmesh.base.options import as_count, as_thousands, shown
-from liftmesh.base.threads import as_threads
+from liftmesh.base.frozen import FrozenResult
+from liftmesh.base.options import as_count, as_thousands, as_threads, shown
 from liftmesh.errors import InputError
-from liftmesh.io.atomic import replacing
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.vector import geojson, geopackage
+from liftmesh.vector.lines import write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -66,7 +64,7 @@ class Contour:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Contours:
+class Contours(FrozenResult):
     """Contours of a surface, as `Surface.contours` returns them: a sequence of lines; read-only.
 
     A slice of them is `Contours`, too.
@@ -104,12 +102,6 @@ class Contours:
     closed: Array
     index: Array
     crs: str | None = None
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     def __repr__(self) -> str:
         return f"<Contours: {len(self):,} lines at {len(np.unique(self.levels)):,} levels>"
@@ -220,24 +212,11 @@ class Contours:
         >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").name
         'lines.geojson'
         """
-        found = Path(path)
-        check_name(found)
-        with replacing(found) as stream:
-            if found.suffix.lower() == ".gpkg":
-                self._write_geopackage(stream)
-            else:
-                self._write_geojson(stream)
-        return found
-
-    def _write_geojson(self, stream: BinaryIO) -> None:
-        features = (
-            ({"height": x.level, "index": x.index, "closed": x.closed}, x.points) for x in self
-        )
-        geojson.write(stream, features, self.crs)
-
-    def _write_geopackage(self, stream: BinaryIO) -> None:
+        target = Path(path)
+        check_name(target)
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        geopackage.write(stream, self.points, self.starts, columns, self.crs, "contours")
+        write_lines(target, self.points, self.starts, columns, self.crs, "contours")
+        return target
 
 
 def length_of(length: Any) -> float:
@@ -255,12 +234,12 @@ def check_name(path: Path) -> None:
 
 def contour_lines(
     surface: SurfaceData,
-    levels: ArrayLike | None = None,
+    levels: ArrayLike | None,
     *,
-    interval: float | None = None,
-    base: float = 0.0,
-    index_every: int = 5,
-    threads: int | None = None,
+    interval: float | None,
+    base: float,
+    index_every: int,
+    threads: int | None,
 ) -> Contours:
     """Compute lines of equal height."""
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
@@ -292,12 +271,12 @@ def wanted_levels(
 def _levels(name: str, values: Any) -> Floats:
     """Convert levels to finite numbers, ascending, each once."""
     try:
-        found = np.unique(as_reals(values))
+        heights = np.unique(as_reals(values))
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
-    if found.ndim != 1 or not np.isfinite(found).all():
+    if heights.ndim != 1 or not np.isfinite(heights).all():
         raise InputError(f"{name} are {shown(values)}: give finite heights")
-    return found
+    return heights
 
 
 def _multiples(

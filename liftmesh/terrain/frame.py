@@ -1,4 +1,4 @@
-"""Frame of a projection plane: planar coordinates and heights of points in space.
+"""Projection planes: planar coordinates and heights of points in space.
 
 For ``"xy"``, ``"xz"`` and ``"yz"`` the planar coordinates are two columns of the caller's: a view,
 no arithmetic. Every other plane is a rigid frame, an origin and three right-handed unit axes u, v
@@ -8,11 +8,10 @@ and normal: a row p has the planar coordinates (p - origin).u and (p - origin).v
 Products are summed column by column, not by a matrix product, so that equal rows have equal
 coordinates at any place in the array, and on every machine.
 
-The option ``plane``: from a name, a normal, a plane equation or a matrix to a `Frame`.
-
-The origin, unless the plane determines it, is in the middle of the rows, which keeps rounding
-errors small far from zero; if the axes are parallel to the coordinate axes it is on the normal
-through zero, and the planar coordinates are the caller's own numbers.
+The option ``plane`` is a name, a normal, an equation or a matrix (`resolve_plane`). The origin,
+unless the plane determines it, is in the middle of the rows, which keeps rounding errors small far
+from zero; if the axes are parallel to the coordinate axes it is on the normal through zero, and the
+planar coordinates are the caller's own numbers.
 """
 
 from __future__ import annotations
@@ -25,12 +24,11 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, as_reals, read_only
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import DegenerateInputError, InputError
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
-
 # The planar coordinates of named planes are two columns, as they are.
 _COLUMNS = {"xy": slice(0, 2), "xz": slice(0, 3, 2), "yz": slice(1, 3)}
 NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v and normal
@@ -38,10 +36,17 @@ NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v 
     "xz": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "yz": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
 }
+_DECOMPOSED_AT_ONCE = 1 << 19
+_RIGID = 1e-9
+_NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
+_REMEDY = (
+    "give 'xy', 'xz', 'yz', 'fit', a normal of three numbers, (a, b, c, d) of a plane "
+    "ax + by + cz + d = 0, a point and a normal, or a rigid 4x4 matrix"
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Frame:
+class Frame(FrozenResult):
     """A projection plane with its axes, read-only: converts points to coordinates and heights.
 
     Parameters
@@ -65,12 +70,6 @@ class Frame:
     name: str
     origin: Floats
     axes: Floats
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
 
     @property
     def normal(self) -> Floats:
@@ -208,23 +207,6 @@ class Frame:
         return result
 
 
-def _rows(points: Floats) -> Floats:
-    """Check rows in space; an array of float64 is returned itself."""
-    rows = as_coordinates(points)
-    if rows.shape[1] != 3:
-        raise InputError("points have two columns: a projection needs x, y and z")
-    return rows.astype(np.float64, copy=False)
-
-
-_DECOMPOSED_AT_ONCE = 1 << 19
-_RIGID = 1e-9
-_NOISE = 2.0**-46  # components of a fitted unit normal below this are rounding, not tilt
-_REMEDY = (
-    "give 'xy', 'xz', 'yz', 'fit', a normal of three numbers, (a, b, c, d) of a plane "
-    "ax + by + cz + d = 0, a point and a normal, or a rigid 4x4 matrix"
-)
-
-
 def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
     """Convert the option ``plane`` to a frame."""
     if isinstance(plane, str):
@@ -283,6 +265,17 @@ def _around(name: str, normal: Floats, centre: Floats, through: Floats | None = 
     return Frame(name, np.zeros(3) if through is None else np.where(normal, through, 0.0), axes)
 
 
+def _axes(normal: Floats) -> Floats:
+    """Right-handed unit axes (u, v, normal) without branches or cancellation."""
+    x, y, z = normal
+    sign = np.copysign(1.0, z)
+    factor = -1.0 / (sign + z)
+    shear = x * y * factor
+    u = [1.0 + sign * x * x * factor, sign * shear, -sign * x]
+    v = [shear, sign + y * y * factor, -y]
+    return np.array([u, v, normal])
+
+
 def _from_equation(equation: Floats, centre: Floats) -> Frame:
     """Make the frame of the plane ax + by + cz + d = 0 near the middle of the rows."""
     normal = _normalized(equation[:3])
@@ -295,23 +288,6 @@ def _from_equation(equation: Floats, centre: Floats) -> Frame:
     return _around("normal", normal, middle, through=foot)
 
 
-def _axes(normal: Floats) -> Floats:
-    """Right-handed unit axes (u, v, normal) without branches or cancellation."""
-    x, y, z = normal
-    sign = np.copysign(1.0, z)
-    factor = -1.0 / (sign + z)
-    shear = x * y * factor
-    u = [1.0 + sign * x * x * factor, sign * shear, -sign * x]
-    v = [shear, sign + y * y * factor, -y]
-    return np.array([u, v, normal])
-
-
-def _finite(points: Floats) -> Floats:
-    """Select the finite rows; return the array itself if all are finite."""
-    finite = np.isfinite(points)
-    return points if finite.all() else points[finite.all(axis=1)]
-
-
 def _centre(points: Floats) -> Floats:
     """Compute the centre of the finite rows' bounding box, independent of their order."""
     rows = _finite(points)
@@ -319,6 +295,12 @@ def _centre(points: Floats) -> Floats:
         return np.zeros(3)
     # Column by column: reductions along axis 0 take ten times as long.
     return np.array([column.min() / 2 + column.max() / 2 for column in rows.T])
+
+
+def _finite(points: Floats) -> Floats:
+    """Select the finite rows; return the array itself if all are finite."""
+    finite = np.isfinite(points)
+    return points if finite.all() else points[finite.all(axis=1)]
 
 
 def _fit(points: Floats) -> tuple[Floats, Floats]:
@@ -385,3 +367,11 @@ def _check_rigid(matrix: Floats) -> None:
         raise InputError(
             "the plane's matrix is a reflection (determinant -1): negate one row of its rotation"
         )
+
+
+def _rows(points: Floats) -> Floats:
+    """Check rows in space; an array of float64 is returned itself."""
+    rows = as_coordinates(points)
+    if rows.shape[1] != 3:
+        raise InputError("points have two columns: a projection needs x, y and z")
+    return rows.astype(np.float64, copy=False)

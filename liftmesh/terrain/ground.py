@@ -4,12 +4,9 @@ The cloth simulation filter (CSF) turns a cloud upside down and lets a cloth fal
 near the cloth is ground. It knows metres alone, so coordinates are converted. Noise and withheld
 rows are kept from it, since the cloth would hang on them.
 
-CSF, the cloth simulation filter, in a process of its own.
-
 CSF prints what it does to stdout, whatever Python redirects, looks for no Ctrl-C, and on several
 threads gives other results from run to run. In a process of its own, on one thread, none of that
-matters. `PROGRAM` is given the path of modules, which must not begin with the current folder. It
-reads float64 coordinates from stdin, and writes a byte for each row to stdout: 1 is ground.
+matters.
 
 Source: Zhang et al., An easy-to-use airborne LiDAR data filtering method based on cloth simulation,
 Remote Sensing 8 (2016), 501.
@@ -38,7 +35,6 @@ from liftmesh.io.selection import class_column
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-
 
 GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"
@@ -130,10 +126,10 @@ def classify_ground(
     points -= points.min(axis=0) if len(points) else 0.0
     _check_size(points, resolution)
     is_ground = _filtered(points, resolution, rigidness, threshold)
-    found = rows[is_ground]
+    ground = rows[is_ground]
     cells, bare = _bare_cells(points, is_ground, resolution)
     counts = {
-        "rows": len(source), "ground": len(found), "method": method, "resolution": resolution,
+        "rows": len(source), "ground": len(ground), "method": method, "resolution": resolution,
         "rigidness": rigidness, "threshold": threshold, "unit_known": is_known,
         "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
@@ -141,7 +137,7 @@ def classify_ground(
         warnings.warn(bare_warning(counts), DataWarning, stacklevel=2)
     return replace(
         source,
-        attributes={**source.attributes, **_classes(source, found)},
+        attributes={**source.attributes, **_classes(source, ground)},
         metadata={**source.metadata, "ground": counts},
     )
 
@@ -163,13 +159,13 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
 
 def _is_for_cloth(cloud: Cloud) -> Array:
     """Whether rows are finite, and neither noise nor withheld."""
-    found = np.isfinite(cloud.points).all(axis=1)
+    is_taken = np.isfinite(cloud.points).all(axis=1)
     name, withheld = class_column(cloud.attributes), cloud.attributes.get("withheld")
     if name is not None:
-        found &= ~np.isin(cloud.attributes[name], _NOISE)
+        is_taken &= ~np.isin(cloud.attributes[name], _NOISE)
     if withheld is not None and withheld.ndim == 1:
-        found &= np.asarray(withheld == 0)
-    return np.asarray(found)
+        is_taken &= np.asarray(withheld == 0)
+    return np.asarray(is_taken)
 
 
 def _check_size(points: Floats, resolution: float) -> None:
@@ -207,6 +203,30 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
 
 
+PROGRAM = """
+import json, os, sys
+sys.path[:] = json.loads(sys.argv[1])
+answer = os.dup(1)
+os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+import CSF
+import numpy as np
+resolution, rigidness, threshold = map(float, sys.argv[2:])
+points = np.frombuffer(sys.stdin.buffer.read()).reshape(-1, 3)
+cloth = CSF.CSF()
+cloth.params.bSloopSmooth = False
+cloth.params.cloth_resolution = resolution
+cloth.params.rigidness = int(rigidness)
+cloth.params.class_threshold = threshold
+cloth.setPointCloud(np.array(points))
+ground, others = CSF.VecInt(), CSF.VecInt()
+cloth.do_filtering(ground, others, False)
+found = np.zeros(len(points), np.uint8)
+found[np.array(ground, dtype=np.int64)] = 1
+with open(answer, "wb") as stream:
+    stream.write(found.tobytes())
+"""
+
+
 def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[int, int]:
     """Count the cells that have rows enough, and those of them that have no ground."""
     places = np.floor(points[:, :2] / (_NODES_OF_CELL * resolution)).astype(np.int64)
@@ -239,27 +259,3 @@ def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:
         classes[classes == GROUND] = _UNCLASSIFIED
     classes[ground] = GROUND
     return {name: classes}
-
-
-PROGRAM = """
-import json, os, sys
-sys.path[:] = json.loads(sys.argv[1])
-answer = os.dup(1)
-os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
-import CSF
-import numpy as np
-resolution, rigidness, threshold = map(float, sys.argv[2:])
-points = np.frombuffer(sys.stdin.buffer.read()).reshape(-1, 3)
-cloth = CSF.CSF()
-cloth.params.bSloopSmooth = False
-cloth.params.cloth_resolution = resolution
-cloth.params.rigidness = int(rigidness)
-cloth.params.class_threshold = threshold
-cloth.setPointCloud(np.array(points))
-ground, others = CSF.VecInt(), CSF.VecInt()
-cloth.do_filtering(ground, others, False)
-found = np.zeros(len(points), np.uint8)
-found[np.array(ground, dtype=np.int64)] = 1
-with open(answer, "wb") as stream:
-    stream.write(found.tobytes())
-"""

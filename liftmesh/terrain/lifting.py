@@ -21,10 +21,9 @@ from liftmesh.base.options import Method
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
-from liftmesh.planar.metric import as_metric
-from liftmesh.planar.regular_triangulation import RegularTriangulation
+from liftmesh.planar.kinds import Weights, as_metric, as_weights, chosen, named_values
+from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.planar.weights import Weights, as_weights, chosen, named_values
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -150,8 +150,8 @@ def volumes_by_polygon(
 ) -> dict[str | int, Volume]:
     """Compute the volumes between the faces and a level in each of several polygons."""
     at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
-    found = in_each(surface, polygon, partial(level_within, surface, at))
-    return {name: Volume(*each, at, unit) for name, each in found}
+    volumes = in_each(surface, polygon, partial(level_within, surface, at))
+    return {name: Volume(*each, at, unit) for name, each in volumes}
 
 
 def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = None) -> Earthwork:
@@ -176,8 +176,8 @@ def cut_and_fill_by_polygon(
     """Compute the volumes between this surface and another one in each of several polygons."""
     _check(surface, other)
     unit = cubic_metres_of(surface)
-    found = in_each(surface, polygon, partial(between_within, surface, other))
-    return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in found}
+    volumes = in_each(surface, polygon, partial(between_within, surface, other))
+    return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
 
 
 def cubic_metres_of(surface: SurfaceData) -> float | None:
@@ -265,11 +265,11 @@ def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Return a face of each triangulation that touch; None if none do."""
     if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
         return None
-    found = _of_a_vertex(one, two)
-    if found is None:
+    pair = _of_a_vertex(one, two)
+    if pair is None:
         turned = _of_a_vertex(two, one)
-        found = None if turned is None else (turned[1], turned[0])
-    return found or _of_crossing_sides(one, two)
+        pair = None if turned is None else (turned[1], turned[0])
+    return pair or _of_crossing_sides(one, two)
 
 
 def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
@@ -332,10 +332,10 @@ def in_all(
     surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Measured:
     """Measure what polygons cover together."""
-    found = measure(polygons_in(plane_system(surface), polygon))
-    if not found[2] > 0:
+    totals = measure(polygons_in(plane_system(surface), polygon))
+    if not totals[2] > 0:
         raise InputError("the polygon has no area in common with the faces")
-    return found
+    return totals
 
 
 def in_each(

@@ -124,8 +124,8 @@ def merge(clouds: Iterable[object]) -> Cloud:
 
 def _columns_of(cloud: Cloud) -> dict[object, Array | None]:
     """Return the arrays of a cloud but colours: attributes by name, the others by numbers."""
-    found: dict[object, Array | None] = {_POINTS: cloud.points, _NORMALS: cloud.normals}
-    return found | {name: each for name, each in cloud.attributes.items()}  # noqa: C416 - types
+    columns: dict[object, Array | None] = {_POINTS: cloud.points, _NORMALS: cloud.normals}
+    return columns | {name: each for name, each in cloud.attributes.items()}  # noqa: C416 - types
 
 
 def _taken(columns: Sequence[dict[object, Array | None]], key: object) -> list[Any]:
@@ -144,13 +144,13 @@ def _listed(clouds: object) -> Iterable[Any]:
 
 def parts_of(cloud: Cloud) -> list[dict[str, Any]]:
     """Return the entries of a merged cloud: "source", "rows" and "overlap" of each part."""
-    found = cloud.metadata.get("merged")
-    return list(found) if isinstance(found, list | tuple) else []
+    entries = cloud.metadata.get("merged")
+    return list(entries) if isinstance(entries, list | tuple) else []
 
 
 def _name(cloud: Cloud, number: int) -> str:
-    found = cloud.metadata.get("source")
-    return found if isinstance(found, str) else f"cloud {number}"
+    source = cloud.metadata.get("source")
+    return source if isinstance(source, str) else f"cloud {number}"
 
 
 def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
@@ -211,13 +211,13 @@ def _titled(crs: str | None) -> str:
 
 def _colors(parts: Sequence[Cloud], names: Sequence[str], left_out: list[str]) -> Array | None:
     """Stack colours; those of different types as floats, opaque where only some have alpha."""
-    found = [each.colors for each in _of_one_depth(parts)]
-    present = [each for each in found if each is not None]
-    if len(present) == len(found) and len({each.dtype for each in present}) > 1:
-        found = [as_float(each) for each in present]
+    colors = [each.colors for each in _of_one_depth(parts)]
+    present = [each for each in colors if each is not None]
+    if len(present) == len(colors) and len({each.dtype for each in present}) > 1:
+        colors = [as_float(each) for each in present]
     if len({each.shape[1] for each in present}) > 1:
-        found = [None if each is None else with_alpha(each) for each in found]
-    return _stacked(found, names, "colors", left_out)
+        colors = [None if each is None else with_alpha(each) for each in colors]
+    return _stacked(colors, names, "colors", left_out)
 
 
 def _of_one_depth(parts: Sequence[Cloud]) -> Sequence[Cloud]:
@@ -359,10 +359,10 @@ def _account(
 ) -> dict[str, Any]:
     """Say of each cloud how many rows it has, and how many where earlier ones have some."""
     is_number = lines is not None and lines.ndim == 1 and lines.dtype.kind in "iu"
-    found = overlap_of(points, sizes, lines if is_number else None)
-    each = zip(names, sizes, found.rows, strict=True)
+    shared = overlap_of(points, sizes, lines if is_number else None)
+    each = zip(names, sizes, shared.rows, strict=True)
     merged = [{"source": name, "rows": rows, "overlap": count} for name, rows, count in each]
     if not is_number:
         return {"merged": merged}
-    flown = {"lines": found.lines, "overlap": found.between, "cell": found.cell}
+    flown = {"lines": shared.lines, "overlap": shared.between, "cell": shared.cell}
     return {"merged": merged, _FLOWN: flown}

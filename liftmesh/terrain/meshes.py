@@ -15,18 +15,16 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import used_rows
-from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.metadata import is_read, lifted_by
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
-from liftmesh.io.surface_rows import classes_of
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
-from liftmesh.planar.weights import named_values
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.report import Report
+from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
@@ -152,8 +150,8 @@ def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
 
 def _remedy(cloud: Cloud, points: str) -> str:
     """Say what to do about faces; of a format that rounds, why they are not those written."""
-    found = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
-    if found is None or "float64" in found.keeps:
+    origin = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
+    if origin is None or "float64" in origin.keeps:
         return f"triangulate the {points}"
     return (
         f"triangulate the {points}; the file holds single precision, which has moved them: write "
@@ -168,9 +166,9 @@ def _names(triangles: Rows, rows: int) -> tuple[Integers, Integers]:
 
 
 def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
-    rows = len(cloud)
-    return Report(
-        rows=rows,
+    unused = len(cloud) - used
+    return report_on(
+        cloud,
         used=used,
         duplicates=0,
         overhangs=0,
@@ -179,9 +177,6 @@ def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
         policy="error",
         seconds={},
         left_out=solved.skipped,
-        representatives=np.full(rows - used, -1, dtype=np.int32),
-        color_depth=cloud.color_depth,
-        unused=rows - used,
-        classes=classes_of(cloud.attributes),
-        transformation=told_of(cloud.metadata),
+        representatives=np.full(unused, -1, dtype=np.int32),
+        unused=unused,
     )

@@ -138,5 +138,5 @@ def _width(points: Floats, parts: Sequence[slice]) -> float:
             area += float(width * height)
         longest = max(longest, float(width), float(height))
     count = max(len(points), 1)
-    found = 2 * math.sqrt(area / count) or 2 * longest / count
-    return found if 0 < found < math.inf else 1.0
+    cell = 2 * math.sqrt(area / count) or 2 * longest / count
+    return cell if 0 < cell < math.inf else 1.0

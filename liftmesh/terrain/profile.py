@@ -1,16 +1,12 @@
-"""Profiles: what a line in the plane becomes on a surface, with a corner at every side it crosses.
+"""Profiles: what lines in the plane become on a surface, with a corner at every side they cross.
 
-The height where it crosses a side comes from the ends of the side, the lexicographically lesser
+The height where a line crosses a side comes from the ends of the side, the lexicographically lesser
 first, so it is the one of both faces. Where the line leaves the faces, the profile has a gap.
 
-Where a line meets the sides and the vertices of faces, piece by piece.
-
-Which sides a piece crosses, and which vertices it passes, is decided exactly. Products are of
-numbers that powers of two have scaled, so they neither overflow nor vanish. Of what is met at one
-rounded position, ends of pieces and vertices come before crossings, and the lowest height first: no
-bit depends on the order of the rows.
-
-Lines draped over a surface: profiles of several lines as one, and their files.
+Which sides a piece of a line crosses, and which vertices it passes, is decided exactly. Products
+are of numbers that powers of two have scaled, so they neither overflow nor vanish. Of what is met
+at one rounded position, ends of pieces and vertices come before crossings, and the lowest height
+first: no bit depends on the order of the rows.
 """
 
 from __future__ import annotations
@@ -25,20 +21,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Mask, Rows
-from liftmesh.base.arrays import as_pairs
+from liftmesh.base.arrays import as_pairs, starts_of_runs
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.io.atomic import replacing
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
-from liftmesh.vector import geojson, geopackage
+from liftmesh.vector.lines import write_lines
+
+_AT_VERTEX, _AT_CROSSING = 0.0, 1.0
+_NEXT = [1, 2, 0]
+Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale them by
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Profile:
+class Profile(FrozenResult):
     """A line draped over a surface, as `Surface.profile` returns it; read-only.
 
     Parameters
@@ -65,12 +64,6 @@ class Profile:
     distances: Floats
     starts: Array
 
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
-
     def __repr__(self) -> str:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
 
@@ -86,6 +79,24 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
     return _parts(points, _are_joined(surface, points, piece))
 
 
+def _corners(line: Any) -> Floats:
+    corners = as_pairs(line)
+    if corners.ndim != 2 or len(corners) < 2:
+        raise InputError(f"a line has two corners at least, not the shape {corners.shape}")
+    if not np.isfinite(corners).all():
+        raise InputError(f"a corner of the line is not finite: {shown(line)}")
+    return corners
+
+
+def _distances(corners: Floats) -> Floats:
+    """Return how far along the line its corners are."""
+    with np.errstate(over="ignore"):
+        distances = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
+    if not np.isfinite(distances[-1]):
+        raise InputError("the line is longer than the largest double: scale the coordinates")
+    return distances
+
+
 def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
     """Whether points and those after them are one corner of the line, or have a face between."""
     firsts, steps = points[:-1, :2], np.diff(points[:, :2], axis=0)
@@ -98,37 +109,67 @@ def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
 def _parts(points: Floats, joined: Mask) -> Profile:
     """Make a profile of the parts that are more than a point."""
     part = np.concatenate([[0], np.cumsum(~joined)])[: len(points)]
-    fresh = np.ones(len(points), dtype=np.bool_)
-    fresh[1:] = ~joined | (points[1:, :2] != points[:-1, :2]).any(axis=1)
+    fresh = starts_of_runs(points[:, :2])
+    fresh[1:] |= ~joined
     counts = np.bincount(part[fresh])
     kept = fresh & (counts > 1)[part]
     starts = np.concatenate([[0], np.cumsum(counts[counts > 1])])
     return Profile(points[kept, :3], points[kept, 3], starts)
 
 
-def _distances(corners: Floats) -> Floats:
-    """Return how far along the line its corners are."""
-    with np.errstate(over="ignore"):
-        found = np.cumsum(np.hypot(*np.diff(corners, axis=0, prepend=corners[:1]).T))
-    if not np.isfinite(found[-1]):
-        raise InputError("the line is longer than the largest double: scale the coordinates")
-    return found
+@dataclass(frozen=True, slots=True, eq=False)
+class Draped:
+    """Lines over a surface, in parts where they leave its faces."""
+
+    points: Floats
+    distances: Floats
+    starts: Array
+    lines: Array
+    crs: str | None
+
+    @property
+    def lengths(self) -> Floats:
+        """The length of each part in the plane."""
+        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
+        return lengths
+
+    def as_cloud(self) -> Cloud:
+        """Return the points with their distance, line and part."""
+        counts = np.diff(self.starts)
+        values = {
+            "distance": self.distances,
+            "line": np.repeat(self.lines, counts),
+            "part": np.repeat(np.arange(len(counts)), counts),
+        }
+        return Cloud(self.points, attributes=values, crs=self.crs)
+
+    def save(self, path: Path) -> Path:
+        """Write the parts as lines in space, with their line, its stretch and their length."""
+        columns = {
+            "line": self.lines,
+            "start": self.distances[self.starts[:-1]],
+            "length": self.lengths,
+        }
+        write_lines(path, self.points, self.starts, columns, self.crs, "profiles")
+        return path
 
 
-def _corners(line: Any) -> Floats:
-    corners = as_pairs(line)
-    if corners.ndim != 2 or len(corners) < 2:
-        raise InputError(f"a line has two corners at least, not the shape {corners.shape}")
-    if not np.isfinite(corners).all():
-        raise InputError(f"a corner of the line is not finite: {shown(line)}")
-    return corners
-
-
-_AT_VERTEX, _AT_CROSSING = 0.0, 1.0
-_NEXT = [1, 2, 0]
-Wide: TypeAlias = tuple[
-    Floats, Rows
-]  # numbers, and the powers of two that they are to be scaled by
+def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
+    """Drape lines over the faces of a surface."""
+    profiles = [profile_along(surface, line) for line in lines]
+    counts = [len(each.starts) - 1 for each in profiles]
+    if not any(counts):
+        if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
+            raise InputError("all corners of a line are at one position: it has no length")
+        raise InputError("no part of a line is over faces: are both in the same system?")
+    sizes = np.concatenate([np.diff(each.starts) for each in profiles])
+    return Draped(
+        np.concatenate([each.points for each in profiles]),
+        np.concatenate([each.distances for each in profiles]),
+        np.concatenate([[0], np.cumsum(sizes)]),
+        np.repeat(np.arange(len(profiles)), counts),
+        plane_system(surface),
+    )
 
 
 class LineCrossings:
@@ -170,13 +211,13 @@ class LineCrossings:
         rows, places = np.unique(faces, return_inverse=True)
         turns = orient2d(p, q, self._points[rows]) if len(rows) else np.zeros(0, np.int8)
         sides = _sides_across(faces, turns[places.reshape(-1, 3)])
-        found = [
+        places_met = [
             (ends, _AT_VERTEX),
             (self._vertices(rows[turns == 0], p, q), _AT_VERTEX),
             (self._crossings(sides, p, q), _AT_CROSSING),
         ]
-        kinds = np.concatenate([np.full(len(each), kind) for each, kind in found])
-        return np.column_stack([np.concatenate([each for each, _ in found]), kinds])
+        kinds = np.concatenate([np.full(len(each), kind) for each, kind in places_met])
+        return np.column_stack([np.concatenate([each for each, _ in places_met]), kinds])
 
     def _vertices(self, rows: Rows, p: Floats, q: Floats) -> Floats:
         """Return the vertices on the line that are between its ends."""
@@ -206,10 +247,8 @@ def _along(met: Floats, p: Floats, q: Floats) -> Floats:
     far = np.minimum(np.hypot(*(points[:, :2] - p).T), np.hypot(*(q - p)))
     ahead = points[:, :2] * np.sign(q - p)
     order = np.lexsort([points[:, 2], points[:, 3], ahead[:, 1], ahead[:, 0], far])
-    found = np.column_stack([points[:, :3], far])[order]
-    fresh = np.ones(len(found), dtype=np.bool_)
-    fresh[1:] = (found[1:, :2] != found[:-1, :2]).any(axis=1)
-    return found[fresh]
+    met_in_order = np.column_stack([points[:, :3], far])[order]
+    return met_in_order[starts_of_runs(met_in_order[:, :2])]
 
 
 def _sides_across(faces: Rows, turns: Array) -> Rows:
@@ -251,67 +290,5 @@ def _between(tails: Floats, heads: Floats, share: Floats) -> Floats:
     with np.errstate(over="ignore", invalid="ignore"):
         steps = heads - tails
         near = tails + share * steps
-    found = np.where(np.isfinite(steps), near, tails * (1 - share) + heads * share)
-    return np.clip(found, np.minimum(tails, heads), np.maximum(tails, heads))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Draped:
-    """Lines over a surface, in parts where they leave its faces."""
-
-    points: Floats
-    distances: Floats
-    starts: Array
-    lines: Array
-    crs: str | None
-
-    @property
-    def lengths(self) -> Floats:
-        """The length of each part in the plane."""
-        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
-        return lengths
-
-    def as_cloud(self) -> Cloud:
-        """Return the points with their distance, line and part."""
-        counts = np.diff(self.starts)
-        values = {
-            "distance": self.distances,
-            "line": np.repeat(self.lines, counts),
-            "part": np.repeat(np.arange(len(counts)), counts),
-        }
-        return Cloud(self.points, attributes=values, crs=self.crs)
-
-    def save(self, path: Path) -> Path:
-        """Write the parts as lines in space, with their line, its stretch and their length."""
-        columns = {
-            "line": self.lines,
-            "start": self.distances[self.starts[:-1]],
-            "length": self.lengths,
-        }
-        with replacing(path) as stream:
-            if path.suffix.lower() == ".gpkg":
-                geopackage.write(stream, self.points, self.starts, columns, self.crs, "profiles")
-            else:
-                rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-                told = (dict(zip(columns, row, strict=True)) for row in rows)
-                parts = np.split(self.points, self.starts[1:-1])
-                geojson.write(stream, zip(told, parts, strict=True), self.crs)
-        return path
-
-
-def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
-    """Drape lines over the faces of a surface."""
-    found = [profile_along(surface, line) for line in lines]
-    counts = [len(each.starts) - 1 for each in found]
-    if not any(counts):
-        if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
-            raise InputError("all corners of a line are at one position: it has no length")
-        raise InputError("no part of a line is over faces: are both in the same system?")
-    sizes = np.concatenate([np.diff(each.starts) for each in found])
-    return Draped(
-        np.concatenate([each.points for each in found]),
-        np.concatenate([each.distances for each in found]),
-        np.concatenate([[0], np.cumsum(sizes)]),
-        np.repeat(np.arange(len(found)), counts),
-        plane_system(surface),
-    )
+    values = np.where(np.isfinite(steps), near, tails * (1 - share) + heads * share)
+    return np.clip(values, np.minimum(tails, heads), np.maximum(tails, heads))

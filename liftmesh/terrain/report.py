@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Rows
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import sentence
-from liftmesh.io.formats.text.columns import described
+from liftmesh.crs.transformation import sentence, told_of
+from liftmesh.io.formats.text.columns import coordinates_sentence
+from liftmesh.io.surface_rows import classes_of
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Report:
+class Report(FrozenResult):
     """Summary of the use of every input row.
 
     ``rows`` is the sum of ``used``, ``duplicates``, ``overhangs``, ``skipped`` and ``hidden``.
@@ -85,12 +89,6 @@ class Report:
     classes: Mapping[int, int] = field(default_factory=dict, repr=False)
     transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
-
     def __str__(self) -> str:
         stages = ", ".join(f"{stage} {seconds:.3f}" for stage, seconds in self.seconds.items())
         return (
@@ -102,7 +100,7 @@ class Report:
         ).removesuffix(" 0.000 s: .")
 
     def _columns(self) -> str:
-        said = described(self.columns)
+        said = coordinates_sentence(self.columns)
         return f"Columns: {said}. " if said else ""
 
     def _classes(self) -> str:
@@ -130,3 +128,14 @@ class Report:
         if self.unused:
             parts.append(f"{counted(self.unused, 'row')} in no face")
         return ", ".join(parts) or "none"
+
+
+def report_on(cloud: Cloud, **fields: Any) -> Report:
+    """Make a report with what a cloud says of its classes, colours and coordinates."""
+    known = {
+        "rows": len(cloud),
+        "color_depth": cloud.color_depth,
+        "classes": classes_of(cloud.attributes),
+        "transformation": told_of(cloud.metadata),
+    }
+    return Report(**{**known, **fields})

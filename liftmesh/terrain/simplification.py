@@ -1,9 +1,8 @@
 """`simplify`: a surface of few triangles that keeps within a distance of every point.
 
 The kernel chooses the vertices. The surface is triangulated of these alone, so it is the canonical
-one of its points, and `deviation` checks it against every position, by arithmetic of its own.
-
-How far points are from a surface along its normal, checked by arithmetic of its own.
+one of its points, and `deviation` checks how far every position is from it along its normal, by
+arithmetic of its own.
 
 The height of the surface at a point is that of the plane of the triangle that contains it, found
 exactly. The distance is computed in doubles by barycentric coordinates, with a bound on its error.
@@ -43,15 +42,14 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
-from liftmesh.crs.transformation import told_of
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
-from liftmesh.io.surface_rows import classes_of, read_rows
+from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve
-from liftmesh.planar.positions import pieces
+from liftmesh.planar.points import pieces
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
-from liftmesh.terrain.report import Report
+from liftmesh.terrain.report import report_on
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
@@ -60,9 +58,13 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.selection import ClassChoice
 
-
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
+_E = 2.0**-53
+_PIECE = 2**17  # points that are located in one call: their order makes the way to each short
+_CACHED = 2**13  # points whose numbers fit the cache
+_MOST_BITS = 60  # of a product of three differences
+_LARGE = 2**12  # more than exponents
 
 
 def simplify(  # noqa: PLR0913 - options are keywords
@@ -156,9 +158,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     chosen = _kernel.simplify(positions, altitudes, hull, bound, most, prunes, between)
     kept, is_within = np.sort(used[chosen[0]]), chosen[1]
     _check_count(len(kept), most)
-    found = _surface(whole, kept, start)
+    simplified = _surface(whole, kept, start)
     rest = stages(_DONE_AFTER["choose"], _DONE_AFTER["check"])
-    checked = deviation(found.triangulation, heights[kept], positions, altitudes, bound, rest)
+    checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
     told = {
         "rows": len(whole.vertices),
@@ -169,7 +171,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
         "within": is_within,
         "merged": of_rows(heights, whole.report.left_out, whole.report.representatives),
     }
-    return replace(found, metadata={**whole.metadata, "simplification": told})
+    return replace(simplified, metadata={**whole.metadata, "simplification": told})
 
 
 def _limits(max_error: object, max_points: object) -> tuple[float, int]:
@@ -238,9 +240,9 @@ def _scaled(progress: Progress | None) -> Any:
     return stage
 
 
-def _check_count(found: int, most: int) -> None:
-    if most and found > most:
-        raise InputError(f"max_points is {most}, and the hull has {found} corners: give more")
+def _check_count(corners: int, most: int) -> None:
+    if most and corners > most:
+        raise InputError(f"max_points is {most}, and the hull has {corners} corners: give more")
 
 
 def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
@@ -248,8 +250,8 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     cloud = whole.to_cloud().select(kept)
     triangulation = Triangulation(**solve(whole.triangulation.points[kept], nonfinite="error"))
     nothing = np.empty(0, np.int32)
-    report = Report(
-        rows=len(kept),
+    report = report_on(
+        cloud,
         used=len(kept),
         duplicates=0,
         overhangs=0,
@@ -261,8 +263,6 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         representatives=nothing,
         columns=whole.report.columns,
         color_depth=whole.report.color_depth,
-        classes=classes_of(cloud.attributes),
-        transformation=told_of(cloud.metadata),
     )
     return Surface(
         vertices=cloud.points,
@@ -276,13 +276,6 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
         metadata=whole.metadata,
         crs=whole.crs,
     )
-
-
-_E = 2.0**-53
-_PIECE = 2**17  # points that are located in one call: their order makes the way to each short
-_CACHED = 2**13  # points whose numbers fit the cache
-_MOST_BITS = 60  # of a product of three differences
-_LARGE = 2**12  # more than exponents
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,8 +301,8 @@ def deviation(
         rows = triangulation.simplices[triangulation.find_simplex(points[part])]
         sample = np.column_stack([points[part], z[part]])
         for few in pieces(len(sample), _CACHED):
-            found = _compared(corners[rows[few]], sample[few], bound)
-            largest, beyond = max(largest, found.largest), beyond + found.beyond
+            worst = _compared(corners[rows[few]], sample[few], bound)
+            largest, beyond = max(largest, worst.largest), beyond + worst.beyond
         if progress is not None:
             progress(min(part.stop / len(points), 1.0))
     return Deviation(float(largest), beyond)
@@ -339,8 +332,8 @@ def _compared(corners: Array, sample: Floats, bound: float) -> Deviation:
 
 
 def _is_corner(corners: Array, sample: Floats) -> Array:
-    found: Array = (corners == sample[:, None]).all(axis=2).any(axis=1)
-    return found
+    is_corner: Array = (corners == sample[:, None]).all(axis=2).any(axis=1)
+    return is_corner
 
 
 def _within(corners: Array, sample: Floats, bound: float) -> Array:
@@ -356,16 +349,16 @@ def _within(corners: Array, sample: Floats, bound: float) -> Array:
     to_a, to_b, rise, most = np.where(is_exact, heights, 0).astype(np.int64)
     whole = ax * by - ay * bx
     excess = rise * whole - to_a * (x * by - y * bx) - to_b * (ax * y - ay * x)
-    found: Array = is_exact & (np.abs(excess) <= most * np.abs(whole))
-    return found
+    is_within: Array = is_exact & (np.abs(excess) <= most * np.abs(whole))
+    return is_within
 
 
 def _difference(numbers: Floats, less: Floats) -> tuple[Floats, Array]:
     """Subtract; and whether no difference of a sample is rounded (D. E. Knuth's TwoSum)."""
-    found = numbers - less
-    back = found - numbers
-    error = (numbers - (found - back)) + (-less - back)
-    return found, (error == 0).all(axis=(0, 1))
+    difference = numbers - less
+    back = difference - numbers
+    error = (numbers - (difference - back)) + (-less - back)
+    return difference, (error == 0).all(axis=(0, 1))
 
 
 def _in_steps(values: Floats) -> tuple[Floats, Array]:
@@ -416,10 +409,10 @@ def _exactly(corners: Array, sample: Floats) -> Iterator[Fraction]:
 def _upwards(value: Fraction) -> float:
     """Round to a double that is not less."""
     try:
-        found = float(value)
+        nearest = float(value)
     except OverflowError:
         return math.inf
-    return found if Fraction(found) >= value else math.nextafter(found, math.inf)
+    return nearest if Fraction(nearest) >= value else math.nextafter(nearest, math.inf)
 
 
 def of_rows(heights: Floats, left_out: Rows, representatives: Rows) -> float:

@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 def closed_solid(
     surface: SurfaceData,
-    base: float | None = None,
+    base: float | None,
     *,
-    thickness: float | None = None,
-    pinched: Pinched = "error",
-    longest: float | None = None,
-    z_factor: float | None = None,
+    thickness: float | None,
+    pinched: Pinched,
+    longest: float | None,
+    z_factor: float | None,
 ) -> Cloud:
     """Close the faces by walls and a base."""
     check_option("pinched", pinched, Pinched)
@@ -110,10 +110,10 @@ class _Parts:
                 np.column_stack([planar - low, (each - self.lower.min()) * rise]) * scale
                 for each in (self.heights, self.lower)
             )
-        found: Floats = np.concatenate([upper, lower[self._own()]])
-        if not np.isfinite(found).all():
+        points: Floats = np.concatenate([upper, lower[self._own()]])
+        if not np.isfinite(points).all():
             raise InputError("the solid is beyond the largest double: give a smaller length")
-        return found
+        return points
 
     def _above(self) -> Array:
         return np.searchsorted(self.top, self.surface.faces)
@@ -155,11 +155,9 @@ def _depth(base: Any, thickness: Any) -> float:
     """Return the height of the base, or how much lower it is."""
     if (base is None) == (thickness is None):
         raise InputError("give either a base or a thickness")
-    return (
-        as_number("base", base, "a finite height")
-        if thickness is None
-        else as_positive("thickness", thickness, "a positive length")
-    )
+    if thickness is None:
+        return as_number("base", base, "a finite height")
+    return as_positive("thickness", thickness, "a positive length")
 
 
 def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:

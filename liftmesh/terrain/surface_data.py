@@ -10,7 +10,9 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.frozen import constructed_from, freeze
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import kept_depth
+from liftmesh.base.frozen import FrozenResult
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -19,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class SurfaceData:
+class SurfaceData(FrozenResult):
     """The fields of a `Surface`, which describes them."""
 
     vertices: Floats
@@ -34,14 +36,22 @@ class SurfaceData:
     crs: str | None = None
     mask: Array | None = None
 
-    def __post_init__(self) -> None:
-        freeze(self)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
-
 
 AnySurface = TypeVar("AnySurface", bound=SurfaceData)  # of functions that change one
+
+
+def as_cloud(surface: SurfaceData) -> Cloud:
+    """Convert a surface to a cloud with faces; both share their arrays."""
+    return Cloud(
+        points=surface.vertices,
+        colors=surface.colors,
+        normals=surface.normals,
+        attributes=surface.attributes,
+        faces=surface.faces,
+        metadata=surface.metadata,
+        crs=surface.crs,
+        color_depth=kept_depth(surface.colors),
+    )
 
 
 def kernel_surface(surface: SurfaceData) -> _kernel.Relief:

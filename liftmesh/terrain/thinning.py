@@ -6,13 +6,12 @@ survey agree about them. A minimum distance: rounds, in each of which every row 
 first within the distance, in an order as random as a hash of the coordinates; those that are too
 near are left out. So the rows that stay do not depend on the order of the rows either.
 
-Adaptive thinning: the rows without which linear interpolation loses most.
-
-Of all points, the one is removed next without which the sum of the squares of the distances of all
-that were removed, from the surface of those that are left, grows least. Each step looks at the star
-of a point only: L. Demaret and A. Iske, "Adaptive image approximation by linear splines over
-locally optimal Delaunay triangulations", 2006. Points gather where the surface bends, and along an
-edge the triangles become long and thin.
+Adaptive thinning keeps the rows without which linear interpolation loses most: the point is removed
+next without which the sum of the squares of the distances of all that were removed, from the
+surface of those that are left, grows least. Each step looks at the star of a point only: L. Demaret
+and A. Iske, "Adaptive image approximation by linear splines over locally optimal Delaunay
+triangulations", 2006. Points gather where the surface bends, and along an edge the triangles become
+long and thin.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import check_finite
+from liftmesh.base.arrays import check_finite, starts_of_runs
 from liftmesh.base.options import CellRow, as_count, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.io.read import read_cloud
@@ -35,7 +34,6 @@ from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-
 
 _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells apart
 # Of a cell of the distance / sqrt(2): all others that can have a point within the distance; those
@@ -132,13 +130,13 @@ def thin(
 
 
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
-    found = {key: value for key, value in given.items() if value is not None}
-    if len(found) != 1:
-        several = " and ".join(found) or "none"
+    ways = {key: value for key, value in given.items() if value is not None}
+    if len(ways) != 1:
+        several = " and ".join(ways) or "none"
         raise InputError(
             f"{several} of every, random, cell, distance and adaptive are given: give one"
         )
-    return next(iter(found.items()))
+    return next(iter(ways.items()))
 
 
 def _size(name: str, value: object) -> float:
@@ -153,6 +151,20 @@ def _size(name: str, value: object) -> float:
     return size
 
 
+def most_significant(cloud: Cloud, wanted: int) -> Rows:
+    """Choose the rows that adaptive thinning keeps."""
+    check_finite(cloud.points, skippable=False)
+    surface = triangulate(cloud)
+    used, plane, hull = positions_of(surface)
+    heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
+    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
+    if len(rows) > wanted:
+        raise InputError(
+            f"adaptive is {wanted}: the hull alone has {len(rows)} corners, which stay"
+        )
+    return np.sort(used[rows])
+
+
 def _at_random(count: int, wanted: int, seed: int) -> Array:
     if wanted >= count:
         return np.arange(count)
@@ -163,21 +175,11 @@ def _at_random(count: int, wanted: int, seed: int) -> Array:
 def _mixed(values: Array, seed: int) -> Array:
     """Hash 64 bits as splitmix64 does, which maps no two values to one."""
     with np.errstate(over="ignore"):
-        found = values + np.uint64(0x9E3779B97F4A7C15) * np.uint64(seed + 1)
-        found = (found ^ (found >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
-        found = (found ^ (found >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
-        mixed: Array = found ^ (found >> np.uint64(31))
+        bits = values + np.uint64(0x9E3779B97F4A7C15) * np.uint64(seed + 1)
+        bits = (bits ^ (bits >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+        bits = (bits ^ (bits >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+        mixed: Array = bits ^ (bits >> np.uint64(31))
     return mixed
-
-
-def _cells(points: Floats, size: float, asked: str) -> Array:
-    """Return the cells of points, two whole numbers each; say what was asked if there are none."""
-    with np.errstate(over="ignore"):
-        found = np.floor(points[:, :2] / size)
-    if len(found) and not np.abs(found).max() <= _MOST_CELLS:
-        row = int(np.abs(found).max(axis=1).argmax())
-        raise InputError(f"{asked}, too small for coordinates such as {points[row, :2].tolist()}")
-    return found.astype(np.int64)
 
 
 def _of_cells(points: Floats, size: float, keep: CellRow) -> Array:
@@ -191,9 +193,7 @@ def _of_cells(points: Floats, size: float, keep: CellRow) -> Array:
     else:
         rank = finite[:, 2] if keep == "lowest" else -finite[:, 2]
     order = np.lexsort((*finite.T[::-1], rank, cells[:, 1], cells[:, 0]))
-    ordered = cells[order]
-    is_first = np.ones(len(order), np.bool_)
-    is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+    is_first = starts_of_runs(cells[order])
     return np.sort(np.concatenate([rows[order[is_first]], np.flatnonzero(~is_finite)]))
 
 
@@ -210,14 +210,23 @@ def _apart(points: Floats, distance: float) -> Array:
     return np.sort(np.concatenate([rows[kept], np.flatnonzero(~is_finite)]))
 
 
+def _cells(points: Floats, size: float, asked: str) -> Array:
+    """Return the cells of points, two whole numbers each; say what was asked if there are none."""
+    with np.errstate(over="ignore"):
+        cells = np.floor(points[:, :2] / size)
+    if len(cells) and not np.abs(cells).max() <= _MOST_CELLS:
+        row = int(np.abs(cells).max(axis=1).argmax())
+        raise InputError(f"{asked}, too small for coordinates such as {points[row, :2].tolist()}")
+    return cells.astype(np.int64)
+
+
 class _Grid:
     """The cells that have points: numbered, with the numbers of those around."""
 
     def __init__(self, cells: Array) -> None:
         order = np.lexsort((cells[:, 1], cells[:, 0]))
         ordered = cells[order]
-        is_first = np.ones(len(order), np.bool_)
-        is_first[1:] = (ordered[1:] != ordered[:-1]).any(axis=1)
+        is_first = starts_of_runs(ordered)
         self._cells = ordered[is_first]
         self.of_point = np.empty(len(cells), np.int64)
         self.of_point[order] = np.cumsum(is_first) - 1
@@ -283,11 +292,11 @@ class _Rounds:
     def _is_near(self, points: Array, chosen: Array) -> Array:
         """Whether points are in the cell of one that stays, or too near to one around."""
         cells = self._grid.of_point[points]
-        found = np.asarray(chosen[cells] >= 0)
+        is_near = np.asarray(chosen[cells] >= 0)
         for near in self._near:
             other = self._points_of(near[cells], chosen)
-            found |= (other >= 0) & self._are_near(points, other)
-        return found
+            is_near |= (other >= 0) & self._are_near(points, other)
+        return is_near
 
     def _points_of(self, cells: Array, points: Array) -> Array:
         return np.where(cells >= 0, points[cells], -1)
@@ -295,17 +304,3 @@ class _Rounds:
     def _are_near(self, one: Array, other: Array) -> Array:
         change = self._plane[one] - self._plane[other]
         return np.asarray(np.hypot(*change.T) < self._distance)
-
-
-def most_significant(cloud: Cloud, wanted: int) -> Rows:
-    """Choose the rows that adaptive thinning keeps."""
-    check_finite(cloud.points, skippable=False)
-    surface = triangulate(cloud)
-    used, plane, hull = positions_of(surface)
-    heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
-    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
-    if len(rows) > wanted:
-        raise InputError(
-            f"adaptive is {wanted}: the hull alone has {len(rows)} corners, which stay"
-        )
-    return np.sort(used[rows])

@@ -20,15 +20,14 @@ from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
 from liftmesh.base.options import Duplicates, Method, NonFinite, check_option, check_progress
 from liftmesh.crs.description import described, warnings_of
-from liftmesh.crs.transformation import told_of
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
 from liftmesh.io.metadata import found_columns
-from liftmesh.io.surface_rows import classes_of, read_rows
+from liftmesh.io.surface_rows import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.lifting import Lifting, lifting_of
-from liftmesh.terrain.report import Report
+from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
@@ -365,8 +364,8 @@ def _report(
     left_out = np.concatenate([choice.left_out, alone])
     representatives = np.concatenate([choice.representatives, np.full_like(alone, -1)])
     order = np.argsort(left_out)
-    return Report(
-        rows=triangulation.npoints,
+    return report_on(
+        cloud,
         used=triangulation.npoints - len(left_out),
         duplicates=len(choice.left_out) - overhangs,
         overhangs=overhangs,
@@ -377,8 +376,5 @@ def _report(
         left_out=left_out[order],
         representatives=representatives[order],
         columns=found_columns(cloud.metadata),
-        color_depth=cloud.color_depth,
         hidden=len(hidden),
-        classes=classes_of(cloud.attributes),
-        transformation=told_of(cloud.metadata),
     )

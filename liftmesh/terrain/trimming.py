@@ -24,10 +24,10 @@ from liftmesh.vector.polygons import contains, polygons_in
 def trim(
     surface: AnySurface,
     *,
-    max_edge: float | None = None,
-    boundary_only: bool = False,
-    max_radius: float | None = None,
-    polygon: object = None,
+    max_edge: float | None,
+    boundary_only: bool,
+    max_radius: float | None,
+    polygon: object,
 ) -> AnySurface:
     """Make a copy without some of the faces; vertices and triangulation stay as they are."""
     left_out = mask_of(surface).copy()

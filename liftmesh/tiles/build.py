@@ -6,8 +6,7 @@ import os
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, as_threads, check_progress
 from liftmesh.tiles.options import Options, SurfaceOptions
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial

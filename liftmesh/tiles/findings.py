@@ -8,7 +8,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.planar.certificate import Flaw, Offender
-from liftmesh.planar.offenders import MEANINGS
+from liftmesh.planar.violations import MEANINGS
 
 _SHOWN = 16
 _MEANINGS = {

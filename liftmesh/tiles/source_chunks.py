@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.las.header import stated
+from liftmesh.io.formats.las.header import read_header
 from liftmesh.io.formats.numpy_arrays import Layout
 from liftmesh.io.streams import remaining
 from liftmesh.tiles.schema import PLANAR, Schema, planar_of, records_of_points
@@ -245,7 +245,7 @@ def las_chunks(origin: Origin, name: str, rows: int) -> list[LasChunk] | None:
     if not Path(name).is_file():
         return None
     with Path(name).open("rb") as stream:
-        header = stated(stream, name)
+        header = read_header(stream, name)
     if header.compressed:
         return None
     return [

@@ -3,28 +3,33 @@
 They are read here, by the standard library and NumPy: a general library would choose among many
 formats by itself, and some of those fetch addresses, open other files, or run statements.
 
-Files of polygons, lines and points, and the coordinate systems that shapes say they are in.
-
-Old GeoJSON names its system in the member ``crs``, and so do the trees of other files; without it,
-coordinates are taken to be those of the surface.
+A file is in the system that it names: old GeoJSON does so in the member ``crs``, which the trees of
+other files have, too. What is laid over a surface must not name another system than the surface
+does, and is taken to be in that one if it names none (`check_system`). What stands by itself, as a
+domain, is in degrees if it is GeoJSON without a name, as RFC 7946 says, and its coordinates may be
+degrees (`own_system`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 from warnings import warn
 
+import numpy as np
+
 from liftmesh.base.options import shown
 from liftmesh.crs.comparison import are_different, text_of
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.description import described, looked_up
 from liftmesh.errors import DataWarning, FormatError, InputError, MissingDependencyError
 from liftmesh.io.markup import parsed
 from liftmesh.optional import load
 from liftmesh.vector.geopackage import MAGIC as GEOPACKAGE, read_geopackage
 from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile
 
+_STANDARD = "EPSG:4326"  # of GeoJSON that names no other
+_MOST_DEGREES = np.array([360.0, 180.0])  # twice those of x and y
 _TEXT = {".geojson", ".json", ""}
 _MARK = b"\xef\xbb\xbf"
 
@@ -46,6 +51,20 @@ def read_features(path: Path, what: str) -> dict[str, Any]:
     )
 
 
+def read_shapes(path: Path, what: str, crs: str | None) -> dict[str, Any]:
+    """Read a file, and see that it is in the system of a surface."""
+    tree = read_features(path, what)
+    check_system(crs, tree, str(path))
+    return tree
+
+
+def check_system(own: str | None, shapes: object, name: str) -> None:
+    """Raise if shapes are known to be in another system than the surface."""
+    stated = stated_system(shapes)
+    if are_different(own, stated):
+        raise InputError(f"{name} is in {shown(stated)}, the surface in {shown(own)}: transform it")
+
+
 def stated_system(shapes: object) -> str | None:
     """Return the system that shapes say they are in."""
     if isinstance(shapes, Mapping):
@@ -59,14 +78,17 @@ def stated_system(shapes: object) -> str | None:
     return str(held.to_wkt()) if hasattr(held, "to_wkt") else None
 
 
-def _geojson(path: Path, text: bytes) -> dict[str, Any]:
-    try:
-        tree = parsed(text.decode())
-    except (ValueError, RecursionError) as error:
-        raise FormatError(f"{path}: not GeoJSON: {error}") from error
-    if not isinstance(tree, dict):
-        return {}
-    return _with_system(tree, stated_system(tree), path) if tree.get("crs") else tree
+def own_system(tree: Mapping[str, Any], bounds: Sequence[float]) -> str | None:
+    """Return the system of shapes of a file that stand by themselves."""
+    crs = stated_system(tree) if "crs" in tree else _STANDARD
+    system = described(crs)
+    if system is None or (system.kind == "geographic" and not _are_degrees(bounds)):
+        return None
+    return crs
+
+
+def _are_degrees(bounds: Sequence[float]) -> bool:
+    return bool((np.abs(np.reshape(bounds, (2, 2))) <= _MOST_DEGREES).all())
 
 
 def _with_system(tree: dict[str, Any], crs: str | None, path: Path) -> dict[str, Any]:
@@ -81,15 +103,11 @@ def _with_system(tree: dict[str, Any], crs: str | None, path: Path) -> dict[str,
     return {**tree, "crs": crs and {"type": "name", "properties": {"name": crs}}}
 
 
-def read_shapes(path: Path, what: str, crs: str | None) -> dict[str, Any]:
-    """Read a file, and see that it is in the system of a surface."""
-    tree = read_features(path, what)
-    check_system(crs, tree, str(path))
-    return tree
-
-
-def check_system(own: str | None, shapes: object, name: str) -> None:
-    """Raise if shapes are known to be in another system than the surface."""
-    stated = stated_system(shapes)
-    if are_different(own, stated):
-        raise InputError(f"{name} is in {shown(stated)}, the surface in {shown(own)}: transform it")
+def _geojson(path: Path, text: bytes) -> dict[str, Any]:
+    try:
+        tree = parsed(text.decode())
+    except (ValueError, RecursionError) as error:
+        raise FormatError(f"{path}: not GeoJSON: {error}") from error
+    if not isinstance(tree, dict):
+        return {}
+    return _with_system(tree, stated_system(tree), path) if tree.get("crs") else tree

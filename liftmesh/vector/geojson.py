@@ -1,10 +1,8 @@
-"""GeoJSON of lines, which are written one by one.
+"""GeoJSON: the geometries of its trees, and lines that are written one by one.
 
 GeoJSON by itself is in degrees (RFC 7946). Coordinates of another system have its name in the
 member ``crs``, as GeoJSON had it before, and as GDAL writes and reads it: the number of the system
 if it has one, or else its whole text.
-
-Geometries in a tree of GeoJSON, wherever collections and features hold them.
 """
 
 from __future__ import annotations
@@ -14,33 +12,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from types import MappingProxyType
 from typing import Any, BinaryIO, TypeAlias
 
+import numpy as np
+
 from liftmesh._typing import Floats
+from liftmesh.base.arrays import as_pairs, as_reals
+from liftmesh.base.options import shown
 from liftmesh.crs.description import urn_of
-
-
-def write(
-    stream: BinaryIO, lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None
-) -> None:
-    """Write a collection of features."""
-    stream.writelines(each.encode() for each in _texts(lines, crs))
-
-
-def crs_member(crs: str | None) -> str:
-    """Return the member that names a coordinate system, with the comma and line end after it."""
-    if crs is None:
-        return ""
-    system = {"type": "name", "properties": {"name": urn_of(crs)}}
-    return f'"crs": {json.dumps(system)},\n'
-
-
-def _texts(lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None) -> Iterator[str]:
-    yield f'{{"type": "FeatureCollection",\n{crs_member(crs)}"features": ['
-    for number, (properties, points) in enumerate(lines):
-        geometry = {"type": "LineString", "coordinates": points.tolist()}
-        feature = {"type": "Feature", "properties": properties, "geometry": geometry}
-        yield ("," if number else "") + "\n" + json.dumps(feature)
-    yield "\n]}\n"
-
+from liftmesh.errors import InputError
 
 Geometry: TypeAlias = tuple[str, Any, Mapping[str, Any]]
 
@@ -66,6 +44,47 @@ def geometries(tree: object, properties: Mapping[str, Any] = _NONE) -> Iterator[
 
 def coordinates_of(tree: object, kind: str) -> Iterator[Any]:
     """Yield the coordinates of all geometries of one kind, those of a Multi one by one."""
-    for found, coordinates, _ in geometries(tree):
-        parts = [coordinates] if found == kind else coordinates if found == f"Multi{kind}" else ()
+    for own_kind, coordinates, _ in geometries(tree):
+        parts = (
+            [coordinates] if own_kind == kind else coordinates if own_kind == f"Multi{kind}" else ()
+        )
         yield from (part for part in parts if part)
+
+
+def planar_corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
+    """Convert the corners of a line or ring; heights, which GeoJSON allows, are left out."""
+    try:
+        array = as_reals(corners)
+    except (TypeError, ValueError, OverflowError) as error:
+        name = part if part == whole else f"{part} of {whole}"
+        raise InputError(f"{name} cannot be read: {shown(corners)}") from error
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < fewest:
+        count = {2: "two", 3: "three"}[fewest]
+        raise InputError(f"{part} needs {count} corners x, y or more, not the shape {array.shape}")
+    if not np.isfinite(array).all():
+        raise InputError(f"a corner of {whole} is not finite")
+    return as_pairs(array[:, :2])
+
+
+def write_lines(
+    stream: BinaryIO, lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None
+) -> None:
+    """Write a collection of features."""
+    stream.writelines(each.encode() for each in _texts(lines, crs))
+
+
+def crs_member(crs: str | None) -> str:
+    """Return the member that names a coordinate system, with the comma and line end after it."""
+    if crs is None:
+        return ""
+    system = {"type": "name", "properties": {"name": urn_of(crs)}}
+    return f'"crs": {json.dumps(system)},\n'
+
+
+def _texts(lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None) -> Iterator[str]:
+    yield f'{{"type": "FeatureCollection",\n{crs_member(crs)}"features": ['
+    for number, (properties, points) in enumerate(lines):
+        geometry = {"type": "LineString", "coordinates": points.tolist()}
+        feature = {"type": "Feature", "properties": properties, "geometry": geometry}
+        yield ("," if number else "") + "\n" + json.dumps(feature)
+    yield "\n]}\n"

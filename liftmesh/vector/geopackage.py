@@ -1,17 +1,15 @@
-"""Geometries and values of a GeoPackage, which the SQLite of the standard library reads.
+"""GeoPackage: geometries and values, which the SQLite of the standard library reads.
 
 A file of SQLite holds statements as well as rows. So it is opened for reading alone, without any
 file beside it, and nothing but rows of ordinary tables is read: views, virtual tables and computed
 columns are refused, functions denied. What is read is counted, and the steps that SQLite takes for
 it: pages that are used many times, as only damaged files have them, end in an error.
 
-Geometries of well-known binary (WKB), of which x and y are read, as objects of GeoJSON.
+Geometries are well-known binary (WKB), of which x and y are read, as objects of GeoJSON. Counts are
+compared with the bytes that are there, and collections may be nested only so deep.
 
-Counts are compared with the bytes that are there, and collections may be nested only so deep.
-
-GeoPackage of lines and other shapes, which geopandas writes.
-
-The file is made in memory, since the database behind it cannot be written to a stream.
+Lines and other shapes are written by geopandas: in memory, since the database behind it cannot be
+written to a stream.
 """
 
 from __future__ import annotations
@@ -92,12 +90,12 @@ class _Package:
         columns = self._columns(name)
         if key not in columns:
             raise FormatError(f"{self._path}: layer {shown(name)} has no column {shown(key)}")
-        found = []
+        features = []
         for row in self._rows(name, *columns):
             values = dict(zip(columns, row, strict=True))
             shape = _geometry(values.pop(key))
-            found.append({"type": "Feature", "properties": values, "geometry": shape})
-        return {"type": "FeatureCollection", "features": found}, self._system(system)
+            features.append({"type": "Feature", "properties": values, "geometry": shape})
+        return {"type": "FeatureCollection", "features": features}, self._system(system)
 
     def _layer(self) -> tuple[str, str, int]:
         """Return the table of the first layer, its column of geometries, and its system."""
@@ -258,12 +256,12 @@ class _Reader:
         return int(count)
 
     def _corners(self, order: str, count: int, width: int) -> list[list[float]]:
-        found = np.frombuffer(self._data, order + "f8", count * width, self._place)
-        self._place += found.nbytes
-        return found.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
+        numbers = np.frombuffer(self._data, order + "f8", count * width, self._place)
+        self._place += numbers.nbytes
+        return numbers.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
 
 
-def write(
+def write_lines(
     stream: BinaryIO,
     points: Floats,
     starts: Array,

@@ -1,44 +1,49 @@
-"""Lines of files of shapes: GeoJSON, GeoPackage and shapefiles.
-
-They are lines in the plane: heights of corners, which GeoJSON allows, are left out.
-"""
+"""Lines of files of shapes: read in the plane, and written as GeoJSON or GeoPackage."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_pairs, as_reals
-from liftmesh.base.options import shown
+from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.atomic import replacing
+from liftmesh.vector import geojson, geopackage
 from liftmesh.vector.files import read_shapes
-from liftmesh.vector.geojson import coordinates_of
 
 
 def lines_of(path: Path, crs: str | None) -> list[Floats]:
     """Read the lines of a file, which has to be in the system of a surface."""
     tree = read_shapes(path, "lines", crs)
     try:
-        found = [_line(each) for each in coordinates_of(tree, "LineString")]
+        lines = [
+            geojson.planar_corners(each, "a line", "a line", 2)
+            for each in geojson.coordinates_of(tree, "LineString")
+        ]
     except (TypeError, AttributeError, RecursionError) as error:
         raise FormatError(f"{path}: no GeoJSON: a line has type and coordinates") from error
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error
-    if not found:
+    if not lines:
         raise FormatError(f"{path}: there is no LineString or MultiLineString in it")
-    return found
+    return lines
 
 
-def _line(corners: Any) -> Floats:
-    try:
-        array = as_reals(corners)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"a line cannot be read: {shown(corners)}") from error
-    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 2:
-        raise InputError(f"a line needs two corners x, y or more, not the shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError("a corner of a line is not finite")
-    return as_pairs(array[:, :2])
+def write_lines(
+    path: Path,
+    points: Floats,
+    starts: Array,  # where each line begins, and where the last ends
+    columns: Mapping[str, Array],
+    crs: str | None,
+    layer: str,
+) -> None:
+    """Write lines with a value of each column, as the name of the file says."""
+    with replacing(path) as stream:
+        if path.suffix.lower() == ".gpkg":
+            geopackage.write_lines(stream, points, starts, columns, crs, layer)
+            return
+        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+        properties = (dict(zip(columns, row, strict=True)) for row in rows)
+        parts = (points[begin:end] for begin, end in pairwise(starts.tolist()))
+        geojson.write_lines(stream, zip(properties, parts, strict=True), crs)

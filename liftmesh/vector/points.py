@@ -31,18 +31,18 @@ _COORDINATES = {"x", "y", "z"}
 def points_of(path: Path, crs: str | None) -> Cloud:
     """Read the points of a file, which has to be in the system of a surface."""
     shapes = read_shapes(path, "points", crs)
-    found = _Found()
+    points = _Found()
     try:
-        found.take(shapes)
+        points.take(shapes)
     except (TypeError, AttributeError, RecursionError) as error:
         raise FormatError(f"{path}: no GeoJSON: a point has type and coordinates") from error
-    if not found.places:
+    if not points.places:
         raise FormatError(f"{path}: there is no Point or MultiPoint in it")
-    found.check_size(path)
-    planar = _planar(path, found.places)
-    columns = found.columns()
-    unread = (f"property {name}" for name in found.names() if name not in columns)
-    skipped = (*unread, *(counted(count, kind) for kind, count in found.others.items()))
+    points.check_size(path)
+    planar = _planar(path, points.places)
+    columns = points.columns()
+    unread = (f"property {name}" for name in points.names() if name not in columns)
+    skipped = (*unread, *(counted(count, kind) for kind, count in points.others.items()))
     return Cloud(
         np.column_stack([planar, np.zeros(len(planar))]),
         attributes=columns,
@@ -90,10 +90,10 @@ class _Found:
     def columns(self) -> dict[str, Array]:
         """Return the values of the properties that are numbers."""
         names = (name for name in self.names() if name.lower() not in _COORDINATES)
-        found = {name: _column([each.get(name) for each in self.properties]) for name in names}
+        columns = {name: _column([each.get(name) for each in self.properties]) for name in names}
         return {
             name: np.repeat(values, self.counts)
-            for name, values in found.items()
+            for name, values in columns.items()
             if values is not None
         }
 

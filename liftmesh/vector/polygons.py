@@ -21,19 +21,16 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices
-from liftmesh.base.arrays import as_pairs, as_reals
-from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import check_system, read_shapes
-from liftmesh.vector.geojson import coordinates_of
+from liftmesh.vector.geojson import coordinates_of, planar_corners
 
 _FEW, _NEAR = 64, 16  # points of a strip, and edges near each of them
 _PAIRS = 1 << 20  # of edges and points that are compared at once
 _LONG = 1 << 12  # points that are compared with one edge alone
 _ROUNDING = 2.0**-48  # of the ends of an edge, in a point between them
 _SMALLEST = 2.0**-1070
-
 Polygon: TypeAlias = list[Floats]
 T = TypeVar("T")
 
@@ -44,6 +41,24 @@ class Region:
 
     name: str | int
     polygons: list[Polygon]
+
+
+def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
+    """Convert what is given to polygons, and see that they are in the system of a surface."""
+    return [each for region in regions_in(crs, polygon) for each in region.polygons]
+
+
+def regions_in(crs: str | None, polygon: object) -> list[Region]:
+    """Convert what is given to regions, and see that they are in the system of a surface."""
+    if not isinstance(polygon, str | os.PathLike):
+        check_system(crs, polygon, "the polygon")
+        return as_regions(polygon)
+    path = Path(polygon)
+    shapes = read_shapes(path, "polygons", crs)
+    try:
+        return as_regions(shapes)
+    except InputError as error:
+        raise FormatError(f"{path}: {error}") from error
 
 
 def as_polygons(polygon: object) -> list[Polygon]:
@@ -76,6 +91,27 @@ def _name_of(feature: Mapping[str, Any], number: int) -> str | int:
     return name if isinstance(name, str) and name else number
 
 
+def _polygons(described: object) -> list[Polygon]:
+    """Convert the polygons of a tree of GeoJSON, in which nothing else counts; or one ring."""
+    if not isinstance(described, Mapping):
+        return [[_ring(described)]]
+    try:
+        polygons = [list(rings) for rings in coordinates_of(described, "Polygon")]
+    except (TypeError, RecursionError) as error:
+        raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
+    return [[_ring(ring) for ring in rings] for rings in polygons]
+
+
+def _found(polygons: list[T]) -> list[T]:
+    if not polygons:
+        raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
+    return polygons
+
+
+def _ring(corners: Any) -> Floats:
+    return planar_corners(corners, "a ring", "the polygon", 3)
+
+
 def contains(polygons: list[Polygon], points: Floats) -> Array:
     """Tell which points are inside one of several polygons."""
     order = np.argsort(points[:, 1], kind="stable")
@@ -86,9 +122,9 @@ def contains(polygons: list[Polygon], points: Floats) -> Array:
         first, last = np.searchsorted(lined[:, 1], (heights.min(), heights.max()))
         if first < last:
             is_inside[first:last] |= _is_in(rings, lined[first:last])
-    found = np.empty_like(is_inside)
-    found[order] = is_inside
-    return found
+    in_given_order = np.empty_like(is_inside)
+    in_given_order[order] = is_inside
+    return in_given_order
 
 
 def _is_in(rings: Polygon, lined: Floats) -> Array:
@@ -126,9 +162,9 @@ def _left_of(low: Floats, high: Floats, bounds: Indices, strip: Floats) -> Indic
     counts = len(left) - np.cumsum(np.bincount(near[0], minlength=len(points) + 1))[:-1]
     counts += _compared(low[passes], high[passes], *near, points)
     first, last = bounds[:, ~passes]
-    found = _compared(low[~passes], high[~passes], first, last, strip)
-    found[order] += counts
-    return found
+    counts_in_order = _compared(low[~passes], high[~passes], first, last, strip)
+    counts_in_order[order] += counts
+    return counts_in_order
 
 
 def _compared(low: Floats, high: Floats, first: Indices, last: Indices, points: Floats) -> Indices:
@@ -160,51 +196,3 @@ def _extents(low: Floats, high: Floats, heights: Floats) -> tuple[Floats, Floats
     ends = np.stack([low[:, 0], high[:, 0]])
     is_vague = ~(np.isfinite(across).all(axis=1) & np.isfinite(least) & np.isfinite(most))
     return np.where(is_vague, ends.min(axis=0), least), np.where(is_vague, ends.max(axis=0), most)
-
-
-def _polygons(described: object) -> list[Polygon]:
-    """Convert the polygons of a tree of GeoJSON, in which nothing else counts; or one ring."""
-    if not isinstance(described, Mapping):
-        return [[_ring(described)]]
-    try:
-        found = [list(rings) for rings in coordinates_of(described, "Polygon")]
-    except (TypeError, RecursionError) as error:
-        raise InputError("the polygon is no GeoJSON: give type and coordinates") from error
-    return [[_ring(ring) for ring in rings] for rings in found]
-
-
-def _found(polygons: list[T]) -> list[T]:
-    if not polygons:
-        raise InputError("there is no polygon in what is given: give Polygon or MultiPolygon")
-    return polygons
-
-
-def _ring(corners: Any) -> Floats:
-    """Convert a ring to planar corners; heights, which GeoJSON allows, are left out."""
-    try:
-        array = as_reals(corners)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"a ring of the polygon cannot be read: {shown(corners)}") from error
-    if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < 3:
-        raise InputError(f"a ring needs three corners x, y or more, not the shape {array.shape}")
-    if not np.isfinite(array).all():
-        raise InputError("a corner of the polygon is not finite")
-    return as_pairs(array[:, :2])
-
-
-def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
-    """Convert what is given to polygons, and see that they are in the system of a surface."""
-    return [each for region in regions_in(crs, polygon) for each in region.polygons]
-
-
-def regions_in(crs: str | None, polygon: object) -> list[Region]:
-    """Convert what is given to regions, and see that they are in the system of a surface."""
-    if not isinstance(polygon, str | os.PathLike):
-        check_system(crs, polygon, "the polygon")
-        return as_regions(polygon)
-    path = Path(polygon)
-    shapes = read_shapes(path, "polygons", crs)
-    try:
-        return as_regions(shapes)
-    except InputError as error:
-        raise FormatError(f"{path}: {error}") from error

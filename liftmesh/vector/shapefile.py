@@ -86,10 +86,10 @@ def _shape(kind: int, record: bytes) -> dict[str, Any]:
         return {"type": "MultiPoint", "coordinates": _corners(record, 36, count).tolist()}
     count, corners = struct.unpack_from("<2I", record, 32)
     begins = np.frombuffer(record, "<u4", count, 40)
-    found = _corners(record, 40 + 4 * count, corners)
+    points = _corners(record, 40 + 4 * count, corners)
     if count and (begins[0] or begins[-1] > corners or (begins[1:] < begins[:-1]).any()):
         raise ValueError("the parts of a shape do not begin one after the other")
-    parts = np.split(found, begins[1:]) if count else []
+    parts = np.split(points, begins[1:]) if count else []
     held = _nested(parts) if plain == _POLYGON else [each.tolist() for each in parts]
     return {"type": _KINDS[plain], "coordinates": held}
 
@@ -108,11 +108,11 @@ def _nested(rings: Sequence[Floats]) -> list[list[Any]]:
     lines = shapely.linearrings(np.concatenate(rings), indices=_numbers(rings))
     is_hole = shapely.is_ccw(lines)
     areas, holes = shapely.polygons(lines[~is_hole]), shapely.polygons(lines[is_hole])
-    found = [[ring.tolist()] for ring, each in zip(rings, is_hole, strict=True) if not each]
+    polygons = [[ring.tolist()] for ring, each in zip(rings, is_hole, strict=True) if not each]
     inner = (ring.tolist() for ring, each in zip(rings, is_hole, strict=True) if each)
     for ring, place in zip(inner, _around(shapely, areas, holes), strict=True):
-        found[place].append(ring)
-    return found
+        polygons[place].append(ring)
+    return polygons
 
 
 def _numbers(rings: Sequence[Floats]) -> Integers:
@@ -159,12 +159,12 @@ def _rows(path: Path, count: int) -> list[dict[str, Any] | None]:
             raise ValueError(f"the columns of {beside.name} are wider than its rows")
     if begin + size * rows > len(data):
         raise ValueError(f"{beside.name} is truncated")
-    found = (data[at : at + size] for at in range(begin, begin + size * rows, size or 1))
+    records = (data[at : at + size] for at in range(begin, begin + size * rows, size or 1))
     return [
         None
         if row[:1] == b"*"
         else {name: _value(row[a:b], kind, encoding) for name, kind, a, b in fields}
-        for row in found
+        for row in records
     ]
 
 

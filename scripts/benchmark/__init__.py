@@ -4,6 +4,8 @@ A case is one input and its contestants. A contestant is a peer (a program) on a
 and runs in a fresh process. Its first run, the trial, measures time and memory; its triangles are
 checked exactly before its times count. Then all contestants are timed in alternating rounds.
 
+    tasks/        the benchmarks of `scripts/bench.py`; `delaunay` is the one described above
+    measuring     options, calls in turn, fresh processes and tables of all tasks
     cases         the cases that each profile of the command measures
     contest       one case: the trials, then the rounds
     contestants   a peer on a number of threads, and its process

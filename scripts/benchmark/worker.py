@@ -23,6 +23,7 @@ from typing import Any, TextIO
 
 import numpy as np
 from distributions import Points
+from process_state import memory
 
 from benchmark.peers import PEERS, Call, Outputs, touch
 
@@ -74,14 +75,6 @@ class Worker:
 
 def read(file: str) -> Points:
     return np.fromfile(file).reshape(-1, 2)
-
-
-def memory(field: str) -> int:
-    """Read a size in bytes from /proc/self/status."""
-    for line in Path("/proc/self/status").read_text().splitlines():
-        if line.startswith(field):
-            return int(line.split()[1]) * 1024
-    raise OSError(f"/proc/self/status has no {field}: memory can be measured on Linux only")
 
 
 def own_output() -> TextIO:

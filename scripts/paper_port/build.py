@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.planar.counters import REJECTIONS
+from liftmesh.planar.lifting import REJECTIONS
 
 FOLDER = Path(__file__).parent
 LIBRARIES = ("-lm",)

@@ -17,7 +17,7 @@ import shapely
 from faults.children import output
 from hypothesis import given, settings, strategies as st
 
-from liftmesh.cells.domain_file import read_domain
+from liftmesh.cells.files import read_domain
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.vector.files import read_features
 from liftmesh.vector.geopackage import geometry_of

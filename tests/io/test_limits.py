@@ -13,8 +13,7 @@ import typer
 
 import liftmesh
 from liftmesh import Cloud, Format, InputError
-from liftmesh.cli import exit_codes, main
-from liftmesh.cli.options import parse_size
+from liftmesh.cli import exit_codes, main, options
 from liftmesh.io import registry
 
 GIVEN: list[int | None] = []
@@ -74,7 +73,6 @@ def test_values_that_are_no_limit(kind: str, value: Any) -> None:
 @pytest.mark.parametrize(
     ("text", "size"),
     [
-        (None, None),
         ("1", 1),
         ("500M", 500_000_000),
         ("4G", 4_000_000_000),
@@ -83,14 +81,14 @@ def test_values_that_are_no_limit(kind: str, value: Any) -> None:
         ("1T", 10**12),
     ],
 )
-def test_sizes(text: str | None, size: int | None) -> None:
-    assert parse_size(text) == size
+def test_sizes(text: str, size: int) -> None:
+    assert options.size(text) == size
 
 
 @pytest.mark.parametrize("text", ["", "0", "0G", "-1", "1.5G", "1_0", "٣", "G", "4Gi", "9" * 30])
 def test_texts_that_are_no_size(text: str) -> None:
     with pytest.raises(typer.BadParameter, match="is not a size: give one as 500M or 4G"):
-        parse_size(text)
+        options.size(text)
 
 
 @pytest.mark.parametrize(

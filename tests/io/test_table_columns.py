@@ -11,7 +11,7 @@ import pytest
 import liftmesh
 from liftmesh import Cloud, DataWarning, FormatError, InputError
 from liftmesh.io.formats.text.names import meaning
-from liftmesh.io.formats.text.options import checked
+from liftmesh.io.formats.text.options import validate_table_options
 
 ROW = "1.5,2.5,3.5\n"
 POINT = [[1.5, 2.5, 3.5]]
@@ -243,7 +243,7 @@ def test_a_column_whose_name_is_taken_is_left_out_and_named() -> None:
 )
 def test_invalid_options_are_refused(options: dict[str, Any]) -> None:
     with pytest.raises(InputError, match=next(iter(options))):
-        checked(**options)
+        validate_table_options(**options)
 
 
 def test_other_formats_and_other_options_are_refused() -> None:

@@ -19,6 +19,7 @@ import numpy as np
 from liftmesh.crs.description import is_number, length_unit, urn_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import FormatError
+from liftmesh.io.faces import faces_of
 from liftmesh.io.markup import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
 
@@ -64,12 +65,11 @@ def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str = "surface") -> N
     columns = [numbers, cloud.points[:, 1], cloud.points[:, 0], heights]
     write_rows(stream, columns, prefix='<P id="', between=('">', " ", " "), end="</P>\n")
     stream.write(b"</Pnts>\n<Faces>\n")
-    faces = np.zeros((0, 3), np.int32) if cloud.faces is None else cloud.faces
-    write_rows(stream, [faces], prefix="<F>", plus=1, end="</F>\n")
+    write_rows(stream, [faces_of(cloud)], prefix="<F>", plus=1, end="</F>\n")
     stream.write(b"</Faces>\n</Definition>\n</Surface>\n</Surfaces>\n</LandXML>\n")
 
 
-def lost(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
+def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
     """Return what is lost of this cloud: a coordinate system that XML cannot hold."""
     return ("crs",) if cloud.crs is not None and not is_possible(cloud.crs) else ()
 

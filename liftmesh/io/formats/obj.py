@@ -25,7 +25,6 @@ from liftmesh.base.colors import as_float, fits_eight_bits, recognized
 from liftmesh.base.options import ObjColors, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import face_counts, triangulated
-from liftmesh.io.format import OWN, crs_comment, others, stated_crs
 from liftmesh.io.formats.obj_faces import (
     MARK,
     Corners,
@@ -36,7 +35,7 @@ from liftmesh.io.formats.obj_faces import (
     write_comments,
 )
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
-from liftmesh.io.metadata import stated, statements, storable
+from liftmesh.io.metadata import header_comments, others, stated, stated_crs, storable
 from liftmesh.io.text_tables import number_table, shortened, write_rows
 
 if TYPE_CHECKING:
@@ -252,9 +251,7 @@ def write_obj(
 ) -> None:
     """Write a cloud, or a mesh, as OBJ."""
     check_option("colors", colors, ObjColors)
-    own = [OWN, *crs_comment(cloud.crs), *statements(storable(cloud.metadata), "comments")]
-    given = [comments] if isinstance(comments, str) else comments
-    for comment in [*own, *(each for each in given if each not in own)]:
+    for comment in header_comments(cloud.crs, storable(cloud.metadata), comments):
         if not comment.isprintable() or comment.endswith("\\"):
             raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
@@ -277,7 +274,7 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
     write_rows(stream, columns, prefix="f ", between=between, plus=1)
 
 
-def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Colours within printed precision of 8-bit ones are read as these."""
     if options.get("colors", "values") != "values":
         return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))

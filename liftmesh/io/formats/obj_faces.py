@@ -22,17 +22,16 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Integers
 from liftmesh.base.colors import as_float, as_uint8
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import Ragged
 from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.text_tables import quoted
+from liftmesh.io.text_tables import quoted, words_of
 
 if TYPE_CHECKING:
     from liftmesh.io.lines import Block
 
 
-_WORD = re.compile(r"\S+")
 _CORNER = re.compile(r"([+-]?\d{1,9})(?:/(?:[+-]?\d{1,18})?(?:/([+-]?\d{1,9}))?)?", re.ASCII)
 
 
@@ -107,10 +106,10 @@ def outside(index: int, count: int, kind: str = "vertex") -> str:
 
 def _corner_error(faces: Block, name: str) -> FormatError:
     bad = (
-        (corner[0], number)
+        (corner, number)
         for text, number in faces
-        for corner in _WORD.finditer(text)
-        if not _is_corner(corner[0])
+        for corner in words_of(text)
+        if not _is_corner(corner)
     )
     corner, number = next(bad)
     return FormatError(

@@ -17,11 +17,18 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged, face_counts, gathered, triangulated
-from liftmesh.io.lines import HASH, Block, Lines, promised
-from liftmesh.io.text_tables import number_table, quoted, ragged_numbers, whole, write_rows
+from liftmesh.io.faces import Ragged, face_counts, faces_of, gathered, triangulated
+from liftmesh.io.lines import HASH, Block, Lines, check_end, promised
+from liftmesh.io.text_tables import (
+    is_count,
+    number_table,
+    quoted,
+    ragged_numbers,
+    whole,
+    words_of,
+    write_rows,
+)
 
-_WORD = re.compile(r"\S+")
 _INDEX = re.compile(r"-?\d{1,9}", re.ASCII)
 _HEAD = re.compile(r"(?:ST)?C?N?OFF(?:\s+(.*))?")
 
@@ -34,17 +41,13 @@ def read_off(stream: BinaryIO, name: str) -> Cloud:
     if not points:
         raise FormatError(f"{name}: the file holds no vertices")
     corners = [_corners(block, name) for block in promised(lines, faces, "faces", name)]
-    if len(lines.take(1)):
-        raise FormatError(
-            f"{name}: line {lines.number}: more rows follow than the header promises: "
-            "correct its counts"
-        )
+    check_end(lines, name)
     return _cloud(np.concatenate(points), corners, name)
 
 
 def write_off(stream: BinaryIO, cloud: Cloud) -> None:
     """Write a mesh as OFF, with digits that round-trip."""
-    faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+    faces = faces_of(cloud)
     stream.write(b"OFF\n%d %d 0\n" % (len(cloud), len(faces)))
     write_rows(stream, [cloud.points])
     write_rows(stream, [faces], prefix="3 ")
@@ -63,7 +66,7 @@ def _counts(lines: Lines, name: str) -> tuple[int, int]:
     if found is None:
         raise FormatError(f"{name}: not a valid OFF file: it does not begin with OFF")
     words = (found[1] or lines.next()).split()[:2]
-    if len(words) < 2 or not all(w.isascii() and w.isdigit() and len(w) < 19 for w in words):
+    if len(words) < 2 or not all(map(is_count, words)):
         raise FormatError(
             f"{name}: line {lines.number}: expected the numbers of vertices and faces, "
             f"found {quoted(' '.join(words))}"
@@ -100,9 +103,9 @@ def _located(numbers: Ragged) -> Ragged:
 
 
 def _check_row(text: str, number: int, name: str) -> None:
-    words = map(re.Match.group, _WORD.finditer(text))
+    words = words_of(text)
     first = next(words)
-    size = int(first) if first.isascii() and first.isdigit() and len(first) < 10 else -1
+    size = int(first) if is_count(first, 9) else -1
     corners = sum(_INDEX.fullmatch(word) is not None for word in islice(words, max(size, 0)))
     if size != corners:
         raise FormatError(

@@ -18,7 +18,7 @@ from liftmesh.base.colors import kept_depth, recognized
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, NORMAL, POSITION
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, promised
-from liftmesh.io.text_tables import number_table, quoted, regrouped
+from liftmesh.io.text_tables import is_count, number_table, quoted, regrouped
 
 _SYNTAX = Syntax(comments=("#", "//"))
 _TOGETHER = 1 << 14  # rows: small scans are joined, since each array takes memory of its own
@@ -91,7 +91,7 @@ class _Scans:
 def _count(first: Block) -> int | None:
     """The number of points that a line states; None if it is a point."""
     word = first.texts[0]
-    return int(word) if word.isascii() and word.isdigit() and len(word) < 19 else None
+    return int(word) if is_count(word) else None
 
 
 def _check_width(table: Floats, block: Block, name: str) -> None:

@@ -1,14 +1,9 @@
-"""STL files: binary, read and written, and text, read by `io.stl_text`.
+"""STL files: binary, read and written, and text, which is read.
 
 A binary file is a header of 80 bytes, the number of facets, and 50 bytes for each facet: normal,
 three corners, and two bytes that programs use as they like. Many headers begin with "solid", as
 every text does: a file is binary if its size is that of its number of facets, or if it begins with
-bytes that no text holds.
-
-STL has no vertices of its own: corners at equal positions become one. An origin stands in the
-header as ``liftmesh origin x y z``.
-
-STL as text: the corners of its facets.
+bytes that no text holds. An origin stands in the header as ``liftmesh origin x y z``.
 
 A text file holds solids, each from a line ``solid`` to a line ``endsolid``, both with a name or
 without, and between them facets of seven lines::
@@ -25,13 +20,12 @@ are in lower or upper case, and ``end`` may be a word of its own. Empty lines an
 also ends where the next one begins; after the last one, NUL and Ctrl-Z may fill the file. The lines
 are taken in large blocks, and all numbers of a block are parsed at once.
 
-Merging of equal rows of coordinates.
-
-Rows are sorted by a hash of their coordinates, and neighbours in this order compared. If different
-rows share a hash, the coordinates themselves are sorted: a collision costs one more sort. The hash
-depends on a secret of the process, so that no file gives very many different rows one hash; the
-result does not depend on it. Many rows are first distributed by bits of their hashes, so that no
-step takes long: between steps Python hears signals.
+STL has no vertices of its own: corners at equal positions become one. Rows are sorted by a hash of
+their coordinates, and neighbours in this order compared. If different rows share a hash, the
+coordinates themselves are sorted: a collision costs one more sort. The hash depends on a secret of
+the process, so that no file gives very many different rows one hash; the result does not depend on
+it. Many rows are first distributed by bits of their hashes, so that no step takes long: between
+steps Python hears signals.
 """
 
 from __future__ import annotations
@@ -51,13 +45,14 @@ from liftmesh._typing import Array, Floats, Integers, Mask
 from liftmesh.base.arrays import used_rows, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
+from liftmesh.io.faces import faces_of
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax
 from liftmesh.io.precision import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.streams import read_exactly, remaining
 from liftmesh.io.text_tables import number_table, quoted
 
 if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
@@ -69,6 +64,17 @@ _STATED = "liftmesh origin"
 # The byte order mark, white space and comments may come first. Control characters are in no text.
 _TEXT = re.compile(rb"(?:\xef\xbb\xbf)?\s*(?:solid\b|[#;])[^\0-\x08\x0e-\x1f]*", re.IGNORECASE)
 _CONTROL = re.compile(rb"[\0-\x08\x0e-\x1f]")
+
+_LINES = 7
+_VERTICES = slice(2, 5)  # of the lines of a facet
+_MARK = "\ufeff".encode().decode("latin-1")  # some editors begin a text with it
+_SYNTAX = Syntax(comments=("#", ";"))
+_FILLING = "\0\x1a"  # some programs fill the last block of a file
+
+_PART = 1 << 20  # rows sorted at once
+_FACTORS = tuple(int.from_bytes(os.urandom(8), "little") | 1 for _ in range(3))
+
+Hashes = NDArray[np.uint64]
 
 
 def read_stl(stream: BinaryIO, name: str) -> Cloud:
@@ -84,7 +90,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
 
 def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     """Write triangles as binary STL."""
-    faces = np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+    faces = faces_of(cloud)
     origin = needed_origin(cloud.points[used_rows(len(cloud), faces)], "stl")
     title = "liftmesh" if origin is None else f"{_STATED} {' '.join(map(repr, origin))}"
     if len(title) > _TITLE_SIZE:
@@ -106,6 +112,18 @@ def _write_facets(stream: BinaryIO, points: Floats, faces: Array) -> None:
         stream.write(part.tobytes())
 
 
+def _normals(corners: Floats) -> Floats:
+    """Compute unit normals; zero for triangles without a direction."""
+    a, b, c = np.moveaxis(corners, 0, -1).copy()  # each has x, y and z in rows
+    first, second = b - a, c - b
+    x, y, z = (first[i] * second[j] - first[j] * second[i] for i, j in ((1, 2), (2, 0), (0, 1)))
+    lengths = np.sqrt(x * x + y * y + z * z)
+    normals = np.zeros((3, len(corners)))
+    np.divide((x, y, z), lengths, out=normals, where=lengths > 0)
+    found: Floats = normals.T
+    return found
+
+
 def _is_text(head: bytes, size: int) -> bool:
     return _TEXT.fullmatch(head) is not None and size != _stated_size(head)
 
@@ -113,23 +131,6 @@ def _is_text(head: bytes, size: int) -> bool:
 def _stated_size(head: bytes) -> int:
     """The size of a binary file with this head; 0 if the head itself is not whole."""
     return _HEAD.size + _HEAD.unpack(head)[1] * _FACET.itemsize if len(head) == _HEAD.size else 0
-
-
-def _binary(stream: BinaryIO, head: bytes, size: int, name: str) -> Cloud:
-    _check_size(head, size, name)
-    title, count = _HEAD.unpack(head)
-    origin = _stated_origin(title, name)
-    facets = np.frombuffer(
-        read_exactly(stream, count * _FACET.itemsize, name, "the facets"), dtype=_FACET
-    )
-    marked = int(np.count_nonzero(facets["attribute"]))
-    skipped = _skipped(f"attribute bytes of {marked} facets" if marked else "")
-    corners = widened(facets["corners"].reshape(-1, 3))
-    return with_origin(_welded(corners, name, **skipped), origin)
-
-
-def _skipped(what: str) -> dict[str, tuple[str, ...]]:
-    return {"skipped": (what,)} if what else {}
 
 
 def _check_size(head: bytes, size: int, name: str) -> None:
@@ -151,6 +152,19 @@ def _check_size(head: bytes, size: int, name: str) -> None:
         )
 
 
+def _binary(stream: BinaryIO, head: bytes, size: int, name: str) -> Cloud:
+    _check_size(head, size, name)
+    title, count = _HEAD.unpack(head)
+    origin = _stated_origin(title, name)
+    facets = np.frombuffer(
+        read_exactly(stream, count * _FACET.itemsize, name, "the facets"), dtype=_FACET
+    )
+    marked = int(np.count_nonzero(facets["attribute"]))
+    skipped = _skipped(f"attribute bytes of {marked} facets" if marked else "")
+    corners = widened(facets["corners"].reshape(-1, 3))
+    return with_origin(_welded(corners, name, **skipped), origin)
+
+
 def _stated_origin(title: bytes, name: str) -> Origin | None:
     text = title.rstrip(b"\0 ").decode("latin-1")
     if not text.startswith(_STATED):
@@ -160,6 +174,10 @@ def _stated_origin(title: bytes, name: str) -> Origin | None:
     except ValueError as error:
         raise FormatError(f"{name}: the origin in the header is invalid: {quoted(text)}") from error
     return checked_origin(values, name)
+
+
+def _skipped(what: str) -> dict[str, tuple[str, ...]]:
+    return {"skipped": (what,)} if what else {}
 
 
 def _welded(corners: Floats, name: str, **metadata: object) -> Cloud:
@@ -172,25 +190,6 @@ def _welded(corners: Floats, name: str, **metadata: object) -> Cloud:
         faces=place.reshape(-1, 3).astype(np.int32),
         metadata={"repeated_vertices": len(corners) - len(kept), **metadata},
     )
-
-
-def _normals(corners: Floats) -> Floats:
-    """Compute unit normals; zero for triangles without a direction."""
-    a, b, c = np.moveaxis(corners, 0, -1).copy()  # each has x, y and z in rows
-    first, second = b - a, c - b
-    x, y, z = (first[i] * second[j] - first[j] * second[i] for i, j in ((1, 2), (2, 0), (0, 1)))
-    lengths = np.sqrt(x * x + y * y + z * z)
-    normals = np.zeros((3, len(corners)))
-    np.divide((x, y, z), lengths, out=normals, where=lengths > 0)
-    found: Floats = normals.T
-    return found
-
-
-_LINES = 7
-_VERTICES = slice(2, 5)  # of the lines of a facet
-_MARK = "\ufeff".encode().decode("latin-1")  # some editors begin a text with it
-_SYNTAX = Syntax(comments=("#", ";"))
-_FILLING = "\0\x1a"  # some programs fill the last block of a file
 
 
 def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
@@ -338,12 +337,6 @@ def _unexpected(name: str, number: int, text: str, expected: str) -> FormatError
     return FormatError(
         f"{name}: not a valid stl file: line {number}: {quoted(text)}, where {expected} should be"
     )
-
-
-_PART = 1 << 20  # rows sorted at once
-_FACTORS = tuple(int.from_bytes(os.urandom(8), "little") | 1 for _ in range(3))
-
-Hashes = NDArray[np.uint64]
 
 
 def weld(points: Floats) -> tuple[Integers, Integers]:

@@ -28,7 +28,7 @@ from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 _SPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _TYPES = """<?xml version="1.0" encoding="UTF-8"?>

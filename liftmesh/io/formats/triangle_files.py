@@ -23,9 +23,9 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.limits import check_columns
-from liftmesh.io.lines import HASH, Lines, promised
+from liftmesh.io.lines import HASH, Lines, check_end, promised
 from liftmesh.io.streams import decompressed
-from liftmesh.io.text_tables import exact_values, number_table, quoted
+from liftmesh.io.text_tables import exact_values, is_count, number_table, quoted
 
 _MARKER = "boundary_marker"
 
@@ -85,7 +85,7 @@ def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, i
 def _header(lines: Lines, name: str, what: str, count: int) -> list[int]:
     """Read the numbers of the first line; those that are left out are zero."""
     words = lines.next().split()
-    are_counts = all(w.isascii() and w.isdigit() and len(w) < 19 for w in words)
+    are_counts = all(map(is_count, words))
     if not 2 <= len(words) <= count or not are_counts:
         raise FormatError(
             f"{name}: line {lines.number}: expected the numbers of {what}, "
@@ -96,11 +96,7 @@ def _header(lines: Lines, name: str, what: str, count: int) -> list[int]:
 
 def _rows(lines: Lines, count: int, width: int, what: str, name: str) -> Floats:
     parts = [number_table(block, name, width=width) for block in promised(lines, count, what, name)]
-    if len(lines.take(1)):
-        raise FormatError(
-            f"{name}: line {lines.number}: more rows follow than the header promises: "
-            "correct its counts"
-        )
+    check_end(lines, name)
     return np.concatenate(parts) if parts else np.zeros((0, width))
 
 

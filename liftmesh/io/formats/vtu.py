@@ -19,7 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits
-from liftmesh.io.format import lost_values
+from liftmesh.io.format import dropped_values
 from liftmesh.io.markup import attribute, is_possible
 
 if TYPE_CHECKING:
@@ -71,10 +71,10 @@ def _encoded(values: Array) -> Iterator[bytes]:
     yield b64encode(held)
 
 
-def lost(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
+def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
     """Return the attributes that are not written."""
     kept = dict(_attributes(cloud))
-    return [lost_values(name) for name in cloud.attributes if name not in kept]
+    return [dropped_values(name) for name in cloud.attributes if name not in kept]
 
 
 def _cells(cloud: Cloud) -> list[tuple[str, Array]]:

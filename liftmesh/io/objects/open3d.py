@@ -18,13 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats
 from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, is_opaque
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
-from liftmesh.io.faces import narrowed
+from liftmesh.io.faces import faces_of, narrowed
 from liftmesh.io.metadata import Unread
 from liftmesh.io.precision import needed_origin
 from liftmesh.optional import load
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
     import open3d as o3d
 
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 # What only legacy objects have and clouds do not hold. Normals of triangles follow from these.
 _REST = {
@@ -61,7 +61,7 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
     """Convert a cloud with faces to a legacy Open3D mesh."""
     library = load("open3d", extra="open3d")
     vectors = library.utility.Vector3dVector
-    indices = library.utility.Vector3iVector(_writable(_faces(cloud), np.int32))
+    indices = library.utility.Vector3iVector(_writable(faces_of(cloud), np.int32))
     mesh: o3d.geometry.TriangleMesh = library.geometry.TriangleMesh(
         vectors(_writable(cloud.points, np.float64)), indices
     )
@@ -82,7 +82,7 @@ def to_tensor(
     mesh: o3d.t.geometry.TriangleMesh = library.t.geometry.TriangleMesh()
     for name, values in {**_named_columns(cloud, precision), **_tensor_colors(cloud)}.items():
         mesh.vertex[name] = library.core.Tensor(values)
-    mesh.triangle["indices"] = library.core.Tensor(_faces(cloud).astype(np.int64))
+    mesh.triangle["indices"] = library.core.Tensor(faces_of(cloud).astype(np.int64))
     return mesh
 
 
@@ -149,10 +149,6 @@ def _flat(values: Array) -> Array:
 def _writable(values: Array, dtype: type) -> Array:
     """Make values contiguous and writable, as Open3D's vectors require."""
     return np.require(values, dtype=dtype, requirements=["C", "W"])
-
-
-def _faces(cloud: Cloud) -> Rows:
-    return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
 
 
 def _precision(dtype: object) -> np.dtype[Any]:

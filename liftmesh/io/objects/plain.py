@@ -1,6 +1,7 @@
-"""Objects of no particular library: arrays, and objects with points under the usual names.
+"""Objects of no particular library, and which kind of object something is.
 
-Which kind of object something is, by the names of its classes: no library is imported.
+Arrays, and objects with points under the usual names, are converted here. Kinds are told by the
+names of classes: no library is imported.
 """
 
 from __future__ import annotations
@@ -17,72 +18,6 @@ from liftmesh.errors import InputError
 
 AS_TABLE = "give what its get_coordinates(include_z=True) returns, and other columns beside"
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
-
-
-def is_array(source: object) -> bool:
-    """Whether an object is an array or a list of rows."""
-    return isinstance(source, np.ndarray | list | tuple)
-
-
-def is_array_like(source: object) -> bool:
-    """Whether NumPy may make an array of an object: it has one of its protocols, or a length."""
-    has_any = any(hasattr(source, name) for name in _ARRAY_LIKE)
-    return has_any and not isinstance(source, type)
-
-
-def from_array(source: Any) -> Cloud:
-    """Make a cloud of rows of two or three coordinates; a missing z is 0."""
-    shape: tuple[int, ...] = getattr(source, "shape", ())
-    if len(shape) == 2 and shape[1] > 3 and shape[0] > 3:  # else perhaps the transpose
-        raise InputError(
-            f"points of shape {shape} have more than three columns: name them, as "
-            "columns='x,y,z,red,green,blue', or give only those that are x, y and z; heights of a "
-            "grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
-        )
-    if hasattr(type(source), "get_coordinates"):  # of geopandas, which has no rows of numbers
-        raise InputError(f"points are a {type(source).__name__}: {AS_TABLE}")
-    return Cloud(arrays.as_rows3(source))
-
-
-def has_to_cloud(source: object) -> bool:
-    """Whether an object converts itself."""
-    return hasattr(source, "to_cloud") and not isinstance(source, type)
-
-
-def converted(source: Any) -> Cloud:
-    """Call an object's own ``to_cloud()``."""
-    cloud: Cloud = source.to_cloud()  # which `as_cloud` checks
-    return cloud
-
-
-def is_mesh_like(source: object) -> bool:
-    """Whether an object has the attributes of a mesh."""
-    has_both = hasattr(source, "vertices") and hasattr(source, "faces")
-    return has_both and not isinstance(source, type)
-
-
-def from_mesh_like(source: Any) -> Cloud:
-    """Make a cloud of ``vertices``, ``faces`` and, if present, colours, normals and attributes."""
-    attributes = getattr(source, "attributes", None) or {}
-    return Cloud(
-        arrays.as_rows3(source.vertices),
-        colors=_optional(source, "colors"),
-        normals=_optional(source, "normals"),
-        attributes={name: np.asarray(values) for name, values in attributes.items()},
-        faces=_optional(source, "faces"),
-    )
-
-
-def qualified_name(source: object) -> str:
-    """The type of an object with its module, as messages show it."""
-    kind = type(source)
-    return f"{kind.__module__}.{kind.__qualname__}"
-
-
-def _optional(source: Any, name: str) -> Array | None:
-    values = getattr(source, name, None)
-    return None if values is None else np.asarray(values)
-
 
 FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
 RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
@@ -120,3 +55,68 @@ def is_structured(source: object) -> bool:
 def classes(source: object) -> set[tuple[str, str]]:
     """Name the classes of an object: the package and the class, inherited ones too."""
     return {(kind.__module__.partition(".")[0], kind.__name__) for kind in type(source).__mro__}
+
+
+def is_array(source: object) -> bool:
+    """Whether an object is an array or a list of rows."""
+    return isinstance(source, np.ndarray | list | tuple)
+
+
+def is_array_like(source: object) -> bool:
+    """Whether NumPy may make an array of an object: it has one of its protocols, or a length."""
+    has_any = any(hasattr(source, name) for name in _ARRAY_LIKE)
+    return has_any and not isinstance(source, type)
+
+
+def is_mesh_like(source: object) -> bool:
+    """Whether an object has the attributes of a mesh."""
+    has_both = hasattr(source, "vertices") and hasattr(source, "faces")
+    return has_both and not isinstance(source, type)
+
+
+def has_to_cloud(source: object) -> bool:
+    """Whether an object converts itself."""
+    return hasattr(source, "to_cloud") and not isinstance(source, type)
+
+
+def from_array(source: Any) -> Cloud:
+    """Make a cloud of rows of two or three coordinates; a missing z is 0."""
+    shape: tuple[int, ...] = getattr(source, "shape", ())
+    if len(shape) == 2 and shape[1] > 3 and shape[0] > 3:  # else perhaps the transpose
+        raise InputError(
+            f"points of shape {shape} have more than three columns: name them, as "
+            "columns='x,y,z,red,green,blue', or give only those that are x, y and z; heights of a "
+            "grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
+        )
+    if hasattr(type(source), "get_coordinates"):  # of geopandas, which has no rows of numbers
+        raise InputError(f"points are a {type(source).__name__}: {AS_TABLE}")
+    return Cloud(arrays.as_rows3(source))
+
+
+def from_mesh_like(source: Any) -> Cloud:
+    """Make a cloud of ``vertices``, ``faces`` and, if present, colours, normals and attributes."""
+    attributes = getattr(source, "attributes", None) or {}
+    return Cloud(
+        arrays.as_rows3(source.vertices),
+        colors=_optional(source, "colors"),
+        normals=_optional(source, "normals"),
+        attributes={name: np.asarray(values) for name, values in attributes.items()},
+        faces=_optional(source, "faces"),
+    )
+
+
+def converted(source: Any) -> Cloud:
+    """Call an object's own ``to_cloud()``."""
+    cloud: Cloud = source.to_cloud()  # which `as_cloud` checks
+    return cloud
+
+
+def _optional(source: Any, name: str) -> Array | None:
+    values = getattr(source, name, None)
+    return None if values is None else np.asarray(values)
+
+
+def qualified_name(source: object) -> str:
+    """The type of an object with its module, as messages show it."""
+    kind = type(source)
+    return f"{kind.__module__}.{kind.__qualname__}"

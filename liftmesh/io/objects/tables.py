@@ -21,11 +21,11 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import kept
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.formats.text.column_ambiguity import Doubts
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
+from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
-from liftmesh.io.formats.text.options import TableOptions, checked
+from liftmesh.io.formats.text.options import TableOptions, validate_table_options
 from liftmesh.io.metadata import NotedColumns, Unread
 from liftmesh.io.objects.plain import (
     AS_TABLE,
@@ -77,7 +77,7 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
             f"{qualified_name(source)} has no columns"
         )
     with kept():
-        return to_cloud(source, checked(**given))
+        return to_cloud(source, validate_table_options(**given))
 
 
 def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
@@ -144,7 +144,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     return Cloud(
         points,
         colors=_colors(found),
-        normals=_stacked(found, NORMAL),
+        normals=taken_together(found, NORMAL),
         attributes={k: _without_nodata(each, options) for k, each in found.items()},
         metadata={name: part for name, part in parts.items() if part},
         crs=described.get("crs"),
@@ -205,7 +205,7 @@ def _points(found: dict[str, Array], columns: Columns, options: TableOptions, ro
         points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part), name), options)
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
-    doubts = Doubts(_WHERE, Columns(tuple(parts), tuple(parts)), options)
+    doubts = ColumnAmbiguity(_WHERE, Columns(tuple(parts), tuple(parts)), options)
     doubts.examine(points[:, : len(parts)])
     doubts.check()
     return points
@@ -287,7 +287,7 @@ def _colors(found: dict[str, Array]) -> Array | None:
     """Remove and return the colours; columns that cannot be colours stay attributes."""
     names = (*COLOR, ALPHA) if ALPHA in found else COLOR
     rest = dict(found)
-    values = _stacked(rest, names)
+    values = taken_together(rest, names)
     if values is not None and values.dtype.kind != "u" and not _are_shades(values):
         values = recognized(values.astype(np.float64))
     if values is not None:
@@ -300,10 +300,3 @@ def _are_shades(values: Array) -> bool:
     """Whether floats are colours, but none of 8 bits: they are not rounded to these."""
     is_share = values.dtype.kind == "f" and bool(((values >= 0) & (values <= 1)).all())
     return is_share and not fits_eight_bits(values)
-
-
-def _stacked(found: dict[str, Array], names: tuple[str, ...]) -> Array | None:
-    """Remove and return columns that belong together, if all are there."""
-    if not all(name in found and found[name].ndim == 1 for name in names):
-        return None
-    return np.stack([found.pop(name) for name in names], axis=1)

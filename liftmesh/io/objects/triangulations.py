@@ -1,7 +1,4 @@
-"""matplotlib: conversion of planar triangles to ``matplotlib.tri.Triangulation``.
-
-SciPy: conversion of a triangulation to ``scipy.spatial.Delaunay`` without running Qhull.
-"""
+"""Planar triangulations as objects of matplotlib and SciPy, made without their own algorithms."""
 
 from __future__ import annotations
 

@@ -1,14 +1,13 @@
-"""trimesh: conversion from point clouds and meshes, and to them.
+"""trimesh: conversion from point clouds, meshes and scenes, and to the first two.
 
 trimesh merges vertices and drops rows unless given ``process=False``, keeps colours as 8-bit RGBA,
 and invents a grey for objects without colours, so colours are read only if some are defined.
 Vertex normals are read only if the mesh holds them; accessing them would compute them. Output is
 copied: trimesh edits meshes in place and makes the arrays of normals it is given read-only.
 
-Scenes of trimesh: all their meshes and point clouds in their places, joined in one cloud.
-
-A cloud has one set of values for all rows. So what some geometries have and others have not, or
-have in another form, is not kept, but named.
+All meshes and point clouds of a scene are put in their places, and joined in one cloud, which has
+one set of values for all rows. So what some geometries have and others have not, or have in another
+form, is not kept, but named.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
 from liftmesh.base.interruption import kept
-from liftmesh.io.faces import checked_faces, narrowed
+from liftmesh.io.faces import checked_faces, faces_of, narrowed
 from liftmesh.io.metadata import NOTE, Unread, not_read, user_entries
 from liftmesh.optional import load
 
@@ -40,6 +39,8 @@ if TYPE_CHECKING:
 _OWN = ("_ply_raw", "processed", "file_path", "file_name", "from_gltf_primitive", NOTE)
 
 _VISUALS = {"face": ("colors of faces",), "texture": ("texture",)}
+
+_NAME = "the scene"  # in messages
 
 
 def to_cloud(source: Any) -> Cloud:
@@ -59,6 +60,62 @@ def to_cloud(source: Any) -> Cloud:
         faces=_faces(source),
         **described,
     )
+
+
+def scene_to_cloud(scene: trimesh.Scene) -> Cloud:
+    """Combine all meshes and point clouds of a scene into one cloud."""
+    placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
+    held = [(each, matrix) for each, matrix in placed if _holds_points(each)]
+    parts = [transformed(to_cloud(each), matrix) for each, matrix in held]
+    named = _joined_values([part.attributes for part in parts])
+    colors, normals = ([getattr(part, key) for part in parts] for key in ("colors", "normals"))
+    described = of_metadata(scene.metadata)
+    stated = {part.crs for part in parts}
+    if described["crs"] is None and len(stated) == 1:
+        described["crs"] = stated.pop()
+    common = _common([user_entries(part.metadata) for part in parts])
+    described["metadata"] = {**common, **described["metadata"]}
+    lines = len(placed) - len(parts)
+    skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
+    if skipped:
+        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
+        described["metadata"]["skipped"] = Unread((*skipped, *own))
+    return Cloud(
+        np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
+        colors=_joined(colors),
+        normals=_joined(normals),
+        attributes=named,
+        faces=_joined_faces(parts),
+        **described,
+    )
+
+
+def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
+    """Convert a cloud with faces to a trimesh mesh."""
+    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
+    library = load("trimesh")
+    with kept():
+        mesh: trimesh.Trimesh = library.Trimesh(
+            vertices=cloud.points.copy(),
+            faces=faces_of(cloud),
+            vertex_colors=colors,
+            vertex_normals=_copied(cloud.normals),
+            vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
+            metadata=_metadata(cloud),
+            process=False,
+        )
+    return mesh
+
+
+def to_points(cloud: Cloud) -> trimesh.PointCloud:
+    """Convert the rows of a cloud to a trimesh point cloud."""
+    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
+    library = load("trimesh")
+    with kept():
+        points: trimesh.PointCloud = library.PointCloud(
+            cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
+        )
+    return points
 
 
 def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
@@ -81,32 +138,18 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
     return replace(cloud, points=points, normals=normals, faces=faces)
 
 
-def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
-    """Convert a cloud with faces to a trimesh mesh."""
-    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    library = load("trimesh")
-    with kept():
-        mesh: trimesh.Trimesh = library.Trimesh(
-            vertices=cloud.points.copy(),
-            faces=np.zeros((0, 3), dtype=np.int64) if cloud.faces is None else cloud.faces,
-            vertex_colors=colors,
-            vertex_normals=_copied(cloud.normals),
-            vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
-            metadata=_metadata(cloud),
-            process=False,
-        )
-    return mesh
-
-
-def to_points(cloud: Cloud) -> trimesh.PointCloud:
-    """Convert the rows of a cloud to a trimesh point cloud."""
-    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    library = load("trimesh")
-    with kept():
-        points: trimesh.PointCloud = library.PointCloud(
-            cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
-        )
-    return points
+def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
+    if determinant == 0:
+        return None
+    inverse = np.linalg.inv(matrix)
+    if not np.isfinite(inverse).all():
+        return None
+    # A power of two, so that no square overflows and no bit changes.
+    inverse = np.ldexp(inverse, -np.frexp(np.abs(inverse).max())[1])
+    rotated: Floats = normals @ inverse
+    lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))
+    np.divide(rotated, lengths, out=rotated, where=lengths > 0)
+    return rotated
 
 
 def of_metadata(metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -142,30 +185,6 @@ def _faces(source: Any) -> Array | None:
     return None if faces is None else narrowed(np.asarray(faces))
 
 
-def _metadata(cloud: Cloud) -> dict[str, Any]:
-    crs = {} if cloud.crs is None else {"crs": cloud.crs}
-    return {**cloud.metadata, **crs}
-
-
-def _copied(normals: Array | None) -> Array | None:
-    """A copy of the normals; None if there are none, which trimesh cannot look at."""
-    return None if normals is None or not len(normals) else np.array(normals)
-
-
-def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
-    if determinant == 0:
-        return None
-    inverse = np.linalg.inv(matrix)
-    if not np.isfinite(inverse).all():
-        return None
-    # A power of two, so that no square overflows and no bit changes.
-    inverse = np.ldexp(inverse, -np.frexp(np.abs(inverse).max())[1])
-    rotated: Floats = normals @ inverse
-    lengths = np.sqrt((rotated * rotated).sum(axis=1, keepdims=True))
-    np.divide(rotated, lengths, out=rotated, where=lengths > 0)
-    return rotated
-
-
 def _colors(source: Any) -> Array | None:
     """Read the vertex colours if the object defines any."""
     if getattr(source.visual, "kind", None) != "vertex":
@@ -180,35 +199,14 @@ def _normals(source: Any) -> Array | None:
     return np.asarray(source.vertex_normals) if held else None
 
 
-_NAME = "the scene"  # in messages
+def _metadata(cloud: Cloud) -> dict[str, Any]:
+    crs = {} if cloud.crs is None else {"crs": cloud.crs}
+    return {**cloud.metadata, **crs}
 
 
-def scene_to_cloud(scene: trimesh.Scene) -> Cloud:
-    """Combine all meshes and point clouds of a scene into one cloud."""
-    placed = [(scene.geometry[key], matrix) for matrix, key in _nodes(scene)]
-    held = [(each, matrix) for each, matrix in placed if _holds_points(each)]
-    parts = [transformed(to_cloud(each), matrix) for each, matrix in held]
-    named = _joined_values([part.attributes for part in parts])
-    colors, normals = ([getattr(part, key) for part in parts] for key in ("colors", "normals"))
-    described = of_metadata(scene.metadata)
-    stated = {part.crs for part in parts}
-    if described["crs"] is None and len(stated) == 1:
-        described["crs"] = stated.pop()
-    common = _common([user_entries(part.metadata) for part in parts])
-    described["metadata"] = {**common, **described["metadata"]}
-    lines = len(placed) - len(parts)
-    skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
-    if skipped:
-        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
-        described["metadata"]["skipped"] = Unread((*skipped, *own))
-    return Cloud(
-        np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
-        colors=_joined(colors),
-        normals=_joined(normals),
-        attributes=named,
-        faces=_joined_faces(parts),
-        **described,
-    )
+def _copied(normals: Array | None) -> Array | None:
+    """A copy of the normals; None if there are none, which trimesh cannot look at."""
+    return None if normals is None or not len(normals) else np.array(normals)
 
 
 def _nodes(scene: trimesh.Scene) -> Iterator[tuple[Floats, Any]]:

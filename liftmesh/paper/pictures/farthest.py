@@ -13,8 +13,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.optional import load
-from liftmesh.paper.pictures.metric import circle_through
-from liftmesh.paper.pictures.power import cell_sides
+from liftmesh.paper.pictures.anisotropic import circle_through
 from liftmesh.paper.pictures.style import (
     BLUE,
     FAINT,
@@ -30,7 +29,8 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
-from liftmesh.planar import farthest
+from liftmesh.paper.pictures.weighted import cell_sides
+from liftmesh.planar.delaunay import solve_farthest
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ def example_points() -> Floats:
 
 def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
     """Compute the farthest-point Delaunay triangulation."""
-    solution = farthest.solve(points)
+    solution = solve_farthest(points)
     hidden = solution.pop("hidden")
     return Triangulation(**solution), hidden
 

@@ -3,16 +3,14 @@
 Coordinates are float64, whatever the file stores. Those given by range and angles are converted to
 x, y and z, and each scan is moved by its pose into the coordinates that all share. Points whose
 position is not valid are left out and counted. Red, green and blue become colours if they are whole
-numbers, of the depth that the limits of each scan state: 8-bit scans beside 16-bit ones are scaled;
-all other fields keep their names, and those that some scans do not have are named. The attribute
-``scan`` says which scan a point is of, if there are several.
+numbers; all other fields keep their names, and those that some scans do not have are named. The
+attribute ``scan`` says which scan a point is of, if there are several.
 
-The depth of colours of E57, which each scan states: its limits are what its scanner can produce.
-
-Scans of 8 and 16 bits may stand in one file. Where a scan states no limits, a type of 8 bits says
-it; else, and where a colour is beyond the limits, the values decide, of all such scans together.
-Limits of other numbers of bits, such as 1023, are scaled as well; what is no such number is taken
-for 8 or 16 bits.
+Each scan states the depth of its colours: its limits are what its scanner can produce. Scans of 8
+and 16 bits may stand in one file: the former are scaled. Where a scan states no limits, a type of 8
+bits says it; else, and where a colour is beyond the limits, the values decide, of all such scans
+together. Limits of other numbers of bits, such as 1023, are scaled as well; what is no such number
+is taken for 8 or 16 bits.
 """
 
 from __future__ import annotations

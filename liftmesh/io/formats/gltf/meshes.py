@@ -168,9 +168,9 @@ def decoded(document: Document, parts: Sequence[Primitive]) -> list[Cloud]:
     try:
         scene = _load_scene(plain.stream(), plain)
         clouds = [to_cloud(scene.geometry[str(number)]) for number in range(len(parts))]
-    except (FormatError, MemoryError):
+    except (FormatError, MemoryError):  # pragma: no cover - memory that ends
         raise
-    except Exception as error:
+    except Exception as error:  # pragma: no cover - another trimesh may refuse
         raise document.error(f"{type(error).__name__}: {error}"[:300]) from error
     return [
         replace(

@@ -17,7 +17,7 @@ from liftmesh.io.formats.gltf.validation import Document, Tree, is_harmless
 from liftmesh.io.markup import finite_numbers, shown
 
 if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
 
 # The last row of an affine matrix, and how far products in single precision may miss it.
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])

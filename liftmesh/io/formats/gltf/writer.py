@@ -1,18 +1,13 @@
-"""Formats read and written through trimesh: GLB and glTF.
-
-The origin of single precision (`io.origin`) is the translation of the node, so that every viewer
-shows the mesh in its place, and stands in the ``extras`` of the scene as well, where it is exact
-whatever happens to the nodes.
-
-Named values in glTF: attributes whose names begin with an underscore, of single precision.
-
-``_INTENSITY`` is written for intensity, as glTF wants it. The scene's extras state the old name
-and type of each, so that reading gives them back; without that a name loses its underscore.
-
-A glTF file that trimesh wrote, taken apart, completed and packed again.
+"""Clouds as GLB and glTF: trimesh writes the file, which is completed here.
 
 trimesh writes neither places of nodes nor named values of points. So its GLB is taken as what it
-is, a tree and the bytes of one buffer, to which both are added.
+is, a tree and the bytes of one buffer, to which both are added. The origin of single precision
+(`io.precision`) is the translation of the node, so that every viewer shows the mesh in its place,
+and stands in the ``extras`` of the scene as well, where it is exact whatever happens to the nodes.
+
+Attributes have names that begin with an underscore, as glTF wants it, and single precision:
+``_INTENSITY`` for intensity. The scene's extras state the old name and type of each, so that
+reading gives them back; without that a name loses its underscore.
 """
 
 from __future__ import annotations
@@ -38,7 +33,17 @@ from liftmesh.io.precision import SINGLE, TOLERANCE, fit, needed_origin, without
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
+    from liftmesh.io.precision import Origin
+
+
+_OTHER = re.compile(r"[^A-Z0-9_]+")
+_WIDEST = 4
+
+_HEAD = struct.Struct("<4sIII4s")
+_CHUNK = struct.Struct("<I4s")
+_FLOAT = 5126
+_KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
+_EMBEDDED = "data:application/octet-stream;base64,"
 
 
 def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -53,6 +58,28 @@ def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
     file, origin = _file(cloud, "gltf")
     stream.write(file.gltf())
     return origin
+
+
+def check(cloud: Cloud) -> None:
+    """Raise for coordinates that single precision cannot hold, and for names that are one."""
+    needed_origin(cloud.points, "glTF")
+    value_columns(cloud.attributes)
+
+
+def renamed(cloud: Cloud) -> dict[str, str]:
+    """The attributes whose names are not just written with an underscore and in capitals."""
+    names = value_keys(value_columns(cloud.attributes))
+    return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
+
+
+def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Points are written without normals; those of meshes get the length 1, but for zeros."""
+    names = dropped_attributes(cloud.attributes)
+    if cloud.normals is None:
+        return tuple(names)
+    if not _has_faces(cloud) or not _are_unit(cloud.normals):
+        return (*names, "normals")
+    return (*names, *dropped_attributes({"normals": cloud.normals}))
 
 
 def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
@@ -85,24 +112,8 @@ def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) ->
     return as_extras(storable(cloud.metadata)) | crs | ({NOTE: own} if own else {})
 
 
-def renamed(cloud: Cloud) -> dict[str, str]:
-    """The attributes whose names are not just written with an underscore and in capitals."""
-    names = value_keys(value_columns(cloud.attributes))
-    return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
-
-
 def _has_faces(cloud: Cloud) -> bool:
     return cloud.faces is not None and len(cloud.faces) > 0
-
-
-def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points are written without normals; those of meshes get the length 1, but for zeros."""
-    names = lost_values(cloud.attributes)
-    if cloud.normals is None:
-        return tuple(names)
-    if not _has_faces(cloud) or not _are_unit(cloud.normals):
-        return (*names, "normals")
-    return (*names, *lost_values({"normals": cloud.normals}))
 
 
 def _squarable(normals: Array | None) -> Array | None:
@@ -120,16 +131,6 @@ def _are_unit(normals: Array) -> bool:
     return bool(((np.abs(lengths - 1.0) <= TOLERANCE) | (normals == 0).all(axis=1)).all())
 
 
-def check(cloud: Cloud) -> None:
-    """Raise for coordinates that single precision cannot hold, and for names that are one."""
-    needed_origin(cloud.points, "glTF")
-    value_columns(cloud.attributes)
-
-
-_OTHER = re.compile(r"[^A-Z0-9_]+")
-_WIDEST = 4
-
-
 def value_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     """Return what glTF can hold of attributes: vectors of more than four values are split."""
     found: dict[str, Array] = {}
@@ -145,26 +146,6 @@ def value_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
             if twice is not None:
                 raise FormatError(f"two attributes are named {twice!r}: rename one")
             found |= split
-    return found
-
-
-def _reason(values: Array) -> str:
-    """Say why glTF cannot hold an attribute; an empty text if it can."""
-    if values.dtype.kind not in "biuf":
-        return "not numbers"
-    if not values.size:
-        return "no values"
-    return "" if np.isfinite(_single(values)).all() else "not finite"
-
-
-def lost_values(attributes: Mapping[str, Array]) -> list[str]:
-    """Name the attributes that a file does not hold, or not in full."""
-    found: list[str] = []
-    for name, values in sorted(attributes.items()):
-        if why := _reason(values):
-            found.append(f"{name} ({why})")
-        elif not _is_exact(values):
-            found.append(f"double precision of {name}")
     return found
 
 
@@ -188,6 +169,26 @@ def names_note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dic
     return {key: [name, attributes[name].dtype.name] for name, key in names.items()}
 
 
+def dropped_attributes(attributes: Mapping[str, Array]) -> list[str]:
+    """Name the attributes that a file does not hold, or not in full."""
+    found: list[str] = []
+    for name, values in sorted(attributes.items()):
+        if why := _reason(values):
+            found.append(f"{name} ({why})")
+        elif not _is_exact(values):
+            found.append(f"double precision of {name}")
+    return found
+
+
+def _reason(values: Array) -> str:
+    """Say why glTF cannot hold an attribute; an empty text if it can."""
+    if values.dtype.kind not in "biuf":
+        return "not numbers"
+    if not values.size:
+        return "no values"
+    return "" if np.isfinite(_single(values)).all() else "not finite"
+
+
 def _is_exact(values: Array) -> bool:
     """Whether single precision holds all values."""
     if values.dtype.kind in "iu":
@@ -198,13 +199,6 @@ def _is_exact(values: Array) -> bool:
 def _single(values: Array) -> Array:
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         return values.astype(np.float32)
-
-
-_HEAD = struct.Struct("<4sIII4s")
-_CHUNK = struct.Struct("<I4s")
-_FLOAT = 5126
-_KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
-_EMBEDDED = "data:application/octet-stream;base64,"
 
 
 @dataclass(slots=True)

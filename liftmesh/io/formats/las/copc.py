@@ -84,14 +84,14 @@ def _meet(low: Floats, high: Floats, wanted_low: Floats, wanted_high: Floats) ->
     return np.asarray(((low <= wanted_high) & (high >= wanted_low)).all(axis=1))
 
 
-def index_of(stream: BinaryIO, stated: LasHeader, chunks: Chunks, name: str) -> Index | None:
+def index_of(stream: BinaryIO, header: LasHeader, chunks: Chunks, name: str) -> Index | None:
     """Read the nodes of a file; the stream goes back to where it was."""
-    record = stated.record(*_RECORD)
+    record = header.record(*_RECORD)
     if record is None:
         return None
     begin = stream.tell()
     try:
-        return _Reading(stream, begin, stated, name).index(record, chunks)
+        return _Reading(stream, begin, header, name).index(record, chunks)
     finally:
         stream.seek(begin)
 
@@ -99,8 +99,8 @@ def index_of(stream: BinaryIO, stated: LasHeader, chunks: Chunks, name: str) -> 
 class _Reading:
     """Reads the record, and the pages that it leads to."""
 
-    def __init__(self, stream: BinaryIO, begin: int, stated: LasHeader, name: str) -> None:
-        self._stream, self._begin, self._stated, self._name = stream, begin, stated, name
+    def __init__(self, stream: BinaryIO, begin: int, header: LasHeader, name: str) -> None:
+        self._stream, self._begin, self._header, self._name = stream, begin, header, name
 
     def index(self, record: bytes, chunks: Chunks) -> Index:
         if len(record) < _INFO.size:
@@ -118,7 +118,7 @@ class _Reading:
         if len(np.unique(key, axis=0)) < len(key):
             raise self._error("two nodes are one")
         side = (2 * half / 2.0 ** key[:, 0])[:, None]
-        margin = np.abs(self._stated.scales)  # the places of points are rounded
+        margin = np.abs(self._header.scales)  # the places of points are rounded
         low = np.array(centre) - half + key[:, 1:] * side
         points = found["points"].astype(np.int64)
         index = Index(spacing, numbers, key[:, 0], low - margin, low + side + margin, points)
@@ -132,7 +132,7 @@ class _Reading:
             self._stream.seek(self._begin + place)
             found += read_exactly(self._stream, _FIRST.itemsize, self._name, "a chunk")
         with np.errstate(over="ignore"):
-            return np.frombuffer(found, _FIRST)["xyz"] * self._stated.scales + self._stated.offsets
+            return np.frombuffer(found, _FIRST)["xyz"] * self._header.scales + self._header.offsets
 
     def _entries(self, place: int, size: int) -> Array:
         """Walk over the pages: each once, and all together within the file."""
@@ -140,9 +140,9 @@ class _Reading:
         while pages:
             place, size = pages.pop()
             total += size
-            if place in seen or size % _ENTRY.itemsize or total > self._stated.size:
+            if place in seen or size % _ENTRY.itemsize or total > self._header.size:
                 raise self._error(f"a page of {size:,} bytes at byte {place:,} cannot be one")
-            if place > self._stated.size:
+            if place > self._header.size:
                 raise self._error("an entry leads to a page outside the file")
             seen.add(place)
             self._stream.seek(self._begin + place)

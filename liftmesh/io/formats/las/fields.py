@@ -1,10 +1,7 @@
 """The fields of a point: where each value of a cloud goes in the bytes of a LAS file.
 
 Values of the point format have their fields, some of a few bits; what does not fit there is refused
-rather than changed. Normals and all other values become extra bytes.
-
-Extra bytes: values of a point beyond those of its format, each described in 192 bytes.
-
+rather than changed. Normals and all other values become extra bytes, each described in 192 bytes.
 What a file described stays as it was where the values still fit: type, scale, offset, text. Others
 are described anew, in the type that they have.
 
@@ -26,7 +23,7 @@ from liftmesh.base.colors import as_float, check_colors, stated_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
-from liftmesh.io.format import lost_values
+from liftmesh.io.format import dropped_values
 from liftmesh.io.formats.las.vlrs import DEPTH, LAYOUT
 from liftmesh.optional import load
 
@@ -39,6 +36,15 @@ _RANK, _ANGLE, _DEGREES = "scan_angle_rank", "scan_angle", 0.006  # formats 0-5;
 _STEEPEST = 127
 _WITH_COLORS = {0: 2, 1: 3, 4: 5, 6: 7, 9: 10}
 _RESERVED = {*PARTS, "X", "Y", "Z", "bit_fields", "raw_classification", "classification_flags"}
+
+# By number: 1 to 10, and twice and three times as many of each.
+_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
+_NAME = slice(4, 36)
+_SIZE = 192
+_HAS_LIMITS, _HAS_SCALE, _HAS_OFFSET = 0b110, 0b1000, 0b10000
+_SCALES, _OFFSETS = 112, 136  # places of three doubles each
+UNDESCRIBED = "ExtraBytes"  # the name that laspy gives to bytes that nothing describes
+_LONGEST = 32  # bytes of a name
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,11 +75,6 @@ class Fields:
                 points[each.column] |= values.astype(np.uint8) << _shift(each.mask)
 
 
-def with_colors(point_format: int, cloud: Cloud) -> int:
-    """Return the point format that has colours besides, if the cloud has any."""
-    return point_format if cloud.colors is None else _WITH_COLORS.get(point_format, point_format)
-
-
 def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
     """Find a field for every value of a cloud."""
     standard = _Standard(point_format)
@@ -86,7 +87,7 @@ def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
     for name, before in _ordered(values, known):
         extra, numbers = _extra(name, values[name], before)
         if extra is None or extra.kind.itemsize > left:
-            lost.append("normals" if name in NORMAL else lost_values(name))
+            lost.append("normals" if name in NORMAL else dropped_values(name))
             continue
         left -= extra.kind.itemsize
         column = f"extra {len(extras)}"
@@ -97,9 +98,40 @@ def fields_of(cloud: Cloud, point_format: int, known: list[Extra]) -> Fields:
     return Fields(kind, tuple(fields), tuple(extras), tuple(dict.fromkeys(lost)))
 
 
+def with_colors(point_format: int, cloud: Cloud) -> int:
+    """Return the point format that has colours besides, if the cloud has any."""
+    return point_format if cloud.colors is None else _WITH_COLORS.get(point_format, point_format)
+
+
+def depth_of(cloud: Cloud) -> int | None:
+    """Return the depth of colours: also of those that came from LAS by way of something else."""
+    layout = cloud.metadata.get(LAYOUT)
+    found = layout.get(DEPTH) if isinstance(layout, Mapping) else None
+    return cloud.color_depth or (found if isinstance(found, int) else None)
+
+
+def depth_to_state(cloud: Cloud) -> int | None:
+    """Return the bits of colours that a file must state, as its values alone would tell others."""
+    if cloud.colors is None:
+        return None
+    colors = cloud.colors[:, :3]
+    if colors.dtype in (np.uint8, np.uint16):
+        return stated_depth(colors)
+    held = levels(colors, depth_of(cloud))
+    return stated_depth(held) if held.any() else None
+
+
+def levels(colors: Array, depth: int | None) -> Array:
+    """Convert colours to 16 bits; those of 8 bits that stood in 16 keep their numbers."""
+    colors = colors[:, :3]
+    if colors.dtype == np.uint16 or (colors.dtype == np.uint8 and depth == 8):
+        return colors.astype(np.uint16)
+    return np.rint(as_float(colors) * 65535.0).astype(np.uint16)
+
+
 def _named(cloud: Cloud) -> tuple[dict[str, Array], list[str]]:
     """Return the values of a cloud by name, and the names that the file has for others."""
-    lost = [lost_values(name) for name in cloud.attributes if name in _RESERVED]
+    lost = [dropped_values(name) for name in cloud.attributes if name in _RESERVED]
     values = {name: each for name, each in cloud.attributes.items() if name not in _RESERVED}
     if cloud.normals is not None:
         values |= dict(zip(NORMAL, cloud.normals.T, strict=True))
@@ -138,7 +170,26 @@ def _extra(name: str, values: Array, known: Extra | None) -> tuple[Extra | None,
     numbers = None if known is None else known.numbers(values)
     if known is not None and numbers is not None:
         return known, numbers
-    return new(name, values), values
+    return new_extra(name, values), values
+
+
+def _of_colors(cloud: Cloud) -> Iterator[Field]:
+    """Yield the fields of colours."""
+    colors, depth = cloud.colors, depth_of(cloud)
+    if colors is None:
+        return
+    check_colors(colors)
+    for k, name in enumerate(COLOR):
+        yield Field(name, None, partial(_channel, colors, depth, k))
+
+
+def _channel(colors: Array, depth: int | None, channel: int, rows: slice) -> Array:
+    values: Array = levels(colors[rows], depth)[:, channel]
+    return values
+
+
+def _rows_of(values: Array) -> Callable[[slice], Array]:
+    return lambda rows: values[rows]
 
 
 class _Standard:
@@ -210,64 +261,9 @@ class _Standard:
         )
 
 
-def depth_of(cloud: Cloud) -> int | None:
-    """Return the depth of colours: also of those that came from LAS by way of something else."""
-    layout = cloud.metadata.get(LAYOUT)
-    found = layout.get(DEPTH) if isinstance(layout, Mapping) else None
-    return cloud.color_depth or (found if isinstance(found, int) else None)
-
-
-def depth_to_state(cloud: Cloud) -> int | None:
-    """Return the bits of colours that a file must state, as its values alone would tell others."""
-    if cloud.colors is None:
-        return None
-    colors = cloud.colors[:, :3]
-    if colors.dtype in (np.uint8, np.uint16):
-        return stated_depth(colors)
-    held = levels(colors, depth_of(cloud))
-    return stated_depth(held) if held.any() else None
-
-
-def levels(colors: Array, depth: int | None) -> Array:
-    """Convert colours to 16 bits; those of 8 bits that stood in 16 keep their numbers."""
-    colors = colors[:, :3]
-    if colors.dtype == np.uint16 or (colors.dtype == np.uint8 and depth == 8):
-        return colors.astype(np.uint16)
-    return np.rint(as_float(colors) * 65535.0).astype(np.uint16)
-
-
-def _of_colors(cloud: Cloud) -> Iterator[Field]:
-    """Yield the fields of colours."""
-    colors, depth = cloud.colors, depth_of(cloud)
-    if colors is None:
-        return
-    check_colors(colors)
-    for k, name in enumerate(COLOR):
-        yield Field(name, None, partial(_channel, colors, depth, k))
-
-
-def _channel(colors: Array, depth: int | None, channel: int, rows: slice) -> Array:
-    values: Array = levels(colors[rows], depth)[:, channel]
-    return values
-
-
-def _rows_of(values: Array) -> Callable[[slice], Array]:
-    return lambda rows: values[rows]
-
-
 def _shift(mask: int) -> int:
     """Return the place of the lowest bit of a mask."""
     return (mask & -mask).bit_length() - 1
-
-
-# By number: 1 to 10, and twice and three times as many of each.
-_TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
-_NAME = slice(4, 36)
-_SIZE = 192
-_HAS_LIMITS, _HAS_SCALE, _HAS_OFFSET = 0b110, 0b1000, 0b10000
-_SCALES, _OFFSETS = 112, 136  # places of three doubles each
-UNDESCRIBED = "ExtraBytes"  # the name that laspy gives to bytes that nothing describes
-_LONGEST = 32  # bytes of a name
 
 
 @dataclass(frozen=True, slots=True)
@@ -292,6 +288,41 @@ class Extra:
         return _stored(values, base, np.array(self.scale), np.array(self.offset))
 
 
+def described_extras(data: bytes, rest: int) -> list[Extra]:
+    """Return the extra bytes that a record describes, as laspy takes them."""
+    parts = [data[place : place + _SIZE] for place in range(0, len(data) - _SIZE + 1, _SIZE)]
+    found = [each for part in parts if (each := _described(part)) is not None]
+    left = rest - sum(each.kind.itemsize for each in found)
+    if len(found) < len(parts) or left < 0:
+        return []
+    unknown = np.dtype((np.uint8, (left,))) if left > 1 else np.dtype(np.uint8)
+    return [*found, *([Extra(UNDESCRIBED, unknown, b"")] if left else [])]
+
+
+def new_extra(name: str, values: Array) -> Extra | None:
+    """Describe values by a type that holds them; None if there is none."""
+    kind: np.dtype = values.dtype.newbyteorder("=")
+    if kind.kind == "b" or kind.str[1:] == "f2":
+        kind = np.dtype(np.uint8 if kind.kind == "b" else np.float32)
+    encoded = _encoded(name)
+    width = 1 if values.ndim == 1 else values.shape[1] if values.ndim == 2 else 0
+    is_vector = values.ndim == 2 and width in (2, 3)
+    if kind.str[1:] not in _TYPES or not encoded or not (values.ndim == 1 or is_vector):
+        return None
+    number = _TYPES.index(kind.str[1:]) + 1 + len(_TYPES) * (width - 1)
+    text = bytes([0, 0, number, 0]) + encoded.ljust(_LONGEST, b"\0")
+    shaped = np.dtype((kind, (width,))) if is_vector else kind
+    return Extra(name, shaped, text.ljust(_SIZE, b"\0"))
+
+
+def without_limits(extra: Extra) -> bytes:
+    """Return the description without the smallest and largest value, which may be others now."""
+    part = bytearray(extra.described)
+    if len(part) == _SIZE and part[2]:
+        part[3] &= ~_HAS_LIMITS & 0xFF
+    return bytes(part)
+
+
 def _stored(values: Array, base: np.dtype, scale: Array, offset: Array) -> Array | None:
     """Return the numbers of a type that become these values, bit for bit; None if some do not."""
     with np.errstate(all="ignore"):
@@ -304,17 +335,6 @@ def _stored(values: Array, base: np.dtype, scale: Array, offset: Array) -> Array
         again = numbers * scale + offset
     same = again.view(np.int64) == np.ascontiguousarray(values).view(np.int64)
     return numbers if same.all() else None
-
-
-def described(data: bytes, rest: int) -> list[Extra]:
-    """Return the extra bytes that a record describes, as laspy takes them."""
-    parts = [data[place : place + _SIZE] for place in range(0, len(data) - _SIZE + 1, _SIZE)]
-    found = [each for part in parts if (each := _described(part)) is not None]
-    left = rest - sum(each.kind.itemsize for each in found)
-    if len(found) < len(parts) or left < 0:
-        return []
-    unknown = np.dtype((np.uint8, (left,))) if left > 1 else np.dtype(np.uint8)
-    return [*found, *([Extra(UNDESCRIBED, unknown, b"")] if left else [])]
 
 
 def _described(part: bytes) -> Extra | None:
@@ -335,22 +355,6 @@ def _described(part: bytes) -> Extra | None:
     return Extra(name, kind, part, scale[:count], offset[:count]) if all(scale[:count]) else None
 
 
-def new(name: str, values: Array) -> Extra | None:
-    """Describe values by a type that holds them; None if there is none."""
-    kind: np.dtype = values.dtype.newbyteorder("=")
-    if kind.kind == "b" or kind.str[1:] == "f2":
-        kind = np.dtype(np.uint8 if kind.kind == "b" else np.float32)
-    encoded = _encoded(name)
-    width = 1 if values.ndim == 1 else values.shape[1] if values.ndim == 2 else 0
-    is_vector = values.ndim == 2 and width in (2, 3)
-    if kind.str[1:] not in _TYPES or not encoded or not (values.ndim == 1 or is_vector):
-        return None
-    number = _TYPES.index(kind.str[1:]) + 1 + len(_TYPES) * (width - 1)
-    text = bytes([0, 0, number, 0]) + encoded.ljust(_LONGEST, b"\0")
-    shaped = np.dtype((kind, (width,))) if is_vector else kind
-    return Extra(name, shaped, text.ljust(_SIZE, b"\0"))
-
-
 def _encoded(name: str) -> bytes:
     """Encode a name; nothing if a file could not give it back."""
     try:
@@ -358,11 +362,3 @@ def _encoded(name: str) -> bytes:
     except UnicodeEncodeError:
         return b""
     return data if len(data) <= _LONGEST and b"\0" not in data else b""
-
-
-def without_limits(extra: Extra) -> bytes:
-    """Return the description without the smallest and largest value, which may be others now."""
-    part = bytearray(extra.described)
-    if len(part) == _SIZE and part[2]:
-        part[3] &= ~_HAS_LIMITS & 0xFF
-    return bytes(part)

@@ -76,7 +76,7 @@ class LasHeader:
         return next(found, None)
 
 
-def stated(stream: BinaryIO, name: str) -> LasHeader:
+def read_header(stream: BinaryIO, name: str) -> LasHeader:
     """Read a header and its records, and check them; the stream goes back to where it was."""
     begin = stream.tell()
     size = remaining(stream)

@@ -1,13 +1,13 @@
-"""Which file of LAS a cloud becomes: version, point format, steps, fields and records.
+"""Which file of LAS a cloud becomes: version, point format, scales and offsets, fields and records.
 
-A cloud that was read from LAS brings its header and records along (`io.las.carried`), and becomes
-such a file again: only what the points themselves decide is set anew. Others become LAS 1.4.
+A cloud that was read from LAS brings its header and records along (`io.formats.las.vlrs`), and
+becomes such a file again: only what the points themselves decide is set anew. Others become LAS
+1.4.
 
-Scales and offsets: how coordinates in double precision become the whole numbers of LAS.
-
-A file of LAS holds a coordinate as ``number * scale + offset`` with a number of 32 bits. Those of
-the file that was read come first: they give its numbers back. Else the scale is the coarsest power
-of ten that loses no decimal of any coordinate, or, if none does, the finest that 32 bits allow.
+A file of LAS holds a coordinate as ``number * scale + offset`` with a number of 32 bits. Scales and
+offsets of the file that was read come first: they give its numbers back. Else the scale is the
+coarsest power of ten that loses no decimal of any coordinate, or, if none does, the finest that 32
+bits allow.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from liftmesh.io.formats.las.fields import (
     Extra,
     Fields,
     depth_to_state,
-    described,
+    described_extras,
     fields_of,
     with_colors,
 )
@@ -41,12 +41,12 @@ from liftmesh.io.formats.las.vlrs import (
     WKT,
     LiftmeshVlr,
     Vlrs,
-    carried,
     crs_of,
     is_layout,
-    made,
-    record_of,
-    replaced,
+    kept_vlrs,
+    liftmesh_record,
+    make_record,
+    replace_records,
 )
 
 if TYPE_CHECKING:
@@ -76,7 +76,7 @@ def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> La
     """Choose a layout."""
     found = cloud.metadata.get(LAYOUT)
     said = found if isinstance(found, Mapping) and is_layout(LAYOUT, found) else {}
-    kept = carried(cloud.metadata)
+    kept = kept_vlrs(cloud.metadata)
     number = _point_format(cloud, said, point_format)
     known = _known_extras(kept)
     fields = fields_of(cloud, number, known)
@@ -186,7 +186,7 @@ def _known_extras(kept: Vlrs) -> list[Extra]:
     number, size = kept.header[104] & 0x3F, int.from_bytes(kept.header[105:107], "little")
     rest = size - POINT_SIZES[number] if number < len(POINT_SIZES) else 0
     found = kept.of(*EXTRA_BYTES)
-    return described(found[0].data if found else b"", rest) if rest > 0 else []
+    return described_extras(found[0].data if found else b"", rest) if rest > 0 else []
 
 
 def _records(
@@ -197,8 +197,8 @@ def _records(
     data = b"".join(each.described for each in fields.extras)
     before = kept.of(*EXTRA_BYTES)
     if data != (before[0].data if before else b""):
-        new = made(*EXTRA_BYTES, data, b"extra bytes") if data else None
-        records = replaced(records, new, *before)
+        new = make_record(*EXTRA_BYTES, data, b"extra bytes") if data else None
+        records = replace_records(records, new, *before)
     needs = point_format >= _FIRST_OF_WKT
     is_new = needs and (not kept.header or kept.header[104] & 0x3F < _FIRST_OF_WKT)
     is_wkt, said = kept.is_wkt or is_new, crs_of(kept.records, is_wkt=kept.is_wkt)
@@ -206,8 +206,8 @@ def _records(
         records, has_text = _with_crs(records, cloud.crs)
         is_wkt = has_text or needs
         said = crs_of(records, is_wkt=is_wkt)
-    return replaced(
-        records, record_of(cloud, said, depth_to_state(cloud)), *kept.of(*LIFTMESH_VLR)
+    return replace_records(
+        records, liftmesh_record(cloud, said, depth_to_state(cloud)), *kept.of(*LIFTMESH_VLR)
     ), is_wkt
 
 
@@ -223,8 +223,8 @@ def _with_crs(records: list[Record], crs: str | None) -> tuple[list[Record], boo
         data = None if text is None else text.encode() + b"\0"
     except UnicodeEncodeError:
         data = None
-    new = None if data is None else made(PROJECTION, WKT, data, b"WKT")
-    return replaced(records, new, *old), new is not None
+    new = None if data is None else make_record(PROJECTION, WKT, data, b"WKT")
+    return replace_records(records, new, *old), new is not None
 
 
 _MOST = 2**31 - 1

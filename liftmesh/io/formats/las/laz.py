@@ -5,11 +5,10 @@ points in a chunk and the items of a point; a table at the end gives the chunks,
 stands before the first of them. In formats 6 to 10 each chunk begins with its first point as it is
 and the sizes of its layers. All of these are compared with the bytes that are there.
 
+lazrs tells errors of a stream as damage of its own, and states places from the beginning of a file:
+so it reads from an `ErrorRecordingStream`, and from an `OffsetStream` if that begins later.
+
 Source: M. Isenburg, LASzip: lossless compression of lidar data, 2013, and its source code.
-
-A stream that remembers why it failed: lazrs tells errors of a stream as damage of its own.
-
-A part of a stream as if it began there: lazrs states places from the beginning of a file.
 """
 
 from __future__ import annotations
@@ -54,11 +53,11 @@ class Chunks:
     surplus: str = ""
 
 
-def chunks_of(stream: BinaryIO, stated: LasHeader, name: str) -> Chunks:
+def chunks_of(stream: BinaryIO, header: LasHeader, name: str) -> Chunks:
     """Check what a file states of its chunks; the stream goes back to where it was."""
     begin = stream.tell()
     try:
-        return _Reading(stream, begin, stated, name).chunks()
+        return _Reading(stream, begin, header, name).chunks()
     finally:
         stream.seek(begin)
 
@@ -66,40 +65,40 @@ def chunks_of(stream: BinaryIO, stated: LasHeader, name: str) -> Chunks:
 class _Reading:
     """Reads the record of LAZ, the table of chunks, and the beginning of each chunk."""
 
-    def __init__(self, stream: BinaryIO, begin: int, stated: LasHeader, name: str) -> None:
+    def __init__(self, stream: BinaryIO, begin: int, header: LasHeader, name: str) -> None:
         self._stream = stream
         self._begin = begin
-        self._stated = stated
+        self._header = header
         self._name = name
 
     def chunks(self) -> Chunks:
-        stated = self._stated
-        record = stated.record(*PACKING)
+        header = self._header
+        record = header.record(*PACKING)
         if record is None or len(record) < _HEAD.size:
             raise self._error("the record that tells how the points are compressed is missing")
         compressor, _, _, _, _, _, size, _, _, count = _HEAD.unpack_from(record)
         items = self._items(record, count)
         if compressor not in (_CHUNKED, _LAYERED):
-            return Chunks(listed=False, largest=stated.points)
+            return Chunks(listed=False, largest=header.points)
         if size == 0:
             raise self._error("the chunks have 0 points each")
         place, number = self._table()
-        if size != _VARIABLE and number * size < stated.points:
+        if size != _VARIABLE and number * size < header.points:
             raise self._error(
-                f"the header states {stated.points:,} points, but {number:,} chunks of {size:,} "
+                f"the header states {header.points:,} points, but {number:,} chunks of {size:,} "
                 f"hold {number * size:,}: it is truncated, or its header is wrong"
             )
         listed = self._listed(record, size, place)
-        needed = len(listed) if size == _VARIABLE else -(-stated.points // size)
+        needed = len(listed) if size == _VARIABLE else -(-header.points // size)
         more = sum(length > 0 for _, length in listed[needed:])
         surplus = f"{more:,} chunks after the last point" if more else ""
         if compressor == _LAYERED:
-            there = self._points_of_layers(listed, items) - stated.points
+            there = self._points_of_layers(listed, items) - header.points
             surplus = f"{there:,} points that the header does not count" if there > 0 else ""
         return Chunks(
             listed=True,
             largest=max((points for points, _ in listed), default=0),
-            first=stated.start + _PLACE.size,
+            first=header.start + _PLACE.size,
             table=tuple(listed),
             surplus=surplus,
         )
@@ -109,15 +108,15 @@ class _Reading:
             raise self._error(f"the record of its compression states {count:,} items, and ends")
         found = [_ITEM.unpack_from(record, _HEAD.size + k * _ITEM.size) for k in range(count)]
         total = sum(size for _, size, _ in found)
-        if total != self._stated.point_size:
+        if total != self._header.point_size:
             raise self._error(
-                f"a point has {self._stated.point_size} bytes, but its compressed items {total}"
+                f"a point has {self._header.point_size} bytes, but its compressed items {total}"
             )
         return [(kind, size) for kind, size, _ in found]
 
     def _table(self) -> tuple[int, int]:
         """Return the place of the table, and the number of chunks that it lists."""
-        start, size = self._stated.start, self._stated.size
+        start, size = self._header.start, self._header.size
         place = self._at(start, _PLACE, "the place of the table of chunks")[0]
         if place == -1:  # written where a file could not be changed afterwards
             place = self._at(size - _PLACE.size, _PLACE, "the place of the table of chunks")[0]
@@ -128,7 +127,7 @@ class _Reading:
             )
         version, number = self._at(place, _TABLE, "the table of chunks")
         there = place - start - _PLACE.size  # a chunk begins with a point as it is
-        if version or number > there // self._stated.point_size + _EMPTY:
+        if version or number > there // self._header.point_size + _EMPTY:
             raise self._error(
                 f"the table of chunks states {number:,} chunks of {there:,} bytes, in version "
                 f"{version}"
@@ -138,7 +137,7 @@ class _Reading:
     def _listed(self, record: bytes, size: int, place: int) -> list[tuple[int, int]]:
         """Read the points and bytes of each chunk, and check their sums."""
         lazrs = load("lazrs", extra="las")
-        self._stream.seek(self._begin + self._stated.start)
+        self._stream.seek(self._begin + self._header.start)
         source = ErrorRecordingStream(self._stream)
         try:
             vlr = lazrs.LazVlr(record)
@@ -148,13 +147,13 @@ class _Reading:
                 raise source.failure from error
             raise self._error(f"the table of chunks cannot be decoded ({error})") from error
         listed = [(int(points), int(length)) for points, length in pairs]
-        there = place - self._stated.start - _PLACE.size
+        there = place - self._header.start - _PLACE.size
         if sum(length for _, length in listed) > there:
             raise self._error(f"the table lists chunks of more than the {there:,} bytes there are")
         total = sum(points for points, _ in listed)
-        if size == _VARIABLE and total != self._stated.points:
+        if size == _VARIABLE and total != self._header.points:
             raise self._error(
-                f"the header states {self._stated.points:,} points, but its chunks {total:,}"
+                f"the header states {self._header.points:,} points, but its chunks {total:,}"
             )
         if size != _VARIABLE:
             listed = [(size, length) for _, length in listed]
@@ -164,11 +163,11 @@ class _Reading:
         """Compare the sizes of the layers of each chunk with its bytes; return all its points."""
         layers = sum(size if kind == _EXTRA_BYTES else _LAYERS.get(kind, 0) for kind, size in items)
         form = struct.Struct(f"<I{layers}I")
-        place, points = self._stated.start + _PLACE.size, 0
+        place, points = self._header.start + _PLACE.size, 0
         for k, (_, length) in enumerate(listed):
-            head = self._stated.point_size + form.size
+            head = self._header.point_size + form.size
             if length >= head:
-                count, *sizes = self._at(place + self._stated.point_size, form, f"chunk {k}")
+                count, *sizes = self._at(place + self._header.point_size, form, f"chunk {k}")
                 head += sum(sizes)
                 points += count
             if 0 < length < head:  # some programs end with a chunk of nothing

@@ -1,10 +1,8 @@
-"""The values of a point by name: which types they have in a cloud, and how a block gives them.
-
-The points of a LAS or LAZ file as laspy and lazrs decode them, in blocks of bounded size.
+"""The points of a LAS or LAZ file as laspy and lazrs decode them, in blocks of bounded size.
 
 laspy knows the layouts of points and their extra bytes, lazrs the compression. Both are given files
-whose header is checked (`io.las.header`); what they raise besides becomes a `FormatError`, and what
-they would log is ours to say.
+whose header is checked (`io.formats.las.header`); what they raise besides becomes a `FormatError`,
+and what they would log is ours to say.
 
 LAZ is decoded on all threads of lazrs, but on one in a process that was forked: threads do not
 survive that, and lazrs would wait for its own for ever.
@@ -40,73 +38,6 @@ WAVE_PACKETS = (
     "x_t", "y_t", "z_t",
 )  # fmt: skip
 
-
-def types_of(dimensions: Sequence[Any]) -> tuple[dict[str, np.dtype], tuple[str, ...]]:
-    """Return the columns of a cloud with their types, and the extra bytes that cannot be one."""
-    double = np.dtype(np.float64)
-    types: dict[str, np.dtype] = dict.fromkeys(POSITION, double)
-    refused = []
-    for each in dimensions:
-        if each.name in _STORED:
-            continue
-        if each.name in POSITION or not each.name:
-            refused.append(f"extra bytes {each.name!r} (the name of a coordinate, or none)")
-            continue
-        if each.name in types:
-            refused.append(f"extra bytes {each.name!r} (the name of another value)")
-            continue
-        kind = np.dtype(np.uint8) if each.dtype is None else each.dtype
-        kind = double if each.is_scaled else kind.base
-        types[each.name] = np.dtype((kind, (each.num_elements,))) if _is_vector(each) else kind
-    return types, tuple(refused)
-
-
-def _is_vector(dimension: Any) -> bool:
-    return dimension.dtype is not None and dimension.num_elements > 1
-
-
-class Block(Mapping[str, Array]):
-    """Points of a file: each column is computed when it is asked for."""
-
-    def __init__(self, record: Any, names: Sequence[str]) -> None:
-        self._record = record
-        self._names = names
-
-    def __getitem__(self, name: str) -> Array:
-        """Return a column: coordinates from their whole numbers, scales and offsets."""
-        if name in POSITION:
-            k = POSITION.index(name)
-            with np.errstate(over="ignore", invalid="ignore"):
-                values: Array = self._record.array[_STORED[k]] * self._record.scales[k]
-                values += self._record.offsets[k]
-            return values
-        return np.asarray(self._record[name])
-
-    def __contains__(self, name: object) -> bool:
-        """Whether there is such a column."""
-        return name in self._names
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._names)
-
-    def __len__(self) -> int:
-        return len(self._names)
-
-    @property
-    def rows(self) -> int:
-        """The number of points."""
-        return len(self._record.array)
-
-    def taken(self, rows: Array) -> Block:
-        """Return some of the points."""
-        record = self._record
-        array = record.array
-        # As items of bytes: NumPy would copy structured ones value by value.
-        taken = array.view(f"V{array.itemsize}").take(rows).view(array.dtype)
-        part = type(record)(taken, record.point_format, record.scales, record.offsets)
-        return Block(part, self._names)
-
-
 BLOCK = 1 << 18  # points decoded at a time
 
 _forked: list[bool] = []
@@ -116,10 +47,10 @@ os.register_at_fork(after_in_child=lambda: _forked.append(True))
 class Points:
     """The points of an open file."""
 
-    def __init__(self, stream: BinaryIO, stated: LasHeader, name: str) -> None:
+    def __init__(self, stream: BinaryIO, header: LasHeader, name: str) -> None:
         self._name = name
-        self._stated = stated
-        chunks = chunks_of(stream, stated, name) if stated.compressed and stated.points else None
+        self._header = header
+        chunks = chunks_of(stream, header, name) if header.compressed and header.points else None
         self._stream, self._begin, self._chunks = stream, stream.tell(), chunks
         self.surplus = "" if chunks is None else chunks.surplus
         # Nodes are decoded on the threads of lazrs, which do not survive a fork.
@@ -127,7 +58,7 @@ class Points:
         self.index: Index | None = None
         self.damage: FormatError | None = None  # of the index, which points do not need
         try:
-            self.index = index_of(stream, stated, chunks, name) if chunks and is_indexed else None
+            self.index = index_of(stream, header, chunks, name) if chunks and is_indexed else None
         except FormatError as error:
             self.damage = error
         self._source = ErrorRecordingStream(stream)
@@ -143,14 +74,14 @@ class Points:
     def blocks(self, size: int = BLOCK) -> Iterator[Any]:
         """Decode the points: records of laspy, of at most ``size`` points each."""
         done = 0
-        while done < self._stated.points:
-            wanted = min(size, self._stated.points - done)
+        while done < self._header.points:
+            wanted = min(size, self._header.points - done)
             with self._decoding(f"points from {done:,} on"):
                 found = self._reader.read_points(wanted)
             if len(found) != wanted:
                 raise FormatError(
                     f"{self._name}: the file ends after {done + len(found):,} of "
-                    f"{self._stated.points:,} points: it is truncated"
+                    f"{self._header.points:,} points: it is truncated"
                 )
             done += wanted
             yield found
@@ -180,8 +111,8 @@ class Points:
     def _decoded(self, data: bytes, table: list[tuple[int, int]]) -> Any:
         laspy, lazrs = load("laspy", extra="las"), load("lazrs", extra="las")
         header = self._reader.header
-        found = bytearray(sum(points for points, _ in table) * self._stated.point_size)
-        lazrs.decompress_points_with_chunk_table(data, self._stated.record(*PACKING), found, table)
+        found = bytearray(sum(points for points, _ in table) * self._header.point_size)
+        lazrs.decompress_points_with_chunk_table(data, self._header.record(*PACKING), found, table)
         array = np.frombuffer(found, header.point_format.dtype())
         return laspy.ScaleAwarePointRecord(
             array, header.point_format, header.scales, header.offsets
@@ -256,3 +187,69 @@ def _silenced(library: str) -> Iterator[None]:
         yield
     finally:
         logger.removeHandler(handler)
+
+
+class Block(Mapping[str, Array]):
+    """Points of a file: each column is computed when it is asked for."""
+
+    def __init__(self, record: Any, names: Sequence[str]) -> None:
+        self._record = record
+        self._names = names
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a column: coordinates from their whole numbers, scales and offsets."""
+        if name in POSITION:
+            k = POSITION.index(name)
+            with np.errstate(over="ignore", invalid="ignore"):
+                values: Array = self._record.array[_STORED[k]] * self._record.scales[k]
+                values += self._record.offsets[k]
+            return values
+        return np.asarray(self._record[name])
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is such a column."""
+        return name in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+    @property
+    def rows(self) -> int:
+        """The number of points."""
+        return len(self._record.array)
+
+    def taken(self, rows: Array) -> Block:
+        """Return some of the points."""
+        record = self._record
+        array = record.array
+        # As items of bytes: NumPy would copy structured ones value by value.
+        taken = array.view(f"V{array.itemsize}").take(rows).view(array.dtype)
+        part = type(record)(taken, record.point_format, record.scales, record.offsets)
+        return Block(part, self._names)
+
+
+def types_of(dimensions: Sequence[Any]) -> tuple[dict[str, np.dtype], tuple[str, ...]]:
+    """Return the columns of a cloud with their types, and the extra bytes that cannot be one."""
+    double = np.dtype(np.float64)
+    types: dict[str, np.dtype] = dict.fromkeys(POSITION, double)
+    refused = []
+    for each in dimensions:
+        if each.name in _STORED:
+            continue
+        if each.name in POSITION or not each.name:
+            refused.append(f"extra bytes {each.name!r} (the name of a coordinate, or none)")
+            continue
+        if each.name in types:
+            refused.append(f"extra bytes {each.name!r} (the name of another value)")
+            continue
+        kind = np.dtype(np.uint8) if each.dtype is None else each.dtype
+        kind = double if each.is_scaled else kind.base
+        types[each.name] = np.dtype((kind, (each.num_elements,))) if _is_vector(each) else kind
+    return types, tuple(refused)
+
+
+def _is_vector(dimension: Any) -> bool:
+    return dimension.dtype is not None and dimension.num_elements > 1

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.formats.las.copc import DamagedIndexError
-from liftmesh.io.formats.las.header import stated
+from liftmesh.io.formats.las.header import read_header
 from liftmesh.io.formats.las.laz import OffsetStream
 from liftmesh.io.formats.las.points import BLOCK, WAVE_PACKETS, Block, Points, types_of
-from liftmesh.io.formats.las.vlrs import DEPTH, ENTRY, LiftmeshVlr, crs_of, entry, refused
+from liftmesh.io.formats.las.vlrs import DEPTH, ENTRY, LiftmeshVlr, crs_of, entry_of, refused
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 
@@ -106,12 +106,12 @@ class _File:
     def __init__(self, stream: BinaryIO, name: str, max_bytes: int | None) -> None:
         if begin := stream.tell():
             stream = cast("BinaryIO", OffsetStream(stream, begin))
-        self._stated = stated(stream, name)
-        self.points = self._stated.points
-        source = Points(stream, self._stated, name)
+        self._header = read_header(stream, name)
+        self.points = self._header.points
+        source = Points(stream, self._header, name)
         self._source, self.index, self.damage = source, source.index, source.damage
         self.types, self._refused = types_of(source.dimensions)
-        if self._stated.compressed and self._stated.point_format in _CONFUSED:
+        if self._header.compressed and self._header.point_format in _CONFUSED:
             self.types = {k: v for k, v in self.types.items() if k not in WAVE_PACKETS}
             self._refused += ("wave packets (compressed in formats 9 and 10)",)
         self._wide = [each.name for each in source.dimensions if _is_wide(each)]
@@ -119,16 +119,19 @@ class _File:
         columns = sum(kind.itemsize // kind.base.itemsize for kind in self.types.values())
         check_columns(columns, max_bytes, name, f"a point of {columns:,} values")
         each = sum(kind.itemsize for kind in self.types.values())
-        limit = limit_of(max_bytes, DENSEST * self._stated.size)
+        limit = limit_of(max_bytes, DENSEST * self._header.size)
         check_expanded(each * self.points, limit, name, f"{self.points:,} points")
 
     def blocks(self, size: int) -> Iterator[Block]:
-        for record in self._source.blocks(size):
-            self._look_for_rounded(record)
-            yield Block(record, tuple(self.types))
+        """Decode all points, in blocks of at most some."""
+        return self._of_records(self._source.blocks(size))
 
     def blocks_of(self, nodes: list[int]) -> Iterator[Block]:
-        for record in self._source.blocks_of(nodes):
+        """Decode the points of some nodes of COPC."""
+        return self._of_records(self._source.blocks_of(nodes))
+
+    def _of_records(self, records: Iterator[Any]) -> Iterator[Block]:
+        for record in records:
             self._look_for_rounded(record)
             yield Block(record, tuple(self.types))
 
@@ -141,12 +144,12 @@ class _File:
 
     def cloud(self, builder: CloudBuilder, depth: int | None = None, **notes: Any) -> Cloud:
         """Make a cloud of filled arrays, with what the file says of all its points."""
-        found = self._stated
+        header = self._header
         layout: dict[str, Any] = {
-            "version": f"{found.version[0]}.{found.version[1]}",
-            "point_format": found.point_format,
-            "scale": list(found.scales),
-            "offset": list(found.offsets),
+            "version": f"{header.version[0]}.{header.version[1]}",
+            "point_format": header.point_format,
+            "scale": list(header.scales),
+            "offset": list(header.offsets),
         }
         if self.index is not None:
             levels = self.index.levels
@@ -154,27 +157,32 @@ class _File:
                 "spacing": self.index.spacing,
                 "levels": int(levels.max()) + 1 if len(levels) else 0,
             }
-        said = LiftmeshVlr(found.records)
-        entries: dict[str, Any] = {**said.metadata, "las": layout, ENTRY: entry(found), **notes}
+        own_vlr = LiftmeshVlr(header.records)
+        entries: dict[str, Any] = {
+            **own_vlr.metadata,
+            "las": layout,
+            ENTRY: entry_of(header),
+            **notes,
+        }
         if skipped := self._skipped():
             entries["skipped"] = skipped
-        crs = said.crs(crs_of(found.records, is_wkt=found.wkt))
-        cloud = builder.cloud(metadata=entries, crs=crs, color_depth=said.color_depth or depth)
+        crs = own_vlr.crs(crs_of(header.records, is_wkt=header.wkt))
+        cloud = builder.cloud(metadata=entries, crs=crs, color_depth=own_vlr.color_depth or depth)
         if cloud.color_depth == _SHALLOW:  # which surfaces and other formats do not keep
             layout[DEPTH] = _SHALLOW
         return cloud
 
     def _skipped(self) -> tuple[str, ...]:
-        found = self._stated
-        waves = ("waveforms",) if found.point_format in _WAVES else ()
-        end = found.start + found.points * found.point_size
-        is_more = not found.compressed and found.end - end >= found.point_size
-        rest = (f"{found.end - end:,} bytes after the last point",) if is_more else ()
+        header = self._header
+        waves = ("waveforms",) if header.point_format in _WAVES else ()
+        end = header.start + header.points * header.point_size
+        is_more = not header.compressed and header.end - end >= header.point_size
+        rest = (f"{header.end - end:,} bytes after the last point",) if is_more else ()
         rest = (self._source.surplus,) if self._source.surplus else rest
-        long = sum(each.left_out and each.user not in _KNOWN for each in found.records)
+        long = sum(each.left_out and each.user not in _KNOWN for each in header.records)
         records = (f"{long:,} very long records",) if long else ()
         index = () if self.damage is None else ("the index of COPC (damaged)",)
-        keys = refused(found.records, is_wkt=found.wkt)
+        keys = refused(header.records, is_wkt=header.wkt)
         low = (f"low digits of {each} (beyond 2**53 steps)" for each in self._rounded)
         return (*self._refused, *waves, *rest, *records, *index, *keys, *low)
 

@@ -1,21 +1,19 @@
-"""What a LAS file says besides its points, kept as it is so that it can be written again.
+"""The variable length records (VLR) of a LAS file: those that are kept, and our own.
 
 ``metadata["las_records"]`` of a cloud that was read holds the bytes of the header and of the
-records, before the points and behind them. What would be wrong in a new file is left out of it:
-what COPC and waveforms state of their own bytes. It is a note of the reader, which no other format
-writes.
+records, before the points and behind them, so that they can be written again. What would be wrong
+in a new file is left out of it: what COPC and waveforms state of their own bytes. It is a note of
+the reader, which no other format writes.
 
-The coordinate system that a LAS file states: WKT, or the GeoKeys of GeoTIFF.
+The coordinate system is WKT, or the GeoKeys of GeoTIFF. The header says which of the two counts;
+the other one is taken where there is none.
 
-The header says which of the two counts; the other one is taken where there is none.
-
-Source: ASPRS, LAS Specification 1.4-R15, section 3.
-
-What LAS has no place for, in a record of liftmesh's own: metadata, and how the rest is meant.
-
+What LAS has no place for stands in a record of liftmesh's own: metadata, and how the rest is meant.
 The coordinate system stands as WKT, or as the numbers of EPSG where the file that was read had
 them. What the cloud itself said, such as ``EPSG:25832``, is noted with a checksum of the WKT, and
 holds as long as that is the same: other programs may have changed it.
+
+Source: ASPRS, LAS Specification 1.4-R15, section 3.
 """
 
 from __future__ import annotations
@@ -30,6 +28,7 @@ from liftmesh.base.cloud import is_crs
 from liftmesh.crs.geokeys import has_parameters, system_of, wkt_of
 from liftmesh.io import metadata
 from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
+from liftmesh.io.markup import parsed_or_none
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -41,14 +40,14 @@ _PARTS = ("header", "records", "extended", "gap")
 _LEAST, _MOST = 227, 1 << 16  # bytes of a header; fewer than the latter also of a record
 
 
-def entry(stated: LasHeader) -> dict[str, bytes]:
+def entry_of(header: LasHeader) -> dict[str, bytes]:
     """Return the entry of metadata."""
-    kept = [each for each in stated.records if _is_kept(each)]
+    kept = [each for each in header.records if _is_kept(each)]
     return {
-        "header": stated.header,
+        "header": header.header,
         "records": b"".join(each.head + each.data for each in kept if not each.extended),
         "extended": b"".join(each.head + each.data for each in kept if each.extended),
-        "gap": stated.gap,
+        "gap": header.gap,
     }
 
 
@@ -74,7 +73,7 @@ class Vlrs:
         return [each for each in self.records if (each.user, each.number) == (user, number)]
 
 
-def carried(metadata: Mapping[str, Any]) -> Vlrs:
+def kept_vlrs(metadata: Mapping[str, Any]) -> Vlrs:
     """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
     found = metadata.get(ENTRY)
     values = [found.get(key) for key in _PARTS] if isinstance(found, Mapping) else []
@@ -98,13 +97,13 @@ def _walked(data: bytes, form: Any) -> Iterator[Record]:
         place += form.size + size
 
 
-def made(user: bytes, number: int, data: bytes, description: bytes) -> Record:
+def make_record(user: bytes, number: int, data: bytes, description: bytes) -> Record:
     """Make a record: an extended one if it is too long for others."""
     form = RECORD if len(data) < _MOST else LONG_RECORD
     return Record(user, number, data, form.pack(0, user, number, len(data), description))
 
 
-def replaced(records: Iterable[Record], new: Record | None, *olds: Record) -> list[Record]:
+def replace_records(records: Iterable[Record], new: Record | None, *olds: Record) -> list[Record]:
     """Put a record in the place of the first of some others, or at the end; they are left out."""
     found: list[Record] = []
     for each in records:
@@ -167,7 +166,7 @@ _DESCRIPTION = b"metadata"
 _MOST_JSON = 1 << 19  # characters
 
 
-def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
+def liftmesh_record(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
     """Make the record; None if there is nothing to say."""
     found: dict[str, Any] = {}
     entries = {k: v for k, v in metadata.storable(cloud.metadata).items() if not is_layout(k, v)}
@@ -176,7 +175,7 @@ def record_of(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None
         found["crs"] = [cloud.crs, _checksum(crs)]
     found |= {} if depth is None else {DEPTH: depth}
     data = json.dumps(found, sort_keys=True).encode() if found else b""
-    return made(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
+    return make_record(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
 
 
 def is_layout(key: str, value: object) -> bool:
@@ -214,8 +213,5 @@ def _entries(value: object) -> dict[str, Any]:
 
 
 def _parsed(data: bytes) -> dict[str, Any]:
-    try:
-        found = json.loads(data.decode()) if len(data) <= _MOST_JSON else None
-    except (ValueError, RecursionError):
-        return {}
+    found = parsed_or_none(data) if len(data) <= _MOST_JSON else None
     return found if isinstance(found, dict) else {}

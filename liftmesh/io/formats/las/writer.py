@@ -23,7 +23,7 @@ from liftmesh.io.formats.las.fields import depth_of, levels
 from liftmesh.io.formats.las.header import ENCODING_WKT, PACKING, SIZES, Record
 from liftmesh.io.formats.las.layout import Layout, layout_of
 from liftmesh.io.formats.las.points import BLOCK, may_use_threads
-from liftmesh.io.formats.las.vlrs import LAYOUT, made, replaced
+from liftmesh.io.formats.las.vlrs import LAYOUT, make_record, replace_records
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def write_las(
     stream.seek(last)
 
 
-def lost(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
     """Return what is not kept of a cloud: values without a place, bits of coordinates, colours."""
     layout = layout_of(cloud, options.get("scale"), options.get("point_format"))
     found = [*layout.fields.lost]
@@ -113,11 +113,11 @@ def _packed(records: list[Record], vlr: Any) -> list[Record]:
     """Put the record of LAZ in its place, as it was if it says the same."""
     before = [each for each in records if (each.user, each.number) == PACKING]
     if vlr is None:
-        return replaced(records, None, *before)
+        return replace_records(records, None, *before)
     data = bytes(vlr.record_data())
     if before and _packing_of(before[0].data) == _packing_of(data):
         return records
-    return replaced(records, made(*PACKING, data, b"lazrs"), *before)
+    return replace_records(records, make_record(*PACKING, data, b"lazrs"), *before)
 
 
 def _packing_of(data: bytes) -> tuple[bytes, ...]:

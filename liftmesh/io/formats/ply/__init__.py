@@ -18,11 +18,10 @@ from liftmesh.base.options import counted
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
 from liftmesh.io.faces import Ragged, face_counts, triangulated
-from liftmesh.io.format import others, stated_crs
 from liftmesh.io.formats.ply.ascii_body import AsciiBody
 from liftmesh.io.formats.ply.binary_body import BinaryBody
 from liftmesh.io.formats.ply.header import Element, depth_of_comments, old_names, read_header
-from liftmesh.io.metadata import stated
+from liftmesh.io.metadata import others, stated, stated_crs
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from liftmesh._typing import Array, Integers, Mask
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import type_in_text
 from liftmesh.io.faces import Ragged, gathered
-from liftmesh.io.lines import BLOCK, Block, Lines
+from liftmesh.io.lines import BLOCK, Block, Lines, check_end
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import exact_values, number_table, ragged_numbers
 
@@ -54,12 +54,7 @@ class AsciiBody:
 
     def check_end(self) -> None:
         """Raise for rows beyond those that the header promises: they would be lost."""
-        block = self._lines.take(1)
-        if len(block):
-            raise FormatError(
-                f"{self._name}: line {int(block.numbers[0])}: more rows follow than the header "
-                "promises: correct its counts"
-            )
+        check_end(self._lines, self._name)
 
     def _lines_of(self, element: Element) -> Iterator[Block]:
         """Yield the lines of an element, if the file can hold as many as the header promises."""

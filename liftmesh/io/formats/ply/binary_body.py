@@ -1,9 +1,7 @@
 """The binary body of a PLY file: the rows of its elements in order, read in blocks.
 
-Rows with lists in a block of binary data: where they are, and what they hold.
-
-The length of a list stands in front of it, so a row is found only after those before it. Most
-files repeat one shape: while rows have the lengths of the first, they are a table, and one
+The length of a list stands in front of it, so a row with lists is found only after those before it.
+Most files repeat one shape: while rows have the lengths of the first, they are a table, and one
 comparison finds how many do. Otherwise Python steps from length to length, and all the rest is
 computed for many rows at once: from the lengths, where each property starts; from these, its
 values.

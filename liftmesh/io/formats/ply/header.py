@@ -1,25 +1,19 @@
-"""The header of a PLY file: its encoding, elements and properties.
+"""The header of a PLY file: its encoding, elements and properties, and what its comments state.
 
 The format is Greg Turk's "The PLY Polygon File Format" (1994): a text header lists elements
 (vertex, face, and any other), each with a count and named properties; a property is a scalar, or a
 list whose length precedes it in every row. Both families of type names are in use, Turk's own
 (uchar, float) and the explicit ones (uint8, float32).
 
-Names of PLY properties: valid ones for all attributes, and the way back to the old names.
-
 A property is one word of ASCII. An attribute of another name is written under a valid one, and so
 is one that would be read as something else: a second x, or red, green and blue beside each other.
 A comment ``property scalar_field_1 "scalar field #1"`` states the old name as a JSON string, and
-reading gives it back.
-
-The depth of colours in a PLY header: a comment, where their values would tell another.
-
-Colours of 16 bits that are all dark would be read as colours of 8 bits.
+reading gives it back. Another comment states the depth of colours, where their values would tell
+another: those of 16 bits that are all dark would be read as colours of 8 bits.
 """
 
 from __future__ import annotations
 
-import json
 import re
 import unicodedata
 from collections import Counter
@@ -34,8 +28,8 @@ from liftmesh.base.colors import stated_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.limits import check_columns, most_columns
-from liftmesh.io.markup import ascii_string
-from liftmesh.io.text_tables import quoted
+from liftmesh.io.markup import ascii_string, parsed_or_none
+from liftmesh.io.text_tables import is_count, quoted
 
 # The last three rows are not part of the format, but other programs write them.
 TYPES = {
@@ -153,7 +147,7 @@ class _HeaderReader:
         if not self._encoding:
             raise self._error("an element precedes the format line")
         count = words[-1] if len(words) == 2 else ""
-        if not (count.isascii() and count.isdigit() and len(count) < 19):
+        if not is_count(count):
             raise self._error("an element line needs a name and a count")
         self._columns += 1
         if self._columns > self._most:
@@ -206,6 +200,7 @@ _OLD_NAME = re.compile(r'property (\S+) (".*")')
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
 _LONGEST = 1000
 _KEPT = 60  # characters of a longer name
+_STATED_DEPTHS = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
 
 
 def property_names(attributes: Collection[str], columns: Collection[str]) -> dict[str, str]:
@@ -238,8 +233,12 @@ def old_names(
     known = set(properties)
     for comment in comments:
         found = _OLD_NAME.fullmatch(comment)
-        name = _parsed(found[2]) if found and found[1] in known and found[1] not in names else None
-        if found is None or name is None or name in used:
+        name = (
+            parsed_or_none(found[2])
+            if found and found[1] in known and found[1] not in names
+            else None
+        )
+        if found is None or not isinstance(name, str) or name in used:
             others.append(comment)
         else:
             names[found[1]] = name
@@ -271,17 +270,6 @@ def _free(name: str, taken: Collection[str], numbers: Counter[str]) -> str:
         numbers[name] += 1
         found = f"{name}_{numbers[name]}"
     return found
-
-
-def _parsed(text: str) -> str | None:
-    try:
-        name = json.loads(text)
-    except ValueError:
-        return None
-    return name if isinstance(name, str) else None
-
-
-_STATED_DEPTHS = {f"color_depth {depth}": depth for depth in (16, 32, 64)}
 
 
 def depth_statement(colors: Array | None) -> list[str]:

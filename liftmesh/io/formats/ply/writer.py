@@ -20,14 +20,13 @@ from liftmesh.base.colors import as_uint8
 from liftmesh.base.options import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.format import OWN, crs_comment
 from liftmesh.io.formats.ply.header import (
     LONGEST_LINE,
     depth_statement,
     name_statements,
     property_names,
 )
-from liftmesh.io.metadata import plain_lines, statements, storable
+from liftmesh.io.metadata import header_comments, plain_lines, storable
 from liftmesh.io.text_tables import shortened, write_rows
 
 if TYPE_CHECKING:
@@ -118,11 +117,9 @@ def _header(
 
 
 def _comments(cloud: Cloud, stated: list[str], comments: Sequence[str]) -> Iterator[str]:
-    given = [comments] if isinstance(comments, str) else comments
     entries = storable(cloud.metadata)
     infos = plain_lines(entries, "obj_info")
-    own = [OWN, *crs_comment(cloud.crs), *stated, *statements(entries, "comments")]
-    for comment in [*own, *(each for each in given if each not in own)]:
+    for comment in header_comments(cloud.crs, entries, comments, stated):
         if not comment.isascii() or not comment.isprintable():
             raise FormatError(f"comment {comment!r} is not one line of ASCII, as PLY requires")
         if len(comment) > LONGEST_LINE // 2:
@@ -237,7 +234,7 @@ def _names(attributes: Mapping[str, Array]) -> list[str]:
     return [*names]
 
 
-def lost(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Attributes that are not numbers; colours beyond 8 bits unless they are written exactly."""
     names = (f"{name} (not numbers)" for name in not_numeric(cloud.attributes))
     return (*names, *(() if options.get("colors") == "exact" else ("deep_colors",)))

@@ -26,32 +26,12 @@ if TYPE_CHECKING:
     from liftmesh.io.formats.text.options import TableOptions
 
 
-def named_points(width: int) -> str:
-    """Say how to read a table whose first column is an id."""
-    usual, swapped = (_names(("id", *order), width) for order in ("xyz", "yxz"))
-    return f"read it with columns='{usual}' (or '{swapped}' if northing comes first)"
+_PIECE = 1 << 10  # rows
+_LEAST_ROWS = 3  # fewer make no triangle, and no series
+_MOST_SEEN = 1 << 14  # rows that are compared with each other
 
 
-def _names(first: Sequence[str], width: int) -> str:
-    """Return names of columns as an option: all, or the coordinates of a wide table."""
-    if width > MOST_LISTED:
-        return ",".join(f"{part}={k}" for k, part in enumerate(first, 1) if part in POSITION)
-    rest = (f"column_{k}" for k in range(len(first) + 1, width + 1))
-    return ",".join([*first[:width], *rest])
-
-
-def check_count(first: str, second: str, where: str, header: Sequence[str] = ()) -> None:
-    """Raise if the first line is a number by itself, as a count of rows is, before longer lines."""
-    if first.isdecimal() and second and not second.isdecimal():
-        line = where.rpartition(" ")[2]
-        names = f" and {spelled(header) or 'columns= with the names above it'}" if header else ""
-        raise FormatError(
-            f"{where} is the number {first[:20]} by itself, a count of rows or a broken row: if it "
-            f"is no row, read it with skip_rows={line}{names}"
-        )
-
-
-class Doubts:
+class ColumnAmbiguity:
     """Examines the rows of a table, block by block, for what they may be besides points."""
 
     def __init__(self, name: str, columns: Columns, options: TableOptions) -> None:
@@ -93,9 +73,29 @@ class Doubts:
             )
 
 
-_PIECE = 1 << 10  # rows
-_LEAST_ROWS = 3  # fewer make no triangle, and no series
-_MOST_SEEN = 1 << 14  # rows that are compared with each other
+def named_points(width: int) -> str:
+    """Say how to read a table whose first column is an id."""
+    usual, swapped = (_names(("id", *order), width) for order in ("xyz", "yxz"))
+    return f"read it with columns='{usual}' (or '{swapped}' if northing comes first)"
+
+
+def _names(first: Sequence[str], width: int) -> str:
+    """Return names of columns as an option: all, or the coordinates of a wide table."""
+    if width > MOST_LISTED:
+        return ",".join(f"{part}={k}" for k, part in enumerate(first, 1) if part in POSITION)
+    rest = (f"column_{k}" for k in range(len(first) + 1, width + 1))
+    return ",".join([*first[:width], *rest])
+
+
+def check_count(first: str, second: str, where: str, header: Sequence[str] = ()) -> None:
+    """Raise if the first line is a number by itself, as a count of rows is, before longer lines."""
+    if first.isdecimal() and second and not second.isdecimal():
+        line = where.rpartition(" ")[2]
+        names = f" and {spelled(header) or 'columns= with the names above it'}" if header else ""
+        raise FormatError(
+            f"{where} is the number {first[:20]} by itself, a count of rows or a broken row: if it "
+            f"is no row, read it with skip_rows={line}{names}"
+        )
 
 
 class RowNumbers:

@@ -67,7 +67,7 @@ class Columns:
             )
 
 
-def described(mapping: Mapping[str, str]) -> str:
+def coordinates_sentence(mapping: Mapping[str, str]) -> str:
     """Say which columns are the coordinates; "" where they are called x, y and z, or come first."""
     planar = {part: name for part, name in mapping.items() if part in POSITION}
     plain = all(name.lower() == part for part, name in planar.items())

@@ -1,11 +1,7 @@
-"""The layout of a table as text: what separates its values, and whether a header names them.
+"""The layout of a table as text: its encoding, what separates its values, and its header.
 
 The first line that is no comment decides. It is a header if it holds no number, or if it names x
 and y; otherwise a comment before it is, if that names as many columns as it has values.
-
-The beginning of a text file: its byte order mark, UTF-16, and lines that the caller skips.
-
-The values of a line of a table as text: split, unquoted, and with a decimal point.
 
 Quotes follow the rules of Python's csv module: a value in quotes may hold the delimiter, and two
 quotes stand for one. Between blanks there are no empty values.
@@ -30,6 +26,74 @@ _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # the first line of a spread
 _ENOUGH = 100  # words of a line
 _UNIT_APART = re.compile(r"(?<!\s)\s+(?=[\[(][^\[\]()]*[\])])")  # X [m]
 
+_UTF8_MARK = b"\xef\xbb\xbf"
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+_BYTES = 1 << 16
+_LINE_END = re.compile(rb"\r\n?|\n")
+
+_REMARK = re.compile(r"(?<!\s)\s+#(?:\s|$)")
+_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
+_GROUPED = re.compile(r"[-+]?\d{1,3},\d{3}")  # 1,234 is also how thousands are grouped
+_WORDS = re.compile(r'"((?:[^"]|""){0,131072})"(?!\S)|(\S+)')  # as long as csv's field may be
+
+
+def as_utf8(stream: BinaryIO, name: str, encoding: str | None = None) -> BinaryIO:
+    """Return a stream of UTF-8 without a mark: this one behind its mark, or another converted."""
+    if encoding is not None:
+        return _converted(stream, name, encoding)
+    begin = stream.tell()
+    mark = stream.read(3)
+    if mark.startswith(_UTF16_MARKS):
+        stream.seek(begin)
+        return _converted(stream, name, "UTF-16")
+    if b"\0" in mark[:2] and mark[:2].strip(b"\0"):
+        raise FormatError(
+            f"{name}: byte {begin}: the text is UTF-16 without its mark, or no text: save it as "
+            "UTF-8"
+        )
+    stream.seek(begin + len(_UTF8_MARK) if mark == _UTF8_MARK else begin)
+    return stream
+
+
+def _converted(stream: BinaryIO, name: str, encoding: str) -> BinaryIO:
+    """Convert text to UTF-8 in memory; of numbers in UTF-16 it takes half as much."""
+    decoder = codecs.getincrementaldecoder(encoding)()
+    held = io.BytesIO()
+    done = False
+    while not done:
+        data = stream.read(_BYTES)
+        done = not data
+        try:
+            text = decoder.decode(data, final=done)
+            held.write((text if held.tell() else text.removeprefix("\ufeff")).encode())
+        except UnicodeError as error:
+            raise FormatError(
+                f"{name}: byte {stream.tell()} or before: the text is damaged {encoding} "
+                f"({error}): save it as UTF-8"
+            ) from error
+    held.seek(0)
+    return held
+
+
+def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
+    """Move behind a number of lines, whatever ends them."""
+    left = count
+    while left:
+        begin = stream.tell()
+        data = stream.read(_BYTES)
+        if not data:
+            raise FormatError(
+                f"{name}: the file has {count - left:,} lines, and skip_rows={count} skips more"
+            )
+        if data.endswith(b"\r") and stream.read(1) == b"\n":  # the other half of a line end
+            data += b"\n"
+        stream.seek(begin + len(data))
+        for end in _LINE_END.finditer(data):
+            left -= 1
+            if not left:
+                stream.seek(begin + end.end())
+                return
+
 
 @dataclass(frozen=True, slots=True)
 class Layout:
@@ -39,12 +103,6 @@ class Layout:
     width: int
     header: tuple[str, ...] | None
     in_first_line: bool
-
-
-def stated_separator(line: str) -> str | None:
-    """Return the delimiter that a line ``sep=;`` states; None for any other line."""
-    found = _SEPARATOR.fullmatch(line.strip('"'))
-    return found[1] if found else None
 
 
 def sniff(
@@ -66,6 +124,12 @@ def sniff(
     names = _marked(remark) if marked and remark else ()
     header = names if len(names) == len(values) and known_header(names) else None
     return Layout(delimiter, len(values), header, in_first_line=False)
+
+
+def stated_separator(line: str) -> str | None:
+    """Return the delimiter that a line ``sep=;`` states; None for any other line."""
+    found = _SEPARATOR.fullmatch(line.strip('"'))
+    return found[1] if found else None
 
 
 def before_remark(line: str) -> bool:
@@ -130,76 +194,6 @@ def _check_kind(word: str, where: str) -> None:
             f"{name}: this is an Arc/Info ASCII grid, not a list of points: read it with "
             "format='raster'"
         )
-
-
-_UTF8_MARK = b"\xef\xbb\xbf"
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
-_BYTES = 1 << 16
-_LINE_END = re.compile(rb"\r\n?|\n")
-
-
-def as_utf8(stream: BinaryIO, name: str, encoding: str | None = None) -> BinaryIO:
-    """Return a stream of UTF-8 without a mark: this one behind its mark, or another converted."""
-    if encoding is not None:
-        return _converted(stream, name, encoding)
-    begin = stream.tell()
-    mark = stream.read(3)
-    if mark.startswith(_UTF16_MARKS):
-        stream.seek(begin)
-        return _converted(stream, name, "UTF-16")
-    if b"\0" in mark[:2] and mark[:2].strip(b"\0"):
-        raise FormatError(
-            f"{name}: byte {begin}: the text is UTF-16 without its mark, or no text: save it as "
-            "UTF-8"
-        )
-    stream.seek(begin + len(_UTF8_MARK) if mark == _UTF8_MARK else begin)
-    return stream
-
-
-def _converted(stream: BinaryIO, name: str, encoding: str) -> BinaryIO:
-    """Convert text to UTF-8 in memory; of numbers in UTF-16 it takes half as much."""
-    decoder = codecs.getincrementaldecoder(encoding)()
-    held = io.BytesIO()
-    done = False
-    while not done:
-        data = stream.read(_BYTES)
-        done = not data
-        try:
-            text = decoder.decode(data, final=done)
-            held.write((text if held.tell() else text.removeprefix("\ufeff")).encode())
-        except UnicodeError as error:
-            raise FormatError(
-                f"{name}: byte {stream.tell()} or before: the text is damaged {encoding} "
-                f"({error}): save it as UTF-8"
-            ) from error
-    held.seek(0)
-    return held
-
-
-def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
-    """Move behind a number of lines, whatever ends them."""
-    left = count
-    while left:
-        begin = stream.tell()
-        data = stream.read(_BYTES)
-        if not data:
-            raise FormatError(
-                f"{name}: the file has {count - left:,} lines, and skip_rows={count} skips more"
-            )
-        if data.endswith(b"\r") and stream.read(1) == b"\n":  # the other half of a line end
-            data += b"\n"
-        stream.seek(begin + len(data))
-        for end in _LINE_END.finditer(data):
-            left -= 1
-            if not left:
-                stream.seek(begin + end.end())
-                return
-
-
-_REMARK = re.compile(r"(?<!\s)\s+#(?:\s|$)")
-_COMMA = re.compile(r"[-+]?\d*,\d+(?:[eE][-+]?\d+)?")
-_GROUPED = re.compile(r"[-+]?\d{1,3},\d{3}")  # 1,234 is also how thousands are grouped
-_WORDS = re.compile(r'"((?:[^"]|""){0,131072})"(?!\S)|(\S+)')  # as long as csv's field may be
 
 
 def split(text: str, delimiter: str | None, where: str) -> list[str]:

@@ -29,7 +29,7 @@ _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "blank
 
 @dataclass(frozen=True, slots=True)
 class TableOptions:
-    """Checked options; `checked` makes them of what a caller gives."""
+    """Checked options; `validate_table_options` makes them of what a caller gives."""
 
     chosen: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
     names: tuple[str, ...] | None = None
@@ -48,7 +48,7 @@ class TableOptions:
         return self.flat is not False or self.names is not None
 
 
-def checked(  # noqa: PLR0913 - one for each option
+def validate_table_options(  # noqa: PLR0913 - one for each option
     *,
     columns: ColumnChoice = None,
     flat: bool | None = False,

@@ -18,8 +18,8 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import ColorScale, kept_depth
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
-from liftmesh.io.formats.text.column_ambiguity import Doubts, check_count
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION, taken_points, taken_together
+from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity, check_count
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import (
     Layout,
@@ -176,7 +176,7 @@ class _Meaning:
         others = [k for k, name in enumerate(self._columns.names) if name not in PARTS]
         self._others = np.array(others, dtype=np.intp)
         self._large = np.zeros(len(others), dtype=np.bool_)
-        self._doubts = Doubts(table.name, self._columns, table.options)
+        self._doubts = ColumnAmbiguity(table.name, self._columns, table.options)
 
     def examine_all(self) -> None:
         """Examine all rows of the file, one block in memory at a time."""
@@ -224,7 +224,7 @@ class _Meaning:
             points,
             colors=colors,
             color_depth=kept_depth(colors),
-            normals=_popped(columns, NORMAL),
+            normals=taken_together(columns, NORMAL),
             attributes={each: np.ascontiguousarray(values) for each, values in columns.items()},
             metadata=self._metadata(),
         )
@@ -276,7 +276,7 @@ class _Meaning:
     def _colors(self, columns: dict[str, Floats]) -> Array | None:
         """Remove and return the colours; columns that cannot be colours stay attributes."""
         rest = dict(columns)
-        values = _popped(rest, self._color_names())
+        values = taken_together(rest, self._color_names())
         colors = None if values is None else self._scale.convert(values)
         if colors is not None:
             for each in self._color_names():
@@ -289,14 +289,4 @@ def _points(table: Floats, columns: dict[str, Floats]) -> Floats:
     if tuple(columns) == POSITION and table.shape[1] == len(POSITION):
         columns.clear()
         return np.ascontiguousarray(table)
-    points = np.zeros((len(table), len(POSITION)))
-    for position, each in enumerate(POSITION):
-        if each in columns:
-            points[:, position] = columns.pop(each)
-    return points
-
-
-def _popped(columns: dict[str, Floats], names: tuple[str, ...]) -> Floats | None:
-    if not all(each in columns for each in names):
-        return None
-    return np.stack([columns.pop(each) for each in names], axis=1)
+    return taken_points(columns, len(table))

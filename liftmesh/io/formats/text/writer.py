@@ -21,7 +21,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io import precision
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.formats.text import reader
-from liftmesh.io.formats.text.column_ambiguity import Doubts
+from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import unnamed
 from liftmesh.io.formats.text.options import TableOptions
 from liftmesh.io.limits import COLUMN_BYTES
@@ -67,7 +67,7 @@ def check(cloud: Cloud) -> None:
 def _could_be_ids(points: Floats) -> bool:
     """Whether `reader` would doubt that x or z are coordinates, if no line named them."""
     options = TableOptions(missing=())
-    doubts = Doubts("", unnamed(len(POSITION), options, ""), options)
+    doubts = ColumnAmbiguity("", unnamed(len(POSITION), options, ""), options)
     doubts.examine(points)
     try:
         doubts.check()
@@ -158,7 +158,7 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
     )
 
 
-def lost(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Numbers are read as doubles, and colours close to those of 8 bits as these."""
     whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
     wide = [name for name, values in whole.items() if not precision.fit(values, DOUBLE)]
