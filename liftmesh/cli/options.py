@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import Duplicates as Policy, NonFinite, as_count
+from liftmesh.base.options import VARIABLE, Duplicates as Policy, NonFinite, as_count, as_threads
 from liftmesh.cli.wording import as_on_command_line
 from liftmesh.errors import InputError
 
@@ -204,15 +204,12 @@ def threads(text: str) -> int:
 def checked_threads(value: int | None) -> int | None:
     """Check the number of threads that the environment gives, where no option does."""
     if value is None:
-        from liftmesh.base.threads import VARIABLE  # noqa: PLC0415 - as below
-
         _check_threads(None, VARIABLE, VARIABLE)
     return value
 
 
 def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
     from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
 
     with _refusing(name, hint):
         as_threads(value, MOST_ROWS)

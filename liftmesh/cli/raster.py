@@ -120,7 +120,7 @@ def _check(
         if bounds is not None:
             bounds_of(bounds)
         check_method(quantity, method)
-        writer.checked(crs, compress)
+        writer.validate_geotiff_options(crs, compress)
 
 
 def _system(source: Path, stated: str | None, given: str) -> str:

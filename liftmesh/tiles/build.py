@@ -7,8 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, as_threads, check_progress
 from liftmesh.tiles.clouds import valued_parts
 from liftmesh.tiles.options import Options, SurfaceOptions
 from liftmesh.tiles.pipeline import triangulated

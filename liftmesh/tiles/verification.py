@@ -12,8 +12,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Integers, Progress
-from liftmesh.base.options import as_folder, check_progress
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_folder, as_threads, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
