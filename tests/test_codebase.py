@@ -163,6 +163,12 @@ def test_every_room_stands_in_the_architecture() -> None:
     assert [name for name in names if name not in text] == []
 
 
+def test_what_no_test_reaches_says_why() -> None:
+    pattern = r"pragma: no (?:cover|branch)(?! - \w)|GCOV_EXCL_(?:START|LINE)(?!: \w)"
+    sources = [p for p in project_files() if PACKAGE in p.parents and p.suffix != ".md"]
+    assert [p for p in sources if re.search(pattern, p.read_text("utf-8"))] == []
+
+
 def test_every_kernel_source_is_compiled() -> None:
     core = PACKAGE / "_core"
     listed = (core / "CMakeLists.txt").read_text("utf-8")

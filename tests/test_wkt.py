@@ -24,7 +24,7 @@ from liftmesh.crs.description import (
     without_files,
 )
 from liftmesh.crs.wkt import has_grids, plain, tree
-from liftmesh.raster.writer import checked
+from liftmesh.raster.writer import validate_geotiff_options
 
 UTM1 = pyproj.CRS(25832).to_wkt("WKT1_GDAL")
 UTM2 = pyproj.CRS(25832).to_wkt("WKT2_2019")
@@ -78,7 +78,7 @@ def test_texts_that_name_files_reach_nobody(
     for refused in (
         lambda: looked_up(pyproj, text),
         lambda: check_system(text),
-        lambda: checked(text, None),
+        lambda: validate_geotiff_options(text, None),
         lambda: lm.read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=text),
     ):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
@@ -126,7 +126,7 @@ def test_heights_of_a_named_grid_are_kept_and_not_converted() -> None:
     stream.seek(0)
     with pytest.raises(InputError, match=r"are those of a grid \(PROJ4_GRIDS\), and no file"):
         lm.read(stream, format="ply", to_crs="EPSG:4979")
-    assert checked(crs, None) is not None
+    assert validate_geotiff_options(crs, None) is not None
 
 
 @pytest.mark.parametrize("version", ["WKT1_GDAL", "WKT1_ESRI", "WKT2_2015", "WKT2_2019"])

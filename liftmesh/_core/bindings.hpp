@@ -48,7 +48,7 @@ class PythonInterrupt final : public liftmesh::Interrupt {
         } catch (nb::python_error& error) {
             error.restore();
         } catch (const std::bad_alloc&) {
-            PyErr_NoMemory();
+            PyErr_NoMemory();  // GCOV_EXCL_LINE: between a callback and its number
         }
         return false;
     }
@@ -57,10 +57,12 @@ class PythonInterrupt final : public liftmesh::Interrupt {
     // of the run's threads.
     bool forked() const {
         if (getpid() == process_) return false;
+        // GCOV_EXCL_START: the child of a fork ends without writing its counts
         PyErr_SetString(PyExc_RuntimeError,
                         "the process was forked during a run, which continues in the parent only: "
                         "fork before or after it");
         return true;
+        // GCOV_EXCL_STOP
     }
 
     nb::handle progress_;

@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_numbers, as_pairs, check_finite, read_only
-from liftmesh.base.options import counted
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads, counted
 from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay

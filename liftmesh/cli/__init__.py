@@ -134,7 +134,7 @@ def _fail(error: BaseException, *, debug: bool) -> int:
         with suppress(OSError):  # a full disk, as below
             traceback.print_exc()
     code, message = exit_codes.explain(error)
-    if message:
+    if message:  # pragma: no branch - every error has one
         _print_error(message)
     return code
 
@@ -142,9 +142,9 @@ def _fail(error: BaseException, *, debug: bool) -> int:
 def _pop_flag(words: list[str], flag: str) -> bool:
     """Remove a flag anywhere before ``--``; return whether it was given."""
     end = words.index("--") if "--" in words else len(words)
-    found = flag in words[:end]
+    is_given = flag in words[:end]
     words[:end] = [word for word in words[:end] if word != flag]
-    return found
+    return is_given
 
 
 def _expanded(word: str) -> str:
@@ -171,5 +171,5 @@ def _name_stdout(error: BaseException) -> None:
         error.filename = "stdout"
         try:
             sys.stdout.flush()
-        except OSError:
+        except OSError:  # pragma: no cover - it fails once more
             discard_stdout()

@@ -32,14 +32,13 @@ def run(
     ],
     source_format: options.SourceFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary."""
     outputs.check_stdout()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 
@@ -80,11 +79,11 @@ def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
     from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
 
-    found = described(crs)
-    if found is None:
+    system = described(crs)
+    if system is None:
         return crs
-    number = f"{crs}, " if len(crs) < len(found.name) + _SHORT else ""
-    return f"{number}{found.name} ({found.kind})"
+    number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""
+    return f"{number}{system.name} ({system.kind})"
 
 
 def _samples(raster: dict[str, Any]) -> str:

@@ -79,16 +79,16 @@ def table(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of tables, and return those given, as `liftmesh.read` has them."""
-    found = options.given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
-    found |= options.given(end=end, encoding=encoding, flat=flat)
-    found |= {"header": False} if no_header else {}
-    found |= options.given(skip_rows=skip_rows or None)
-    if found:
+    given = options.given(columns=columns, delimiter=delimiter, decimal=decimal, nodata=nodata)
+    given |= options.given(end=end, encoding=encoding, flat=flat)
+    given |= {"header": False} if no_header else {}
+    given |= options.given(skip_rows=skip_rows or None)
+    if given:
         from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
 
         with options.as_option():
-            validate_table_options(**found)
-    return found
+            validate_table_options(**given)
+    return given
 
 
 def _selection(
@@ -143,20 +143,27 @@ def _selection(
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
-    found = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
-    found |= options.given(
+    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    conditions |= options.given(
         every=every if every > 1 else None, withheld=withheld, resolution=resolution
     )
-    if found:
+    if conditions:
         from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
 
         with options.as_option():
-            validate_selection(**found)
-    return found | options.given(to_crs=to_crs, crs=from_crs, band=band)
+            validate_selection(**conditions)
+    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
 
 
 Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
 Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+
+
+def _rows(*, table: Table, selection: Selection) -> dict[str, Any]:
+    return {**table, **selection}
+
+
+RowOptions: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
 
 
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
@@ -207,7 +214,7 @@ def _about_reading(name: str) -> Iterator[None]:
         yield
     except OSError as error:
         if error.filename is None:
-            error.filename = name
+            error.filename = name  # pragma: no cover - a device that fails while it is read
         raise
 
 
@@ -314,10 +321,10 @@ def check_once(sources: Sequence[Path]) -> None:
 def _identity(path: Path) -> object:
     """Return what two names of one file have in common."""
     try:
-        found = None if is_stream(path) else path.stat()
+        status = None if is_stream(path) else path.stat()
     except OSError:
-        found = None
-    return path if found is None or not found.st_ino else (found.st_dev, found.st_ino)
+        status = None
+    return path if status is None or not status.st_ino else (status.st_dev, status.st_ino)
 
 
 @contextmanager

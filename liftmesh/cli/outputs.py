@@ -112,8 +112,8 @@ def _is_part(target: Path, source: Path) -> bool:
     if where in place.parents:
         return place.is_file() and where.is_dir()
     with suppress(OSError, ValueError):  # missing, or a stdin that is no file
-        found = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
-        return os.path.samestat(found, place.stat()) and place.is_file()
+        status = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
+        return os.path.samestat(status, place.stat()) and place.is_file()
     return place == where
 
 
@@ -158,16 +158,16 @@ def check_target(
         check_stdout()
     if not (file_format or path.suffix):
         raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
-    found = find_written(file_format or suffix_of(path.name), str(path))
-    if found.write is None:
-        raise FormatError(f"{path}: {found.name} files can be read, not written")
+    kind = find_written(file_format or suffix_of(path.name), str(path))
+    if kind.write is None:
+        raise FormatError(f"{path}: {kind.name} files can be read, not written")
     check_place(path)
     try:
         for each in writing:
-            writer_of(found, str(path), {each: writing[each]})
+            writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
         option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {found.name} files have none") from error
+        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
 
 
 def check_place(path: Path | None) -> None:
@@ -186,17 +186,17 @@ def check_content(
     from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
     from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
 
-    found = find_format(file_format or path.suffix, str(path))
-    check_before(replace(found, check=None) if "unit" in writing else found, cloud)
-    if "unit" in writing or found.name not in _TAKEN_UNITS:
+    kind = find_format(file_format or path.suffix, str(path))
+    check_before(replace(kind, check=None) if "unit" in writing else kind, cloud)
+    if "unit" in writing or kind.name not in _TAKEN_UNITS:
         return
     system = system_of(cloud)
     if cloud.crs is None:
-        unit = _TAKEN_UNITS[found.name]
-        terminal.note(f"{path}: no coordinate system says the unit: {found.name} states {unit}")
+        unit = _TAKEN_UNITS[kind.name]
+        terminal.note(f"{path}: no coordinate system says the unit: {kind.name} states {unit}")
     elif system is not None and system.units[2] is None and system.units[0] is not None:
         unit = system.units[0].name
-        said = f"nothing says the unit of heights: {found.name} states {unit} for them, too"
+        said = f"nothing says the unit of heights: {kind.name} states {unit} for them, too"
         terminal.note(f"{path}: {said}")
 
 

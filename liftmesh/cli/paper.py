@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
     from liftmesh.paper.printed import TableName
     from liftmesh.paper.results import Results, Settings
-    from liftmesh.paper.summary import Row
+    from liftmesh.paper.tables import Row
 
 SHORT_HELP = "Measure the paper's tables and compare them with the printed numbers."
 HELP = (
@@ -56,7 +56,7 @@ class _Choice:
         return ("5.1", "5.2") if self.table == "both" else (self.table,)
 
     def settings(self) -> Settings:
-        from liftmesh.paper.machine import describe_machine  # noqa: PLC0415 - not for --help
+        from liftmesh.paper.experiments import describe_machine  # noqa: PLC0415 - not for --help
         from liftmesh.paper.printed import SIZES  # noqa: PLC0415 - as above
         from liftmesh.paper.results import Settings  # noqa: PLC0415 - as above
 
@@ -138,8 +138,11 @@ def _check_drawing() -> None:
 
 def _measure(results: Results, trials: Sequence[Trial]) -> None:
     """Measure the missing sets of points; write each to disk before the next."""
-    from liftmesh.paper.estimate import calibrate  # noqa: PLC0415 - help and --version do without
-    from liftmesh.paper.experiments import measure, warm_up  # noqa: PLC0415 - as above
+    from liftmesh.paper.experiments import (  # noqa: PLC0415 - as above
+        calibrate,
+        measure,
+        warm_up,
+    )
 
     missing = [trial for trial in trials if trial not in results.done]
     _print_state(results, len(trials), len(missing))

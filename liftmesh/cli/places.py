@@ -110,9 +110,9 @@ def _parameter(name: str, default: Any, kind: Any, info: Any) -> inspect.Paramet
 
 def _table_options() -> dict[str, inspect.Parameter]:
     """Return the options of tables, as typer sees them."""
-    found = dict(inspect.signature(inputs.table, eval_str=True).parameters)
-    del found[_LEFT_OUT]
-    return found
+    parameters = dict(inspect.signature(inputs.table, eval_str=True).parameters)
+    del parameters[_LEFT_OUT]
+    return parameters
 
 
 def is_shapes(path: Path) -> bool:

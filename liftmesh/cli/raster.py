@@ -93,13 +93,13 @@ def run(
     if quantity in _ANGLES:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage("scanning faces"):
-        found = surface.raster(steps, **wanted)
+        raster = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        path = found.save(target, cog=cog, compress=packing)
-    known = int(np.count_nonzero(~np.isnan(found.values)))
-    counts = {"known": known, "unit": found.unit, **notes.provenance(surface)}
-    place = found.transform, found.crs
-    _say(path, quantity, found.values.shape, place, counts, as_json=json)
+        path = raster.save(target, cog=cog, compress=packing)
+    known = int(np.count_nonzero(~np.isnan(raster.values)))
+    counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
+    place = raster.transform, raster.crs
+    _say(path, quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
@@ -120,7 +120,7 @@ def _check(
         if bounds is not None:
             bounds_of(bounds)
         check_method(quantity, method)
-        writer.checked(crs, compress)
+        writer.validate_geotiff_options(crs, compress)
 
 
 def _system(source: Path, stated: str | None, given: str) -> str:

@@ -49,8 +49,7 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -58,13 +57,13 @@ def run(
     if json:
         outputs.check_stdout()
     outputs.check_target(target, target_format)
-    rows = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    rows = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        found, known = _sampled(surface, asked, method, threads)
-    path = _write(target, found, target_format)
+        sampled, known = _sampled(surface, asked, method, threads)
+    path = _write(target, sampled, target_format)
     with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
@@ -100,10 +99,10 @@ def _sampled(
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    options = {**own, **asked.attributes}
+    attributes = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=options, faces=None, crs=crs)
-    return found, int(np.count_nonzero(np.isfinite(heights)))
+    sampled = replace(asked, points=points, attributes=attributes, faces=None, crs=crs)
+    return sampled, int(np.count_nonzero(np.isfinite(heights)))
 
 
 class _EmptyFields:
@@ -117,12 +116,12 @@ class _EmptyFields:
         return False
 
     def write(self, lines: bytes) -> int:
-        options = lines
+        values = lines
         if self._is_amid_names:
-            names, end, options = bytes(lines).partition(b"\n")
+            names, end, values = bytes(lines).partition(b"\n")
             self._is_amid_names = not end
             self._stream.write(names + end)
-        self._stream.write(_NAN.sub(b"", options))
+        self._stream.write(_NAN.sub(b"", values))
         return len(lines)
 
 

@@ -96,8 +96,8 @@ def summarise(cloud: Cloud) -> Summary:
 
 
 def _raster(cloud: Cloud) -> dict[str, Any]:
-    found = cloud.metadata.get("raster")
-    return dict(found) if isinstance(found, Mapping) and "transform" in found else {}
+    raster = cloud.metadata.get("raster")
+    return dict(raster) if isinstance(raster, Mapping) and "transform" in raster else {}
 
 
 def _units(cloud: Cloud) -> tuple[str | None, ...]:

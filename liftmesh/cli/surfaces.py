@@ -59,8 +59,8 @@ def _trimming(
         raise typer.BadParameter("--boundary-only needs --max-edge")
     if polygon is not None:
         polygon.open("rb").close()
-    found = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
-    return found | options.given(polygon=polygon)
+    trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
+    return trimming | options.given(polygon=polygon)
 
 
 Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
@@ -89,12 +89,11 @@ def _reading(
     *,
     trimming: Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
-    rows = options.given(format=source_format, max_bytes=max_bytes)
-    return SurfaceOptions({**table, **selection, **rows}, plane.value, nonfinite, threads, trimming)
+    rows = rows | options.given(format=source_format, max_bytes=max_bytes)
+    return SurfaceOptions(rows, plane.value, nonfinite, threads, trimming)
 
 
 Reading: TypeAlias = Annotated[SurfaceOptions, options.Group(_reading)]
@@ -139,12 +138,12 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     if given:
         name = f"--{given[0].lstrip('-').replace('_', '-')}"
         raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
-    found = open_tiled(source)
-    if "surface" not in found.manifest:
+    tiled = open_tiled(source)
+    if "surface" not in tiled.manifest:
         raise InputError(
             f"{source} holds triangles without heights: tile the source with --surface"
         )
-    return found  # type: ignore[return-value]  # the manifest says so
+    return tiled  # type: ignore[return-value]  # the manifest says so
 
 
 def _note_overhangs(source: Path, count: int) -> None:

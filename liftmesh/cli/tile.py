@@ -87,17 +87,15 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
     outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    reading = {**table, **selection}
-    if not surface and (duplicates or reading):
-        given = "--duplicates" if duplicates else of_reading(next(iter(reading)))
+    if not surface and (duplicates or rows):
+        given = "--duplicates" if duplicates else of_reading(next(iter(rows)))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -108,25 +106,25 @@ def run(
     )
 
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    rows: Any = "auto" if tile_rows is None else tile_rows
+    rows_of_tile: Any = "auto" if tile_rows is None else tile_rows
     if memory is not None:
         with options.as_usage():
-            rows = rows_within(memory, row_bytes=row_bytes)
-    common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
-    common |= {"shards": shards, "neighbors": neighbors}
+            rows_of_tile = rows_within(memory, row_bytes=row_bytes)
+    common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
+    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **reading}
+        common |= {"duplicates": duplicates or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
         by_dask = workers is not None or scheduler is not None
         make = _maker(surface=surface, by_dask=by_dask)
         if not by_dask:
-            found = make(paths, out, threads=threads, **common)
+            tiled = make(paths, out, threads=threads, **common)
         else:
             with _client(workers, scheduler, memory) as client:
-                found = make(paths, out, client=client, **common)
-    _say(found, json=json)
+                tiled = make(paths, out, client=client, **common)
+    _say(tiled, json=json)
 
 
 @contextmanager
@@ -208,23 +206,23 @@ def _check_address(text: str) -> None:
         )
 
 
-def _say(found: Tiled, *, json: bool) -> None:
-    counts = {name: found.manifest[name] for name in SHOWN}
-    if "surface" in found.manifest:
-        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+def _say(tiled: Tiled, *, json: bool) -> None:
+    counts = {name: tiled.manifest[name] for name in SHOWN}
+    if "surface" in tiled.manifest:
+        counts["overhangs"] = tiled.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
-    classes: dict[int, int] = getattr(found, "classes", {})
+    classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(found.directory), **counts, "classes": classes}
-        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
+        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
-    merges = found.manifest["merges"]
+    merges = tiled.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(found.shards):,} in {found.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
         ]
     )

@@ -77,11 +77,11 @@ def _ground(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
-    found = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
-    found |= options.given(rigidness=cloth_rigidness)
-    if found and ground is None:
-        raise typer.BadParameter(f"--cloth-{next(iter(found))} is an option of --ground csf")
-    return {} if ground is None else {"method": ground, **found}
+    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
+    choices |= options.given(rigidness=cloth_rigidness)
+    if choices and ground is None:
+        raise typer.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
+    return {} if ground is None else {"method": ground, **choices}
 
 
 Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
@@ -117,8 +117,7 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,
@@ -133,11 +132,11 @@ def run(
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
-        cloud = _classified(cloud, ground, selection.get("classes", _GROUND))
+        cloud = _classified(cloud, ground, rows.get("classes", _GROUND))
     else:
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
@@ -171,12 +170,12 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
         try:
             with inputs.without_warnings():
-                found = classify_ground(cloud, **ground)
+                classified = classify_ground(cloud, **ground)
         except InputError as error:
             said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
             raise
-    counts = found.metadata["ground"]
+    counts = classified.metadata["ground"]
     if not counts["ground"]:
         raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
@@ -189,10 +188,12 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
         terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
     chosen = validate_selection(classes=classes)
-    found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
-    if not len(found):
+    classified = (
+        classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
+    )
+    if not len(classified):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
-    return found
+    return classified
 
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:

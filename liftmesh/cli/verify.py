@@ -77,22 +77,22 @@ def run(
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, threads, certificate)
+        certified = _verify_tiles(source, points, threads, certificate)
     else:
         _check_format(source, source_format)
         cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
         _note_polygons(cloud)
         with inputs.about(source):
             choices = {"nonfinite": nonfinite, "threads": threads}
-            found = _verify_file(cloud, source, plane.value, lifting, **choices)
+            certified = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
-        _write(certificate, found)
+        _write(certificate, certified)
     with outputs.report_after(certificate):
         if json:
-            sys.stdout.write(found.to_json())
+            sys.stdout.write(certified.to_json())
         else:
-            _say(found)
-    if not found.valid:
+            _say(certified)
+    if not certified.valid:
         raise typer.Exit(exit_codes.DIFFERENT)
 
 
@@ -118,10 +118,10 @@ def _verify_file(
         raise _no_triangles(source)
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
         planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        found = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
-    if not found.valid and not lifting:
+        certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not certified.valid and not lifting:
         _note_part(cloud, plane, choices["threads"])
-    return found
+    return certified
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
@@ -150,8 +150,8 @@ def _check_format(source: Path, file_format: str | None) -> None:
 
     if file_format is None and not source.is_file():
         return
-    found = find_format(file_format or suffix_of(source.name), str(source))
-    if "faces" not in found.keeps:
+    kind = find_format(file_format or suffix_of(source.name), str(source))
+    if "faces" not in kind.keeps:
         raise _no_triangles(source)
 
 
@@ -175,36 +175,38 @@ def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
 
 def _note_polygons(cloud: Cloud) -> None:
     """Report faces of the file that are not among the triangles verified, on stderr."""
-    found = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
-    cut, left_out = (each if isinstance(each, int) else 0 for each in found)  # glTF holds any names
+    counts = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
+    cut, left_out = (
+        each if isinstance(each, int) else 0 for each in counts
+    )  # glTF holds any names
     notes = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
     notes += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
     if notes:
         terminal.note(f"faces of the file: {', '.join(notes)}")
 
 
-def _write(path: Path, found: Certificate) -> None:
+def _write(path: Path, certified: Certificate) -> None:
     from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
 
     if is_stream(path):
-        sys.stdout.write(found.to_json())
+        sys.stdout.write(certified.to_json())
         return
     with replacing(path) as stream:
-        stream.write(found.to_json().encode())
+        stream.write(certified.to_json().encode())
 
 
-def _say(found: Certificate) -> None:
-    terminal.sentence(_verdict(found), "good" if found.valid else "bad")
-    for flaw in found.flaws:
+def _say(certified: Certificate) -> None:
+    terminal.sentence(_verdict(certified), "good" if certified.valid else "bad")
+    for flaw in certified.flaws:
         terminal.item(flaw.text)
         for place in flaw.first[:SHOWN]:
             terminal.item(f"such as: {place.text}")
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
-    counts[2:2] = [] if found.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(found, name))) for name in counts]
-    sums = [("points", found.points_sha256), ("triangles", found.simplices_sha256)]
-    sums += [] if found.values_sha256 is None else [(found.member, found.values_sha256)]
+    counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
+    lines = [(name.replace("_", " "), _number(getattr(certified, name))) for name in counts]
+    sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
+    sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
 
 
@@ -212,11 +214,11 @@ def _number(count: int | None) -> str:
     return "not counted" if count is None else f"{count:,}"
 
 
-def _verdict(found: Certificate) -> str:
-    if found.canonical:
-        which = "" if found.member == "delaunay" else f", the {found.name}"
+def _verdict(certified: Certificate) -> str:
+    if certified.canonical:
+        which = "" if certified.member == "delaunay" else f", the {certified.name}"
         return f"Valid, and canonical: these are the triangles that liftmesh makes{which}."
-    if found.valid:
-        tied = "cocircular" if found.member in ("delaunay", "farthest") else "tied"
-        return f"Valid: a {found.name}, with other choices among {tied} points."
-    return f"Not valid: this is not the {found.name} of these points."
+    if certified.valid:
+        tied = "cocircular" if certified.member in ("delaunay", "farthest") else "tied"
+        return f"Valid: a {certified.name}, with other choices among {tied} points."
+    return f"Not valid: this is not the {certified.name} of these points."

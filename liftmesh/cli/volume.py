@@ -85,10 +85,13 @@ def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 
 
-def _values(found: Volume | Earthwork) -> dict[str, Any]:
+def _values(measures: Volume | Earthwork) -> dict[str, Any]:
     """Return what was measured, by the names that are printed."""
-    measured = {name: getattr(found, name) for name in _MEASURES if hasattr(found, name)}
-    return measured | {"planar_area": found.area, "cubic_metres_per_unit": found.cubic_metres}
+    measured = {name: getattr(measures, name) for name in _MEASURES if hasattr(measures, name)}
+    return measured | {
+        "planar_area": measures.area,
+        "cubic_metres_per_unit": measures.cubic_metres,
+    }
 
 
 def _by_name(parts: dict[str | int, dict[str, Any]]) -> list[dict[str, Any]]:

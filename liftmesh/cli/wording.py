@@ -124,13 +124,13 @@ def _about_value(error: Any) -> str:
 def _typed(error: Any) -> str | None:
     """Find the value that was typed: in the cause, or else between quotation marks."""
     listed: list[Any] = getattr(error.__cause__, "errors", list)()
-    found = listed[0].get("input") if listed else None
-    return found if isinstance(found, str) else _quoted(error.message)
+    typed = listed[0].get("input") if listed else None
+    return typed if isinstance(typed, str) else _quoted(error.message)
 
 
 def _quoted(text: str) -> str | None:
-    found = re.search(r"'(.*?)'", text)
-    return found[1] if found else None
+    quoted = re.search(r"'(.*?)'", text)
+    return quoted[1] if quoted else None
 
 
 def _choices(param: Any) -> Sequence[str]:

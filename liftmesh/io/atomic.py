@@ -185,7 +185,7 @@ def _open_new(temporary: str, folder: int, stack: ExitStack) -> int:
         try:
             flags = _NAMELESS | os.O_RDWR
             return stack.enter_context(opened(".", flags, 0o666, folder=folder))
-        except OSError as error:
+        except OSError as error:  # pragma: no cover - other file systems
             if error.errno not in _NOT_NAMELESS:
                 raise
     flags = os.O_CREAT | os.O_EXCL | os.O_RDWR

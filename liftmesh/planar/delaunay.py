@@ -20,11 +20,11 @@ from liftmesh.base.options import (
     RowOrder,
     as_folder,
     as_switch,
+    as_threads,
     check_option,
     check_progress,
     counted,
 )
-from liftmesh.base.threads import as_threads
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.kinds import as_metric
 from liftmesh.planar.lifting import Counters, given_vertex, resolve_q

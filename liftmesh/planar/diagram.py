@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.planar.points import pieces
 from liftmesh.predicates import orient2d
 

@@ -15,8 +15,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, of_one_array, read_only, widened
 from liftmesh.base.frozen import cached_property
-from liftmesh.base.options import NonFinite, RowOrder, as_switch
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import NonFinite, RowOrder, as_switch, as_threads
 from liftmesh.planar.delaunay import check_options, solution_of
 from liftmesh.planar.diagram import LiftedTriangles, rows_without_area
 from liftmesh.planar.kinds import Weights, as_weights, chosen, named_values

@@ -11,8 +11,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
-from liftmesh.base.options import NonFinite
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import NonFinite, as_threads
 from liftmesh.planar.lifting import Heights, LowerHull, resolve_q
 
 if TYPE_CHECKING:

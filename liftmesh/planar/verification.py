@@ -17,8 +17,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite
-from liftmesh.base.options import NonFinite, as_switch, check_option, check_progress
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import NonFinite, as_switch, as_threads, check_option, check_progress
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of

@@ -67,7 +67,7 @@ class RasterOptions:
 _DEFAULTS = RasterOptions()
 
 
-def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
     """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))

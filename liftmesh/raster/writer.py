@@ -43,7 +43,7 @@ def write(
     compress: str | None = "deflate",
 ) -> None:
     """Write one band, with NaN as nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     driver = _cog(compress) if cog else _tiff(compress, values.nbytes)
     profile = _profile(values.shape, values.dtype, transform, system) | driver
@@ -68,7 +68,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     compress: str | None = "deflate",
 ) -> None:
     """Write one band from windows, which need not fit in memory together; NaN is nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     check_writable(path)
     size = math.prod(shape) * kind.itemsize
@@ -91,7 +91,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
             shutil.copyfileobj(source, stream, _PIECE)
 
 
-def checked(crs: str | None, compress: str | None) -> Any:
+def validate_geotiff_options(crs: str | None, compress: str | None) -> Any:
     """Check what a file is asked to have, before there are values."""
     if compress not in _COMPRESSIONS:
         known = ", ".join(map(repr, _COMPRESSIONS))

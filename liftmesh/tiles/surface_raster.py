@@ -278,7 +278,7 @@ def _windows(
     z_factor: float | None,
     threads: int | None,
 ) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.checked(tiled, quantity, method, dtype, light, z_factor)
+    wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
     if quantity == "height":
         wanted.check_range(np.array(tiled.extent)[[2, 5]])
     return _Windows(tiled, layout, wanted, method, threads), wanted

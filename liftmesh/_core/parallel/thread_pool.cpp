@@ -17,10 +17,12 @@ std::atomic<unsigned> busy = 0;  // threads of all pools of the process
 std::atomic<unsigned> forks = 0;
 
 // Of its parent's threads the child of a fork has only the one that forked.
+// GCOV_EXCL_START: the child of a fork ends without writing its counts
 [[maybe_unused]] const int fork_handler = pthread_atfork(nullptr, nullptr, [] {
     busy = 0;
     ++forks;
 });
+// GCOV_EXCL_STOP
 
 unsigned claim(Threads threads) {
     unsigned taken = busy.load();
@@ -47,8 +49,10 @@ ThreadPool::ThreadPool(Threads threads, Interrupt& interrupt)
 // leaked.
 ThreadPool::~ThreadPool() {
     if (forked()) {
+        // GCOV_EXCL_START: the child of a fork ends without writing its counts
         static_cast<void>(workers_.release());
         return;
+        // GCOV_EXCL_STOP
     }
     if (has_workers()) stop_workers();
     busy -= size_;
@@ -111,10 +115,12 @@ void ThreadPool::run_tasks() {
             if (interrupt_.requested()) return;
             work_(task);
         }
+        // GCOV_EXCL_START: no memory, not even for counts
     } catch (...) {
         next_ = tasks_;
         const std::lock_guard lock(mutex_);
         if (!error_) error_ = std::current_exception();
+        // GCOV_EXCL_STOP
     }
 }
 

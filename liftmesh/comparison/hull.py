@@ -9,23 +9,31 @@ rounds, and rows may coincide: such rows are counted, and the first represents t
 Lower facets are identified by Proposition 3.1: n_z < 0 for the outward normal n of the facet. The
 sign of n_z is the planar orientation of the facet's three points, and is computed exactly from the
 caller's coordinates. A facet whose planar points are collinear is vertical.
+
+Qhull lets other threads run but never checks for Ctrl-C, and takes minutes for a million points. It
+runs in its own thread; an interrupted caller continues at once, and the thread, a daemon, ends with
+Qhull or with the process. A process that goes down in order while the thread runs compiled code may
+end by SIGABRT: the command line ends at once instead (`cli.watchdog`).
 """
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass
+from threading import Thread
 from time import perf_counter
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Rows
-from liftmesh.comparison.background import interruptible
 from liftmesh.optional import load
 from liftmesh.planar.lifting import lift, resolve_q
 from liftmesh.predicates import orient2d
 
+Result = TypeVar("Result")
 _NO_FACETS = np.empty((0, 3), dtype=np.int32)
 
 
@@ -86,6 +94,20 @@ def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
             "trimesh drops all its facets: they are smaller than its tolerances",
         )
     return mesh, seconds, None
+
+
+def interruptible(work: Callable[[], Result]) -> Result:
+    """Run a function in another thread and wait for it."""
+    future: Future[Result] = Future()
+    Thread(target=_run, args=(work, future), daemon=True).start()
+    return future.result()
+
+
+def _run(work: Callable[[], Result], future: Future[Result]) -> None:
+    try:
+        future.set_result(work())
+    except BaseException as error:  # noqa: BLE001 - the waiting thread raises it
+        future.set_exception(error)
 
 
 def _first_line(error: Exception) -> str:
