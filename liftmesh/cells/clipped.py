@@ -264,8 +264,8 @@ def frame_of(data: Any, rows: int) -> Any:
     if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
         raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
     names = getattr(data, "columns", () if data is None else data)
-    found = {name: _values(name, data[name], rows) for name in names}
-    return pandas.DataFrame(found, index=pandas.RangeIndex(rows))
+    columns = {name: _values(name, data[name], rows) for name in names}
+    return pandas.DataFrame(columns, index=pandas.RangeIndex(rows))
 
 
 def _geometry_of(data: Any) -> list[Any]:
@@ -303,5 +303,5 @@ def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
     """Return the coordinate system that is given, or that of a table or of cells with one."""
     wanted = None if crs is None else given_system(crs)
     own = crs_of(data) if _geometry_of(data) else None
-    found = common_system(own, wanted, ("data", "crs"))
-    return common_system(found, cells, ("data or crs", "the cells"))
+    common = common_system(own, wanted, ("data", "crs"))
+    return common_system(common, cells, ("data or crs", "the cells"))

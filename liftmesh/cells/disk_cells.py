@@ -191,9 +191,9 @@ class ApolloniusCells(ClippedCells):
         of the domain, 3 another point of an arc.
         """
         edge, other, _ = self._sources.T
-        found = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
-        found[(edge < 0) & (self._vertex < 0)] = _OF_ARC
-        return read_only(found.astype(np.uint8))
+        kinds = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
+        kinds[(edge < 0) & (self._vertex < 0)] = _OF_ARC
+        return read_only(kinds.astype(np.uint8))
 
     @cached_property
     def corner_sources(self) -> Rows:
@@ -205,9 +205,9 @@ class ApolloniusCells(ClippedCells):
         """
         edge, other, beyond = self._sources.T
         own, kinds = rows_of_corners(self).astype(np.int32), self.corner_kinds
-        found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
+        sources = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
         is_vertex, is_crossing, is_arc = (kinds == k for k in (_VERTEX, _CROSSING, _OF_ARC))
-        found[is_vertex] = self._simplices[self._vertex[is_vertex]]
+        sources[is_vertex] = self._simplices[self._vertex[is_vertex]]
         across = other
         if self._lines is not None:
             lines = self._lines
@@ -215,9 +215,9 @@ class ApolloniusCells(ClippedCells):
             across = other.copy()
             across[is_crossing] = lines.rows[line].sum(axis=1) - own[is_crossing]
         crossing = own[is_crossing], across[is_crossing], edge[is_crossing]
-        found[is_crossing] = np.stack(crossing, axis=1)
-        found[is_arc, 0], found[is_arc, 1] = own[is_arc], beyond[is_arc]
-        return read_only(found)
+        sources[is_crossing] = np.stack(crossing, axis=1)
+        sources[is_arc, 0], sources[is_arc, 1] = own[is_arc], beyond[is_arc]
+        return read_only(sources)
 
     @cached_property
     def _vertex(self) -> Rows:

@@ -198,8 +198,8 @@ def _touches(rings: list[Floats], shapely: Any) -> Rows:
     is_end = (corners[corner] == corners[edge]).all(axis=1)
     is_end |= (corners[corner] == ends[edge]).all(axis=1)
     is_on = orient2d(corners[edge], ends[edge], corners[corner]) == 0
-    found: Rows = np.stack([corner, edge], axis=1)[is_on & ~is_end].astype(np.int32)
-    return found
+    touches: Rows = np.stack([corner, edge], axis=1)[is_on & ~is_end].astype(np.int32)
+    return touches
 
 
 def _check_finite(coordinates: Floats) -> None:

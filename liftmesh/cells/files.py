@@ -52,9 +52,9 @@ def format_of(path: Path) -> str:
 
 def check_format(name: str) -> str:
     """Return the name of a format, or raise."""
-    if (found := name.lower().removeprefix(".")) not in _WRITERS:
+    if (kind := name.lower().removeprefix(".")) not in _WRITERS:
         raise FormatError(f"cells are not written as {name!r}: give one of {', '.join(_WRITERS)}")
-    return found
+    return kind
 
 
 def own_names(columns: Mapping[str, Array]) -> tuple[str, str]:

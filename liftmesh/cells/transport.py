@@ -292,8 +292,8 @@ def _newton(
     while state.errors[-1] > tolerance and len(state.damping) < most and not stalled:
         if spread.share > spread.floor and _is_near(state.here, wanted, spread.share):
             spread.lower(_least_spread(state.here, wanted))
-        elif (found := _stepped(state.here, state.weights, wanted, spread.share)) is not None:
-            here, weights, taken = found
+        elif (stepped := _stepped(state.here, state.weights, wanted, spread.share)) is not None:
+            here, weights, taken = stepped
             errors = (*state.errors, _missing(here, wanted, 0.0))
             state = _State(here, weights, errors, (*state.damping, taken))
         else:

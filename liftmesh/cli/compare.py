@@ -52,8 +52,7 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -61,7 +60,7 @@ def run(
     outputs.check_stdout()
     outputs.check_target(lower)
     outputs.check_target(hull)
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
         result = _compare(cloud, q=q, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs)

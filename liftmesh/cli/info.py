@@ -32,14 +32,13 @@ def run(
     ],
     source_format: options.SourceFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary."""
     outputs.check_stdout()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
 

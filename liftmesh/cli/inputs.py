@@ -159,6 +159,13 @@ Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
 Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
 
 
+def _rows(*, table: Table, selection: Selection) -> dict[str, Any]:
+    return {**table, **selection}
+
+
+RowOptions: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+
+
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
 

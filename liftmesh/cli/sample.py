@@ -49,8 +49,7 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -58,7 +57,7 @@ def run(
     if json:
         outputs.check_stdout()
     outputs.check_target(target, target_format)
-    rows = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    rows = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)

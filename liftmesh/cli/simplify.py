@@ -59,8 +59,7 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
     writing: outputs.Writing,
@@ -75,7 +74,7 @@ def run(
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows(sources, reading | {"color_depth": color_depth})
     text = f"simplifying {len(cloud):,} rows"
     with inputs.about_rows(sources, cloud):

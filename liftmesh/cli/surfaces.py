@@ -89,12 +89,11 @@ def _reading(
     *,
     trimming: Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
-    rows = options.given(format=source_format, max_bytes=max_bytes)
-    return SurfaceOptions({**table, **selection, **rows}, plane.value, nonfinite, threads, trimming)
+    rows = rows | options.given(format=source_format, max_bytes=max_bytes)
+    return SurfaceOptions(rows, plane.value, nonfinite, threads, trimming)
 
 
 Reading: TypeAlias = Annotated[SurfaceOptions, options.Group(_reading)]

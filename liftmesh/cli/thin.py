@@ -83,8 +83,7 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     thin: Thinning,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
@@ -92,14 +91,14 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
-    if not thin and "every" not in selection:
+    if not thin and "every" not in rows:
         raise typer.BadParameter(f"{_WAYS}, or --every")
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     cloud = inputs.read_rows(sources, reading, of_surface=False)
     with inputs.about_rows(sources, cloud):

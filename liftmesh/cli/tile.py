@@ -87,17 +87,15 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
     outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    reading = {**table, **selection}
-    if not surface and (duplicates or reading):
-        given = "--duplicates" if duplicates else of_reading(next(iter(reading)))
+    if not surface and (duplicates or rows):
+        given = "--duplicates" if duplicates else of_reading(next(iter(rows)))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -108,14 +106,14 @@ def run(
     )
 
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    rows: Any = "auto" if tile_rows is None else tile_rows
+    rows_of_tile: Any = "auto" if tile_rows is None else tile_rows
     if memory is not None:
         with options.as_usage():
-            rows = rows_within(memory, row_bytes=row_bytes)
-    common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
-    common |= {"shards": shards, "neighbors": neighbors}
+            rows_of_tile = rows_within(memory, row_bytes=row_bytes)
+    common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
+    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **reading}
+        common |= {"duplicates": duplicates or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}

@@ -117,8 +117,7 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,
@@ -133,11 +132,11 @@ def run(
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
-        cloud = _classified(cloud, ground, selection.get("classes", _GROUND))
+        cloud = _classified(cloud, ground, rows.get("classes", _GROUND))
     else:
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)

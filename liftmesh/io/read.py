@@ -73,8 +73,8 @@ def read(  # noqa: PLR0913 - options are keywords
     max_bytes : int, optional
         Maximum number of bytes in memory of what a file may expand to. Of a GLB or glTF file, the
         meshes count, each as often as it is used; by default 256 MiB or 20 times the file. Of an
-        NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which only
-        bz2 and LZMA exceed. Of PLY and text, each column, property and element counts 2,000 bytes;
+        NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which none
+        exceeds. Of PLY and text, each column, property and element counts 2,000 bytes;
         by default 20,000,000, for 10,000 of them. Of a file compressed with gzip, the text; by
         default 256 MiB or 20 times the file. Other formats do not expand.
     color_depth : int, optional

@@ -120,10 +120,10 @@ def options_of(triangulation: Any) -> dict[str, Any]:
     if not hasattr(triangulation, "simplices"):
         return {}
     held = {name: getattr(triangulation, name, None) for name in ("weights", "radii", "metric")}
-    found = {name: value for name, value in held.items() if value is not None}
+    options = {name: value for name, value in held.items() if value is not None}
     if getattr(triangulation, "furthest_site", False):
-        found["furthest_site"] = True
-    return found
+        options["furthest_site"] = True
+    return options
 
 
 def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:

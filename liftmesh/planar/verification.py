@@ -281,8 +281,8 @@ def _certify(
 ) -> Certificate:
     _, _, skipped, vertices, merged, hidden, interior_edges, boundary_edges, places = verdict
     violations = TriangleViolations(rows, given, kind)
-    found = zip(MEANINGS, places, strict=True)
-    flaws = {name: violations.flaw(name, *counted) for name, counted in found if counted[0]}
+    reported = zip(MEANINGS, places, strict=True)
+    flaws = {name: violations.flaw(name, *counted) for name, counted in reported if counted[0]}
     is_counted = not flaws.keys() & _PREMATURE
     edges = interior_edges + boundary_edges
     if is_counted:

@@ -58,7 +58,7 @@ def system_of(name: str) -> str | None:
 
 
 def text_beside(name: str, suffix: str) -> str | None:
-    """Read the short text of a file that has the name of another, and another suffix."""
+    """Read at most 64 KiB of a file that has the name of another, and a suffix in either case."""
     path = _beside(name, (suffix, suffix.upper()))
     return None if path is None else _text(path).strip("\0\ufeff \r\n\t")
 

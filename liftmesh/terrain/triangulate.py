@@ -218,7 +218,11 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     return surface
 
 
-def check_system(crs: str | None, plane: object, stacklevel: int = 3) -> None:
+def check_system(
+    crs: str | None,
+    plane: object,
+    stacklevel: int = 3,  # whose line a warning names
+) -> None:
     """Refuse coordinates that have no plane x, y, and warn of those that are no lengths."""
     system = parse_crs(crs)
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):

@@ -43,7 +43,7 @@ _WAITING = ("-wal", "-journal")
 
 
 def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
-    """Read the features of the first layer."""
+    """Read the features of the first layer as a collection, and its system."""
     for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
         if each.is_file() and each.stat().st_size:
             raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")
@@ -80,7 +80,7 @@ class _Package:
         self._connection, self._path = connection, path
         self._left = _BYTES_MORE + _EXPANSION * path.stat().st_size
         self._allowed = {_SCHEMA}
-        connection.set_authorizer(self._judged)
+        connection.set_authorizer(self._authorize)
         rows = self._rows(_SCHEMA, "name", "type", "sql")
         self._tables = {name.lower(): (kind, sql or "") for name, kind, sql in rows}
 
@@ -167,7 +167,7 @@ class _Package:
         self._allowed.add(known)
         return found
 
-    def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
+    def _authorize(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
         is_known = {
             sqlite3.SQLITE_SELECT: True,

@@ -29,9 +29,9 @@ _COORDINATES = {"x", "y", "z"}
 
 
 def points_of(path: Path, crs: str | None) -> Cloud:
-    """Read the points of a file, which has to be in the system of a surface."""
+    """Read the points of a file, which has to be in the system of a surface, at height 0."""
     shapes = read_shapes(path, "points", crs)
-    points = _Found()
+    points = _Points()
     try:
         points.take(shapes)
     except (TypeError, AttributeError, RecursionError) as error:
@@ -52,7 +52,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
 
 
 @dataclass(slots=True)
-class _Found:
+class _Points:
     """The points of a tree of GeoJSON, properties and how many points have them, and the rest."""
 
     places: list[Any] = field(default_factory=list)

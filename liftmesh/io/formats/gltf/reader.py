@@ -27,10 +27,6 @@ from liftmesh.io.precision import checked_origin, with_origin
 # By default content may take so many times the file and what it uses of files beside it.
 _GROWTH = 20
 
-# trimesh decodes so many primitives or bytes at a time.
-_BATCH = 64
-_BATCH_BYTES = 1 << 26
-
 _MOST = int(np.iinfo(np.int32).max)
 
 
@@ -148,18 +144,17 @@ class _Content:
     def _alone(self) -> Cloud:
         """Return the only primitive, without a copy."""
         (each,) = self._parts()
-        (cloud,) = decoded(self._document, [each.part])
+        cloud = decoded(self._document, each.part)
         self._note_rounded(cloud, 1)
         place = self._scene.places[self._scene.meshes.index(each.mesh)]
         return cloud if place is None else transformed(cloud, place)
 
     def _joined(self) -> Cloud:
         arrays = _Arrays(self._scene, self._counts, self._having, self._common())
-        for batch in _batches(self._parts()):
-            clouds = decoded(self._document, [each.part for each in batch])
-            for each, cloud in zip(batch, clouds, strict=True):
-                arrays.put(cloud, each)
-                self._note_rounded(cloud, self._uses[each.mesh])
+        for each in self._parts():
+            cloud = decoded(self._document, each.part)
+            arrays.put(cloud, each)
+            self._note_rounded(cloud, self._uses[each.mesh])
         arrays.place()
         return arrays.cloud()
 
@@ -196,20 +191,6 @@ class _Part:
     mesh: int
     rows: int
     faces: int
-
-
-def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
-    """Group primitives: few calls of trimesh, and few of its objects at a time."""
-    batch: list[_Part] = []
-    size = 0
-    for each in parts:
-        batch.append(each)
-        size += each.part.size
-        if len(batch) == _BATCH or size > _BATCH_BYTES:
-            yield batch
-            batch, size = [], 0
-    if batch:
-        yield batch
 
 
 class _Arrays:
