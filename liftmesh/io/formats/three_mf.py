@@ -1,7 +1,7 @@
 """3MF, the models of printers: a zip archive with a mesh in XML; written, not read.
 
 Most programs read coordinates in single precision, so an origin is subtracted where that would move
-a vertex (`io.origin`), and stated in the metadata. Rows in no face are left out. Triangles that
+a vertex (`io.precision`), and stated in the metadata. Rows in no face are left out. Triangles that
 close a solid are a model; others are a surface, which printers cannot fill. The unit is that of the
 coordinate system, and millimetres, the format's own, where there is none.
 
