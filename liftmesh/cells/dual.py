@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.base.cloud import Cloud
-from liftmesh.crs.comparison import common_system, system_of
+from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
@@ -36,7 +36,7 @@ _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
 
 def sites_of(points: Any, domain: Any = None) -> Any:
     """Return the points of anything, for arrays to be made of."""
-    common_system(system_of(points), system_of(domain))
+    common_system(crs_of(points), crs_of(domain))
     if _is_geometric(points):
         return _coordinates(points)
     if is_table(points):

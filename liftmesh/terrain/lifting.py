@@ -36,12 +36,12 @@ _DIVIDING = ("auto", "divide-and-conquer")
 class Lifting:
     """What the planar points of a cloud are lifted by."""
 
-    cloud: Cloud
+    cloud: Cloud  # has weights or radii among its named values
     weights: TriangulationKind | None = None
     metric: Floats | None = None
 
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> dict[str, Any]:
-        """Triangulate planar points."""
+        """Return the arguments of the triangulation of planar points."""
         if self.weights is None:
             return delaunay.solve(planar, **options, metric=self.metric)
         shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
