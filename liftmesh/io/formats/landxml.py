@@ -20,7 +20,7 @@ from liftmesh.crs.description import is_number, length_unit, urn_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import faces_of
-from liftmesh.io.markup import attribute, is_possible
+from liftmesh.io.xml_text import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
