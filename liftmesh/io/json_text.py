@@ -11,7 +11,6 @@ from __future__ import annotations
 import gc
 import json
 import math
-import re
 
 from liftmesh.errors import FormatError
 from liftmesh.io.text_tables import shortened
@@ -19,7 +18,6 @@ from liftmesh.io.text_tables import shortened
 _MOST = 1 << 25
 _EMBEDDED = b'"data:'
 _LONG = 1000  # shorter strings may be keys, and their number matters
-
 
 
 def parsed(text: bytes | str) -> object:
