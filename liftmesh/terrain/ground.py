@@ -27,7 +27,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import GroundMethod, as_count, check_option, shown
-from liftmesh.crs.description import described
+from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.interpreter import command
 from liftmesh.io.read import read_cloud
@@ -144,7 +144,7 @@ def classify_ground(
 
 def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     """Return how many metres the units have, and whether those of x and of z are known."""
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     if system is None:
         return np.ones(3), False, False
     if system.kind in {"geographic", "geocentric"}:
