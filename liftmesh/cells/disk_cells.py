@@ -17,7 +17,7 @@ from liftmesh.cells.dual import dual_of, sites_of, values_of
 from liftmesh.cells.overlay import overlaid
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_chord_tolerance
 from liftmesh.disks.graph import as_disks
 from liftmesh.disks.sides import Traced, traced
@@ -96,7 +96,7 @@ def apollonius_diagram(
         raise InputError("there are no disks: give one at least")
     disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
     graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
-    area = as_domain(domain, graph.centers, system_of(centers))
+    area = as_domain(domain, graph.centers, crs_of(centers))
     bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
     if tolerance is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)

@@ -77,9 +77,9 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
 
 def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
-    from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.description import parse_crs  # noqa: PLC0415 - help and --version do without
 
-    system = described(crs)
+    system = parse_crs(crs)
     if system is None:
         return crs
     number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""
