@@ -66,7 +66,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     limits = _limits(max_error, tolerance, max_points)
     if json:

@@ -159,7 +159,7 @@ def _progress(columns: Callable[[Any], Iterable[ProgressColumn]]) -> Iterator[Pr
     if console is None:
         yield None
         return
-    from rich import progress as rich  # noqa: PLC0415 - a pipe does without
+    from rich import progress as rich
 
     with rich.Progress(
         *columns(rich), console=console, transient=True, get_time=monotonic
@@ -218,7 +218,7 @@ def sentence(text: str, style: str = "") -> None:
     if console is None:
         sys.stdout.write(printable(text) + "\n")
         return
-    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text
 
     console.print(Text(printable(text), style=STYLES[style]))
 
@@ -229,8 +229,8 @@ def item(text: str) -> None:
     if console is None:
         sentence(f"- {text}")
         return
-    from rich.table import Table  # noqa: PLC0415 - a pipe does without
-    from rich.text import Text  # noqa: PLC0415 - as above
+    from rich.table import Table
+    from rich.text import Text
 
     grid = Table.grid(padding=(0, 1))
     grid.add_row(Text("•", style=STYLES["name"]), Text(text, style=STYLES["quiet"]))
@@ -254,8 +254,8 @@ def table(
     if console is None:
         _plain_table([header, *rows] if header else rows)
         return
-    from rich.table import Table  # noqa: PLC0415 - a pipe does without
-    from rich.text import Text  # noqa: PLC0415 - as above
+    from rich.table import Table
+    from rich.text import Text
 
     grid = Table(box=None, show_header=bool(header), pad_edge=False, header_style="bold")
     for k in range(len(rows[0])):
@@ -299,7 +299,7 @@ def _console(stream: TextIO) -> Console | None:
     """Return rich's view of a stream, if it is a terminal."""
     if not stream.isatty() and not any(os.environ.get(each) for each in FORCED):
         return None
-    from rich.console import Console  # noqa: PLC0415 - a pipe does without
+    from rich.console import Console
 
     console = Console(file=stream, highlight=False)
     return console if console.is_terminal else None
@@ -311,7 +311,7 @@ def _message(kind: str, style: str, text: str) -> None:
     if console is None:
         sys.stderr.write(f"liftmesh: {kind}{printable(text)}\n")
         return
-    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text
 
     line = Text.assemble(("liftmesh: ", "bold"), (kind, style), printable(text))
     console.print(line, soft_wrap=True)
