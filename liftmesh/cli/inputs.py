@@ -182,7 +182,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")

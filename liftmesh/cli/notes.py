@@ -31,7 +31,7 @@ _GPS, _ADJUSTED = datetime(1980, 1, 6), 1e9
 _OVERLAP = 12  # the class of overlap, in files without a flag for it
 
 
-def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
+def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read."""
     from liftmesh.io.metadata import found_columns
 
@@ -93,7 +93,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
     """Return the parts of a file that its reader named as not read, with their counts."""
     skipped = cloud.metadata.get("skipped")
-    return skipped if isinstance(skipped, tuple) else ()
+    return skipped if isinstance(skipped, tuple) else ()  # what a file itself says is no tuple
 
 
 def listed(names: Sequence[str]) -> str:

@@ -49,7 +49,9 @@ _OVERWRITE = inspect.Parameter(
 )
 
 
-def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def guards(
+    *outputs: str,  # parameters that are files to write: all others that name a file are inputs
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
 
     def decorate(run: Callable[..., Any]) -> Callable[..., Any]:

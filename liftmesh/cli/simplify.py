@@ -115,7 +115,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 **outputs.as_values(written),
                 "triangles": len(surface.faces),
                 **told,
-                "notes": list(notes.notes(cloud)),
+                "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),
                 **notes.provenance(surface),
                 "seconds": seconds,

@@ -49,7 +49,10 @@ def stage(text: str) -> Iterator[None]:
 
 
 @contextmanager
-def reading(text: str, done: Callable[[], tuple[int, int] | None]) -> Iterator[None]:
+def reading(
+    text: str,
+    done: Callable[[], tuple[int, int] | None],  # bytes that are read, and those of the file
+) -> Iterator[None]:
     """Show how far a file is read, how fast, and the time that is left, on a terminal only."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
@@ -61,7 +64,10 @@ def reading(text: str, done: Callable[[], tuple[int, int] | None]) -> Iterator[N
 
 
 @contextmanager
-def writing(text: str, done: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
+def writing(
+    text: str,
+    done: Callable[[], tuple[int, None] | None],  # bytes that are written: nobody knows of how many
+) -> Iterator[None]:
     """Show how much of a file is written, how fast, and for how long, on a terminal only."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
@@ -99,7 +105,7 @@ def _watched(
 
 @contextmanager
 def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
-    """Show a progress bar, on a terminal only."""
+    """Show a progress bar, on a terminal only; it takes a text, and the work since the last call."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
         left = rich.TextColumn("left:"), rich.TimeRemainingColumn()
@@ -269,7 +275,7 @@ def table(
 
 
 def as_json(values: Mapping[str, Any]) -> None:
-    """Print values on stdout as one JSON object."""
+    """Print values on stdout as one JSON object; NaN and infinity become null."""
     sys.stdout.write(json.dumps(_finite(values), indent=2, allow_nan=False) + "\n")
 
 

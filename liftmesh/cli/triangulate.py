@@ -224,7 +224,7 @@ def _print_report(
     if as_json:
         cloud = surface.to_cloud()
         about = {
-            "notes": [*notes.notes(cloud), *replaced],
+            "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
             "selection": notes.counts_of(cloud),
