@@ -105,7 +105,7 @@ def _watched(
 
 @contextmanager
 def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
-    """Show a progress bar, on a terminal only; it takes a text, and the work since the last call."""
+    """Show a progress bar, on a terminal only, which takes a text and the work since the last."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
         left = rich.TextColumn("left:"), rich.TimeRemainingColumn()
