@@ -25,10 +25,9 @@ from liftmesh._typing import Array, Floats
 from liftmesh.cells.clipped import free_name
 from liftmesh.cells.domain import shapes_of, united
 from liftmesh.cells.ply import write_ply
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.text_tables import write_rows
-from liftmesh.optional import load
 from liftmesh.vector.files import own_system, read_features
 from liftmesh.vector.geojson import crs_member
 from liftmesh.vector.geopackage import write_shapes
@@ -53,9 +52,9 @@ def format_of(path: Path) -> str:
 
 def check_format(name: str) -> str:
     """Return the name of a format, or raise."""
-    if (found := name.lower().removeprefix(".")) not in _WRITERS:
+    if (kind := name.lower().removeprefix(".")) not in _WRITERS:
         raise FormatError(f"cells are not written as {name!r}: give one of {', '.join(_WRITERS)}")
-    return found
+    return kind
 
 
 def own_names(columns: Mapping[str, Array]) -> tuple[str, str]:
@@ -220,7 +219,7 @@ def _signed(name: str, values: Array) -> Array:
 
 def _known(crs: str | None) -> str | None:
     try:
-        return crs if crs is None or looked_up(load("pyproj", extra="shapes"), crs) else None
+        return crs if crs is None or look_up(crs, extra="shapes") else None
     except InputError:
         return None
 

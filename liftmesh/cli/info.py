@@ -77,9 +77,9 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
 
 def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
-    from liftmesh.crs.description import described
+    from liftmesh.crs.description import parse_crs
 
-    system = described(crs)
+    system = parse_crs(crs)
     if system is None:
         return crs
     number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""

@@ -70,20 +70,20 @@ def counts_of(cloud: Cloud) -> dict[str, int] | None:
 
 def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs.description import is_system, named, warnings_of
-    from liftmesh.crs.transformation import sentence, told_of
-    from liftmesh.crs.units import system_of
+    from liftmesh.crs.description import crs_name, is_system
+    from liftmesh.crs.transformation import transformation_of, transformation_text
+    from liftmesh.crs.units import coordinate_warnings, system_of
 
     crs, system = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
-    told = told_of(cloud.metadata)
-    instead = "--from-crs says another system" if told else f"taken as {named(crs)}"
-    taken = [f"states {named(stated)}; {instead}"] if isinstance(stated, str) else []
-    taken += [sentence(told)] if told else []
+    told = transformation_of(cloud.metadata)
+    instead = "--from-crs says another system" if told else f"taken as {crs_name(crs)}"
+    taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
+    taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
         words = "name a projected system with" if is_transformed else "transform them with"
         change = "transform them with to_crs=", f"{words} --to-crs"
-        return (*taken, *(each.replace(*change) for each in warnings_of(system)))
+        return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
@@ -107,10 +107,10 @@ def listed(names: Sequence[str]) -> str:
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
     """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
-    from liftmesh.crs.transformation import told_of
+    from liftmesh.crs.transformation import transformation_of
     from liftmesh.io.surface_rows import classes_of
 
-    told = told_of(held.metadata) or None
+    told = transformation_of(held.metadata) or None
     return {"classes": classes_of(held.attributes), "transformation": told}
 
 

@@ -99,14 +99,14 @@ def apollonius(
     rows = np.flatnonzero(are_finite(disks)).astype(np.int32)
     names = ("simplices", "neighbors", "circles", "convex_hull", "hidden", "duplicates")
     run = _kernel.apollonius(disks[rows], progress)
-    found: dict[str, Any] = dict(zip(names, run, strict=True))
+    arrays: dict[str, Any] = dict(zip(names, run, strict=True))
     if len(rows) < len(disks):
         of_rows = {
-            name: rows[found[name]] for name in names if name not in ("neighbors", "circles")
+            name: rows[arrays[name]] for name in names if name not in ("neighbors", "circles")
         }
         skipped = np.flatnonzero(~are_finite(disks)).astype(np.int32)
-        found |= of_rows | {"skipped": skipped}
-    return ApolloniusGraph(disks[:, :2], disks[:, 2], **found)
+        arrays |= of_rows | {"skipped": skipped}
+    return ApolloniusGraph(disks[:, :2], disks[:, 2], **arrays)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -20,8 +20,8 @@ from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import kept
 from liftmesh.base.options import Returns, as_count
 from liftmesh.crs.comparison import is_same
-from liftmesh.crs.description import check_system, described
-from liftmesh.crs.transformation import Operation, transformed, with_heights
+from liftmesh.crs.description import check_system, parse_crs
+from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.format import configured
@@ -400,7 +400,7 @@ def placed(
     check_system(target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
-    found, told = transformed(_raised(cloud.points, before), cloud.crs, target, chosen)
+    found, told = transform(_raised(cloud.points, before), cloud.crs, target, chosen)
     metadata = {**_moved(cloud, target), TRANSFORMATION: told}
     return replace(cloud, points=_raised(found, after), crs=target, metadata=metadata)
 
@@ -418,7 +418,7 @@ def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
         entries["las"] = kept | ({} if scale is None else {"scale": scale})
     if isinstance(notes := entries.get("notes"), tuple):
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
-    system = described(target)
+    system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
     if has_unit and isinstance(raster := entries.get("raster"), Mapping):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}

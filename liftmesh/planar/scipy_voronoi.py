@@ -133,15 +133,15 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
                      "ridge_points", "_found"):  # fmt: skip
             self.__dict__.pop(name, None)
         points, simplices = read_only(solution["points"]), read_only(solution["simplices"])
-        found = diagram_of(points, simplices, solution["neighbors"])
+        diagram = diagram_of(points, simplices, solution["neighbors"])
         self._points = points
         self.npoints, self.ndim = points.shape
         on_hull = points[solution["hull"]]
         self.min_bound, self.max_bound = on_hull.min(axis=0), on_hull.max(axis=0)
         self.simplices, self.duplicates = simplices, solution["duplicates"]
-        self.vertices = found.vertices.copy()  # SciPy's users write to it, as to ridge_points
-        self.simplex_to_vertex = read_only(found.simplex_to_vertex)
-        self.overflowed = found.overflowed
+        self.vertices = diagram.vertices.copy()  # SciPy's users write to it, as to ridge_points
+        self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
+        self.overflowed = diagram.overflowed
         self._neighbors = solution["neighbors"]
 
     @cached_property

@@ -345,10 +345,10 @@ class Triangulation:
         array([ 0, -1, -1], dtype=int32)
         """
         pairs = as_pairs(xi)
-        found = np.empty(pairs.shape[:-1], dtype=np.int32)
-        threads = as_threads(None, found.size)
-        self._locator.find(pairs.reshape(-1, 2), found.reshape(-1), *threads)
-        return found
+        triangles = np.empty(pairs.shape[:-1], dtype=np.int32)
+        threads = as_threads(None, triangles.size)
+        self._locator.find(pairs.reshape(-1, 2), triangles.reshape(-1), *threads)
+        return triangles
 
     @cached_property
     def _locator(self) -> _kernel.Locator:

@@ -87,11 +87,11 @@ def read_raster(
     selection: Selection | None = None,
     options: RasterOptions = _DEFAULTS,
 ) -> Cloud:
-    """Read a raster."""
+    """Read the samples that have a value; those left out are counted, with a value or without."""
     data = stream.read()
     if is_grid(data):
         grid = AsciiGrid(data, name, _ESRI if options.missing is None else None)
-        return _Raster(grid, options, name).cloud(selection, data, max_bytes)
+        return _OpenRaster(grid, options, name).cloud(selection, data, max_bytes)
     if data[:4] not in _TIFF:
         raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
     rasterio = load("rasterio", extra="terrain")
@@ -102,7 +102,7 @@ def read_raster(
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):
-        return _Raster(file, options, name).cloud(selection, data, max_bytes)
+        return _OpenRaster(file, options, name).cloud(selection, data, max_bytes)
 
 
 @contextmanager
@@ -123,7 +123,7 @@ def _decoding(name: str) -> Iterator[None]:
         ) from error
 
 
-class _Raster:
+class _OpenRaster:
     """An open raster, of rasterio or an ASCII grid, of which one band is read."""
 
     def __init__(self, file: Any, options: RasterOptions, name: str) -> None:

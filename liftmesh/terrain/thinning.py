@@ -122,7 +122,7 @@ def thin(
         rows = _of_cells(source.points, _size("cell", value), keep)
         how["keep"] = keep
     elif way == "adaptive":
-        rows = most_significant(source, as_count("adaptive", value, 3))
+        rows = _most_significant(source, as_count("adaptive", value, 3))
     else:
         rows = _apart(source.points, _size("distance", value))
     counts = {"rows": len(source), "kept": len(rows), **how}
@@ -151,7 +151,7 @@ def _size(name: str, value: object) -> float:
     return size
 
 
-def most_significant(cloud: Cloud, wanted: int) -> Rows:
+def _most_significant(cloud: Cloud, wanted: int) -> Rows:
     """Choose the rows that adaptive thinning keeps."""
     check_finite(cloud.points, skippable=False)
     surface = triangulate(cloud)

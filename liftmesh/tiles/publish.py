@@ -23,7 +23,7 @@ from liftmesh.tiles.surface_files import about_surface, extent_in_manifest
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.source_chunks import SourceChunk
 
 _DUPLICATES = "duplicates.npy"
 
@@ -31,7 +31,7 @@ _DUPLICATES = "duplicates.npy"
 def publish(
     runner: Runner,
     context: RunContext,
-    parts: Sequence[Part],
+    chunks: Sequence[SourceChunk],
     plan: Plan,
     identity: Mapping[str, Any],
     done: Sequence[Done],
@@ -39,10 +39,10 @@ def publish(
 ) -> None:
     """Write the rows left out, the hull, the plan and the manifest, which is the last."""
     hull = np.load(context.scratch / f"{label(done[-1].name)}-hull.npy")
-    rows = sum(part.rows for part in parts)
+    rows = sum(chunk.rows for chunk in chunks)
     arrays = {"skipped": np.sort(skipped), "hull": hull}
     counts = {name: len(array) for name, array in arrays.items()}
-    listed = _Duplicates.of(context, done, len(parts))
+    listed = _Duplicates.of(context, done, len(chunks))
     counts["duplicates"] = listed.count
     counts |= {"rows": rows, "vertices": rows - counts["duplicates"] - counts["skipped"]}
     counts["triangles"] = sum(each.triangles for each in done)
@@ -60,10 +60,10 @@ def publish(
     manifest = {
         "plan": context.plan,
         **identity,
-        **about_surface(context, identity, done, len(parts)),
+        **about_surface(context, identity, done, len(chunks)),
         **counts,
         "kind": KIND,
-        "source": _files(parts, context.out),
+        "source": _files(chunks, context.out),
         "shards": [_shard(context, each) for each in written],
         "files": files,
         "merges": _merges(done),
@@ -156,19 +156,19 @@ def _stated(path: Path) -> dict[str, Any]:
     return {"bytes": path.stat().st_size, "sha256": digest_of(path)}
 
 
-def _files(parts: Sequence[Part], out: Path) -> list[dict[str, Any]]:
+def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
     """List the files of a source with the number of their first row, two of one name apart."""
     found: list[dict[str, Any]] = []
     first, number = 0, -1
-    for part in parts:
-        if part.origin.number != number:
-            number = part.origin.number
-            entry = {"file": Path(part.origin.source).name, "first": first, "rows": 0}
-            if part.origin.is_path:
-                entry["path"] = os.path.relpath(part.origin.source, out)
+    for chunk in chunks:
+        if chunk.origin.number != number:
+            number = chunk.origin.number
+            entry = {"file": Path(chunk.origin.source).name, "first": first, "rows": 0}
+            if chunk.origin.is_path:
+                entry["path"] = os.path.relpath(chunk.origin.source, out)
             found.append(entry)
-        found[-1]["rows"] += part.rows
-        first += part.rows
+        found[-1]["rows"] += chunk.rows
+        first += chunk.rows
     return found
 
 

@@ -16,13 +16,13 @@ from liftmesh.base.options import as_folder, as_threads, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
-from liftmesh.tiles.clouds import Reading, planar_of, valued_parts
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.proof import proof_of
+from liftmesh.tiles.schema import Reading
 from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.sorted_chunks import digests_of
-from liftmesh.tiles.sources import files_of, parts_of, planar
+from liftmesh.tiles.sources import files_of, source_chunks
 from liftmesh.tiles.store import concatenated, damaged, digest_of, load_json, mapped
 from liftmesh.tiles.tiled import Tiled
 
@@ -94,14 +94,14 @@ def _source_of(tiled: Tiled) -> list[str]:
 
 
 def _rows(tiled: Tiled, source: object, most: int, scratch: Path) -> Iterator[Array]:
-    """Read the source part by part: planar positions, or the records of a surface."""
+    """Read the records of a source, chunk by chunk."""
     said = tiled.manifest.get("surface")
     if said is None:
-        yield from map(planar, parts_of(source, most, scratch))
-        return
-    options = said["reading"] if files_of(source) is not None else {}
-    reading = Reading(said["crs"], options)
-    yield from (part.records() for part in valued_parts(source, most, scratch, reading))
+        reading = Reading(is_planar=True)
+    else:
+        options = said["reading"] if files_of(source) is not None else {}
+        reading = Reading(said["crs"], options)
+    yield from (chunk.records() for chunk in source_chunks(source, most, scratch, reading))
 
 
 def _regrouped(parts: Iterable[Array], sizes: Sequence[int]) -> Iterator[Array]:
@@ -134,9 +134,7 @@ def _as_first_read(chunks: Iterable[Array], stated: Sequence[Mapping[str, Any]])
 
 
 def _is_as_stated(rows: Array, chunk: Mapping[str, Any]) -> bool:
-    values = None if rows.dtype.names is None else rows
-    digests = digests_of(np.ascontiguousarray(planar_of(rows)), values)
-    return digests == (chunk["sha256"], chunk.get("values", ""))
+    return digests_of(rows) == (chunk["sha256"], chunk.get("values", ""))
 
 
 def _shown(chunks: Iterable[Array], count: int, show: Progress) -> Iterator[Array]:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh.crs.description import is_number, length_unit, urn_of
-from liftmesh.crs.units import band_unit
+from liftmesh.crs.description import is_number, urn_of
+from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import faces_of
 from liftmesh.io.markup import attribute, is_possible

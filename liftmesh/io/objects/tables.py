@@ -1,8 +1,8 @@
 """Tables in memory: DataFrames, structured arrays, laspy's points, and arrays with named columns.
 
-They are read by the names of their columns, like the same table as text (`io.tables.columns`), and
-refused for the same reasons. Values keep their types: text, dates and other objects are left out
-and named. No library of tables is imported.
+They are read by the names of their columns, like the same table as text, whose rules they share
+(`io.formats.text.columns`), and refused for the same reasons. Values keep their types: text, dates
+and other objects are left out and named. No library of tables is imported.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """Reader for points as text: XYZ, CSV, TSV, TXT and ASC, with or without a header.
 
 `layout` detects the layout, `columns` what the columns are, `values` parses the values, and
-`doubts` looks for what only they suggest. Here it comes together: a table is read in blocks, and
-made a cloud once all its rows are known.
+`column_ambiguity` looks for what only they suggest. Here it comes together: a table is read in
+blocks, and made a cloud once all its rows are known.
 """
 
 from __future__ import annotations
