@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.io.markup import ascii_string, parsed_or_none
+from liftmesh.io.json_text import ascii_string, parsed_or_none
 
 # What readers note; `read` sets "source" and "format" of every cloud.
 _LABELS = ("source", "format")

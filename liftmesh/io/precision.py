@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.markup import finite_numbers, shown
+from liftmesh.io.json_text import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
