@@ -26,7 +26,7 @@ from liftmesh.planar.diagram import (
     regions_of,
     rows_without_area,
 )
-from liftmesh.planar.kinds import as_weights, named_values, non_finite_value
+from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values
 from liftmesh.planar.points import rows_of
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
@@ -166,7 +166,7 @@ def _own(given: Reals) -> Floats:
 def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
     row = error.row
     if np.isfinite(planar[row]).all():
-        return non_finite_value(kind, row, values, skippable=False)
+        return TriangulationKind(kind, values).non_finite(row, skippable=False)
     return non_finite(row, planar[row], skippable=False)
 
 

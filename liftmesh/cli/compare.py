@@ -78,7 +78,7 @@ def run(
 
 
 def _compare(cloud: Cloud, **choices: Any) -> Comparison:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     with terminal.stage(f"comparing {len(cloud):,} rows with trimesh's convex hull"):
         return liftmesh.compare(cloud, **choices)

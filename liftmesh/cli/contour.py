@@ -52,7 +52,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, find its contours, write them, and say how many there are."""
-    from liftmesh.terrain.contours import check_name, length_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.contours import check_name, length_of
 
     outputs.check_stdout()
     check_name(target)

@@ -84,7 +84,7 @@ def table(
     given |= {"header": False} if no_header else {}
     given |= options.given(skip_rows=skip_rows or None)
     if given:
-        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
+        from liftmesh.io.formats.text.options import validate_table_options
 
         with options.as_option():
             validate_table_options(**given)
@@ -148,7 +148,7 @@ def _selection(
         every=every if every > 1 else None, withheld=withheld, resolution=resolution
     )
     if conditions:
-        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
+        from liftmesh.io.selection import validate_selection
 
         with options.as_option():
             validate_selection(**conditions)
@@ -176,13 +176,13 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
-    from liftmesh.io.streams import progress  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import progress
 
     text = f"reading {name if is_stream(path) else path.name}"
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -198,7 +198,7 @@ def _check_file(path: Path) -> None:
     """Raise if a folder of triangles in tiles is given."""
     if not path.is_dir():
         return
-    from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.manifest import MANIFEST
 
     if (path / MANIFEST).is_file():
         raise FormatError(
@@ -220,9 +220,9 @@ def _about_reading(name: str) -> Iterator[None]:
 
 def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - help and --version do without
-    from liftmesh.crs.description import check_system  # noqa: PLC0415 - as above
-    from liftmesh.io import read as io  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import adds_heights
+    from liftmesh.crs.description import check_system
+    from liftmesh.io import read as io
 
     with without_warnings():
         if _CRS_OF_OTHERS not in reading:
@@ -249,7 +249,7 @@ def read_rows(
 
     Of lidar a surface takes the ground, and no rows that are withheld, unless options say so.
     """
-    from liftmesh.io.surface_rows import check_some, for_surface  # noqa: PLC0415 - help does without
+    from liftmesh.io.surface_rows import check_some, for_surface
 
     def read_one(path: Path) -> Cloud:
         file_format = reading.get("format")
@@ -271,7 +271,7 @@ def read_rows(
 
 def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
     """Merge clouds, and say what each adds; their list is empty then."""
-    from liftmesh.terrain.merging import merge  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import merge
 
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
     before = {name for each in clouds for name in notes.parts_not_read(each)}
@@ -289,7 +289,7 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import parts_of
 
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
@@ -346,7 +346,7 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import parts_of
 
     starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
     try:

@@ -108,7 +108,7 @@ def _pair(word: str) -> list[float] | None:
 def _check_shapes(target: Path) -> None:
     """Raise before the work starts if a file of lines cannot be written."""
     if target.suffix.lower() == ".gpkg":
-        from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
+        from liftmesh.optional import load
 
         load("geopandas", extra="shapes")
     outputs.check_place(target)
@@ -118,8 +118,8 @@ def _lines(
     path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
 ) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
-    from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system
+    from liftmesh.vector.lines import lines_of
 
     crs = plane_system(surface)
     if table.are_shapes(path):
@@ -131,7 +131,7 @@ def _lines(
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
-    from liftmesh.terrain.profile import drape  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import drape
 
     try:
         return drape(surface, lines)
@@ -150,7 +150,7 @@ def _say(
     path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import unit_names
 
     plane, upright = unit_names(surface)
     length, heights = float(draped.lengths.sum()), draped.points[:, 2]

@@ -63,10 +63,10 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
-    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - as above
+    from liftmesh.optional import load
+    from liftmesh.raster.raster import check_name
 
     outputs.check_stdout()
     check_name(target)
@@ -111,9 +111,9 @@ def _check(
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
-    from liftmesh.raster import writer  # noqa: PLC0415 - as above
-    from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
-    from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
+    from liftmesh.raster import writer
+    from liftmesh.raster.pixels import bounds_of, steps_of
+    from liftmesh.terrain.raster import check_method
 
     with options.as_usage():
         steps_of(steps)
@@ -125,7 +125,7 @@ def _check(
 
 def _system(source: Path, stated: str | None, given: str) -> str:
     """Return the system of an option; raise if the file states another."""
-    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import are_different
 
     if are_different(stated, given):
         raise InputError(f"{source} is in {shown(stated)}, not in --crs {given}: leave --crs out")

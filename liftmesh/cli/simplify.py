@@ -66,7 +66,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     limits = _limits(max_error, tolerance, max_points)
     if json:
@@ -115,7 +115,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 **outputs.as_values(written),
                 "triangles": len(surface.faces),
                 **told,
-                "notes": list(notes.notes(cloud)),
+                "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),
                 **notes.provenance(surface),
                 "seconds": seconds,

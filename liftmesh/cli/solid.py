@@ -111,9 +111,9 @@ def _say(
 
 def _volume(solid: Cloud) -> float:
     """Return the volume inside the faces: a sixth of the determinants of their corners."""
-    import math  # noqa: PLC0415 - help and --version do without
+    import math
 
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     corners = (solid.points - solid.points.min(axis=0))[solid.faces]
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))

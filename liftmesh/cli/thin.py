@@ -122,7 +122,7 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     """Thin a cloud, and say on stderr how many rows stay."""
     if not thinning:
         return cloud
-    from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.thinning import thin
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)

@@ -99,7 +99,7 @@ def run(
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
-    from liftmesh.tiles.options import (  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.options import (
         ROW_BYTES,
         SURFACE_ROW_BYTES,
         rows_within,
@@ -158,18 +158,18 @@ def _check_options(
 def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
     """Return what does the work, in this process or on the workers of Dask."""
     if by_dask:
-        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
+        from liftmesh.dask import delaunay, triangulate
 
         return triangulate if surface else delaunay
-    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
+    from liftmesh.tiles.build import tile, tile_surface
 
     return tile_surface if surface else tile
 
 
 @contextmanager
 def _client(workers: int | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
-    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.dask import local_cluster
+    from liftmesh.optional import load
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")
@@ -191,7 +191,7 @@ def _client(workers: int | None, scheduler: str | None, limit: int | None) -> It
 
 def _check_address(text: str) -> None:
     """Raise unless it is an address that a process may connect to."""
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.optional import load
 
     addressing = load("distributed.comm.addressing", extra="dask")
     protocols = {*load("distributed.comm.registry", extra="dask").backends} - {"inproc"}

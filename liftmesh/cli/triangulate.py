@@ -164,8 +164,8 @@ def run(
 
 def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found."""
-    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
-    from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
+    from liftmesh.io.selection import Selector, selected, validate_selection
+    from liftmesh.terrain.ground import bare_warning, classify_ground
 
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
         try:
@@ -198,14 +198,14 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     """What to say of values of the cloud that those of the surface have replaced."""
-    from liftmesh.terrain.lifting import replaced_flags  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.lifting import replaced_flags
 
     said = replaced_flags(cloud) if hasattr(surface.triangulation, "hidden") else ""
     return [said] if said else []
 
 
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     text = f"triangulating {len(cloud):,} rows"
     with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
@@ -224,7 +224,7 @@ def _print_report(
     if as_json:
         cloud = surface.to_cloud()
         about = {
-            "notes": [*notes.notes(cloud), *replaced],
+            "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
             "selection": notes.counts_of(cloud),

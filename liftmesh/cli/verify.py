@@ -99,7 +99,7 @@ def run(
 def _verify_tiles(
     source: Path, points: list[Path] | None, threads: int | None, certificate: Path | None
 ) -> Certificate:
-    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.tiled import open_tiled
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
@@ -111,8 +111,8 @@ def _verify_tiles(
 def _verify_file(
     cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.planar.verification import verify
+    from liftmesh.terrain.frame import resolve_plane
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source)
@@ -126,8 +126,8 @@ def _verify_file(
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     """Report a mesh that is a part of a triangulation, as what is left of a trimmed surface."""
-    from liftmesh.errors import LiftmeshError  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
+    from liftmesh.errors import LiftmeshError
+    from liftmesh.terrain.meshes import as_surface
 
     try:
         with inputs.without_warnings():
@@ -145,8 +145,8 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
 
 def _check_format(source: Path, file_format: str | None) -> None:
     """Raise for a file of points before it is read: options of tables would not help."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
 
     if file_format is None and not source.is_file():
         return
@@ -163,7 +163,7 @@ def _no_triangles(source: Path) -> InputError:
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of
 
     if not lifting:
         return options_of(cloud)
@@ -186,7 +186,7 @@ def _note_polygons(cloud: Cloud) -> None:
 
 
 def _write(path: Path, certified: Certificate) -> None:
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import replacing
 
     if is_stream(path):
         sys.stdout.write(certified.to_json())

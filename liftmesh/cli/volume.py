@@ -79,8 +79,8 @@ def run(
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.surface_rows import check_grounds  # noqa: PLC0415 - as above
+    from liftmesh.io.selection import found_selection
+    from liftmesh.io.surface_rows import check_grounds
 
     check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 

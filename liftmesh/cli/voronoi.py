@@ -105,7 +105,7 @@ def _check_one(
 
 
 def _kind(target: Path, name: str | None) -> str:
-    from liftmesh.cells.files import check_format, format_of  # noqa: PLC0415 - help does without
+    from liftmesh.cells.files import check_format, format_of
 
     if name is not None:
         return check_format(name)
@@ -125,8 +125,8 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
         raise typer.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
-    from liftmesh.cells.files import read_domain  # noqa: PLC0415 - as above
-    from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import read_domain
+    from liftmesh.crs.comparison import common_system
 
     shape, crs = read_domain(path)
     return shape, common_system(cloud.crs, crs)
@@ -140,8 +140,8 @@ def _cells(
     disks: str | None,
     tolerance: float | None,
 ) -> ClippedCells:
-    import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
+    import liftmesh
+    from liftmesh.planar.kinds import chosen, named_values
 
     planar = cloud.points[:, :2]
     if disks is not None:
@@ -162,7 +162,7 @@ def _note_rows_elsewhere(cells: ClippedCells) -> None:
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.clipped import free_name  # noqa: PLC0415 - as above
+    from liftmesh.cells.clipped import free_name
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}
@@ -173,7 +173,7 @@ def _write(
     target: Path, cells: ClippedCells, kind: str, cloud: Cloud, crs: str | None
 ) -> tuple[int, list[str]]:
     """Write the cells; return the number of bytes, and what the file does not keep."""
-    from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import own_names, write_cells
 
     columns = _columns(cloud)
     with outputs.opened(target) as stream:

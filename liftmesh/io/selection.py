@@ -19,6 +19,7 @@ from liftmesh.base.arrays import as_positive
 from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
+from liftmesh.io.metadata import noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -265,12 +266,13 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
     """Select the rows of a cloud that meet the conditions; faces are left out and named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
-    entries: dict[str, Any] = {"selection": selector.counts()}
+    skipped: tuple[str, ...] = ()
     if cloud.faces is not None:
-        said = cloud.metadata.get("skipped")
+        before = cloud.metadata.get("skipped")
         faces = f"{len(cloud.faces):,} faces (rows were selected)"
-        entries["skipped"] = (*(said if isinstance(said, tuple) else ()), faces)
-    return replace(cloud.select(rows), metadata={**cloud.metadata, **entries})
+        skipped = (*(before if isinstance(before, tuple) else ()), faces)
+    metadata = noted(cloud.metadata, selection=selector.counts(), skipped=skipped)
+    return replace(cloud.select(rows), metadata=metadata)
 
 
 def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:

@@ -30,6 +30,7 @@ from liftmesh.base.options import GroundMethod, as_count, check_option
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.interpreter import command
+from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
 
@@ -136,7 +137,7 @@ def classify_ground(
     return replace(
         source,
         attributes={**source.attributes, **_classes(source, ground)},
-        metadata={**source.metadata, "ground": counts},
+        metadata=noted(source.metadata, ground=counts),
     )
 
 

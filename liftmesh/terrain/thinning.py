@@ -28,6 +28,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_positive, check_finite, starts_of_runs
 from liftmesh.base.options import CellRow, as_count, check_option
 from liftmesh.errors import InputError
+from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
@@ -127,7 +128,7 @@ def thin(
     else:
         rows = _apart(source.points, as_positive("distance", value, _LENGTH))
     counts = {"rows": len(source), "kept": len(rows), **how}
-    return replace(source.select(rows), metadata={**source.metadata, "thinning": counts})
+    return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
 
 
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:

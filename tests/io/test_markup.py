@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from liftmesh.io.markup import (
+from liftmesh.io.json_text import (
     ascii_string,
     attribute,
     finite_numbers,

@@ -54,10 +54,8 @@ def test_a_kind_knows_its_values() -> None:
     assert as_kind(3, None, None, None, furthest_site=True).name == "farthest"
     weights = as_kind(2, [1, np.nan], None, None, furthest_site=False)
     assert (weights.name, weights.has_values, weights.may_hide) == ("weights", True, True)
-    error = weights.non_finite(1)
-    assert isinstance(error, NonFiniteError)
-    assert str(error).startswith("row 1 has the weight nan: remove such rows, or skip them")
-    assert weights.non_finite(0) is None
+    with pytest.raises(NonFiniteError, match="row 1 has the weight nan: remove such rows, or skip"):
+        weights.finite(skipping=False)
 
 
 def test_the_side_of_a_lifted_row_is_exact() -> None:
