@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,7 @@ from liftmesh.arrays import read_only
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.clipping import clip
 from liftmesh.cells.unclipped import Unclipped
+from liftmesh.frozen import check_adjacent, check_copied, check_numbers
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
@@ -78,6 +79,13 @@ class Cells(ClippedCells):
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
         self._dual = dual
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        dual = self._dual
+        check_copied(len(self.points), dual.simplices, dual.neighbors, dual.chain)
+        check_adjacent(dual.simplices, dual.neighbors)
+        check_numbers(0, len(dual.vertices), dual.simplex_to_vertex)
 
     @cached_property
     def corner_kinds(self) -> NDArray[np.uint8]:

@@ -13,6 +13,7 @@ from liftmesh.arrays import read_only
 from liftmesh.cells.columns import common_crs, frame_of, free_name
 from liftmesh.cells.parts import parts_of
 from liftmesh.crs import looked_up
+from liftmesh.frozen import check_numbers, check_starts
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -69,6 +70,18 @@ class ClippedCells:
         self.corners = read_only(rings.points[taken])
         self._sources = rings.sources[taken]
         self.beyond = read_only(self._sources[:, 2])
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        groups = len(self.points)
+        ends = len(self.rings) - 1, len(self.ring_corners) - 1, len(self.corners)
+        each = self.parts, self.rings, self.ring_corners
+        for starts, items in zip(each, ends, strict=True):
+            check_starts(starts, groups, items)
+            groups = items
+        check_starts(self.domain.starts, len(self.domain.is_hole), len(self.domain.corners))
+        check_numbers(-1, len(self.points), self.beyond, self._sources[:, 2])
+        check_numbers(0, len(self.points), self.duplicates, self.hidden)
 
     def __repr__(self) -> str:
         full = np.count_nonzero(np.diff(self.parts))

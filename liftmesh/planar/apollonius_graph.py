@@ -12,7 +12,7 @@ from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.arrays import as_reals
 from liftmesh.choices import as_count, shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
+from liftmesh.frozen import check_copied, check_numbers, constructed_from, freeze
 from liftmesh.planar.apollonius_cells import pieces_in, traced
 
 _FINEST = 2.0**-46  # least distance from arcs, of the coordinates: 64 times their rounding
@@ -84,7 +84,12 @@ class ApolloniusGraph:
         freeze(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
+        return *constructed_from(self), True
+
+    def __setstate__(self, _: bool) -> None:
+        rows = len(self.radii)
+        check_copied(rows, self.simplices, self.neighbors, self.hidden, self.duplicates)
+        check_numbers(0, rows, self.convex_hull, self.skipped)
 
     def __repr__(self) -> str:
         skipped = f", {len(self.skipped):,} skipped" if len(self.skipped) else ""

@@ -17,7 +17,7 @@ from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.arrays import as_coordinates, as_reals, as_rows3, read_only
 from liftmesh.choices import shown
 from liftmesh.errors import InputError
-from liftmesh.frozen import constructed_from, freeze
+from liftmesh.frozen import check_numbers, constructed_from, freeze
 from liftmesh.planar.meshes import rows_of
 
 if TYPE_CHECKING:
@@ -203,7 +203,12 @@ class LowerHull:
         freeze(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return constructed_from(self)
+        return *constructed_from(self), True
+
+    def __setstate__(self, _: bool) -> None:
+        check_numbers(0, len(self.vertices), self.faces)
+        if self.neighbors is not None:
+            check_numbers(-1, len(self.faces), self.neighbors)
 
     def __repr__(self) -> str:
         return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"

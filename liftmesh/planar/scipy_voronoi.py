@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh._typing import Floats, Rows
 from liftmesh.arrays import read_only
 from liftmesh.choices import as_switch
+from liftmesh.frozen import check_adjacent, check_copied, check_numbers
 from liftmesh.optional import load
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
 from liftmesh.planar.qhull_options import check_qhull_options
@@ -144,6 +145,12 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self.simplex_to_vertex = read_only(found.simplex_to_vertex)
         self.overflowed = found.overflowed
         self._neighbors = solution["neighbors"]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        check_copied(len(self._points), self.simplices, self._neighbors, self.duplicates)
+        check_adjacent(self.simplices, self._neighbors)
+        check_numbers(0, len(self.vertices), self.simplex_to_vertex)
 
     @cached_property
     def _found(self) -> Regions:
