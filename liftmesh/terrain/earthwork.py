@@ -16,6 +16,8 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.errors import InputError
+from liftmesh.io.selection import found_selection
+from liftmesh.io.surface_rows import check_grounds
 from liftmesh.predicates import orient2d
 from liftmesh.same_crs import are_different
 from liftmesh.terrain.measures import cubic_metres_of
@@ -88,8 +90,9 @@ class Comparing:
         Raises
         ------
         InputError
-            The surfaces are over different planes or in different coordinate systems, or have no
-            area in common; the polygon is invalid; or a volume is beyond the largest double.
+            The surfaces are over different planes or in different coordinate systems, have no area
+            in common, or are one of ground and one of a file without any, of which all rows were
+            read; the polygon is invalid; or a volume is beyond the largest double.
         FormatError
             A file of a polygon is invalid.
         MissingDependencyError
@@ -187,6 +190,8 @@ def _check(surface: Surface, other: Surface) -> None:
             "the surfaces have different coordinate systems: read one with to_crs= that of the "
             "other, or replace(crs=None) if they are the same"
         )
+    files = ("the file of this surface", surface), ("the file of the other surface", other)
+    check_grounds((name, found_selection(each.metadata)) for name, each in files)
 
 
 def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
