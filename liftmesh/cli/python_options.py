@@ -10,7 +10,7 @@ import re
 import shlex
 
 _NAMES = (
-    "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
+    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
     "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
     "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip

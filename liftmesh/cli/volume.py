@@ -18,7 +18,7 @@ SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
 HELP = (
     "Volumes are counted where there are faces only; their unit is that of x, y and z. With "
     "--within, those of all polygons together come first, then those of each: by the property or "
-    "column name, or by the number."
+    "column --by, or by the number."
 )
 EXAMPLES = [
     "liftmesh volume before.ply after.ply --json",
@@ -48,6 +48,13 @@ def run(
             metavar="FILE", help="Measure inside of polygons alone, cut at their borders."
         ),
     ] = None,
+    by: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PROPERTY",
+            help="The property or column that names the polygons, 'name' by default.",
+        ),
+    ] = None,
     reading: Any = None,
     json: options.Json = False,
 ) -> None:
@@ -63,12 +70,17 @@ def run(
         As in `Surface.volume`.
     within : Path, optional
         Polygons, as in `Surface.cut_and_fill`.
+    by : str, optional
+        As in `Surface.cut_and_fill_by_polygon`.
     reading : Reading
         How surfaces are read and trimmed.
     json : bool
         Print JSON.
     """
     standard_streams.check_stdout()
+    if by is not None and within is None:
+        raise typer.BadParameter("--by goes with --within")
+    named = "name" if by is None else by
     if within is not None:
         within.open("rb").close()
     height = surfaces.parse_number("--level", level)
@@ -83,7 +95,7 @@ def run(
             if within is None:
                 values["surface_area"] = surface.area()
             else:
-                parts = surface.volume_by_polygon(within, height or 0.0)
+                parts = surface.volume_by_polygon(within, height or 0.0, by=named)
                 values["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = reading.surface(other)
@@ -92,7 +104,7 @@ def run(
         with terminal.stage("laying the surfaces over each other"):
             values = _changes(surface.cut_and_fill(after, polygon=within))
             if within is not None:
-                works = surface.cut_and_fill_by_polygon(after, within)
+                works = surface.cut_and_fill_by_polygon(after, within, by=named)
                 values["polygons"] = _by_name({key: _changes(work) for key, work in works.items()})
     _print(values, rows_of, as_json=json)
 

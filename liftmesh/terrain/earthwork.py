@@ -134,7 +134,7 @@ class Comparing:
         return Earthwork(cut, fill, area, cubic_metres_of(self))
 
     def cut_and_fill_by_polygon(
-        self: Any, other: Surface, polygon: object
+        self: Any, other: Surface, polygon: object, *, by: str = "name"
     ) -> dict[str | int, Earthwork]:
         """Compute the volumes between this surface and another one in each of several polygons.
 
@@ -145,18 +145,22 @@ class Comparing:
         polygon : object
             As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
             itself, whatever others cover.
+        by : str, default "name"
+            The property or column that has the names of polygons.
 
         Returns
         -------
         dict of str or int to Earthwork
-            By the property or column ``name`` where it is a text, else by the number, from 0; zeros
-            for a polygon that has no area in common with the faces.
+            By the property or column `by` where it is a text, or any number if it is not ``name``,
+            as text; else by the number of the polygon, from 0; zeros for a polygon that has no area
+            in common with the faces.
 
         Raises
         ------
         InputError
             The surfaces are over different planes or in different coordinate systems, a polygon is
-            invalid, two have one name, or a volume is beyond the largest double.
+            invalid, two have one name, none has the property, or a volume is beyond the largest
+            double.
         FormatError, MissingDependencyError, OSError
             As for `cut_and_fill`.
 
@@ -175,7 +179,7 @@ class Comparing:
         """
         _check(self, other)
         unit = cubic_metres_of(self)
-        found = in_each(self, polygon, partial(between_within, self, other))
+        found = in_each(self, polygon, partial(between_within, self, other), by)
         return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in found}
 
 

@@ -151,7 +151,7 @@ class Measuring:
         return Volume(above, below, _total("area", areas), at, cubic_metres_of(self))
 
     def volume_by_polygon(
-        self: Any, polygon: object, level: float = 0.0
+        self: Any, polygon: object, level: float = 0.0, *, by: str = "name"
     ) -> dict[str | int, Volume]:
         """Compute the volumes between the faces and a level in each of several polygons.
 
@@ -161,6 +161,8 @@ class Measuring:
             As for `cut_and_fill_by_polygon`.
         level : float, default 0
             A height above the plane.
+        by : str, default "name"
+            As for `cut_and_fill_by_polygon`.
 
         Returns
         -------
@@ -170,7 +172,7 @@ class Measuring:
         Raises
         ------
         InputError
-            As for `volume`, or two polygons have one name.
+            As for `volume`, or two polygons have one name, or none has the property.
         FormatError, MissingDependencyError, OSError
             As for `volume`.
 
@@ -183,7 +185,7 @@ class Measuring:
         8.0
         """
         at, unit = _level(level), cubic_metres_of(self)
-        found = in_each(self, polygon, partial(level_within, self, at))
+        found = in_each(self, polygon, partial(level_within, self, at), by)
         return {name: Volume(*each, at, unit) for name, each in found}
 
 

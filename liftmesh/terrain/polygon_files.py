@@ -45,7 +45,7 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
     return [each for region in regions_in(crs, polygon) for each in region.polygons]
 
 
-def regions_in(crs: str | None, polygon: object) -> list[Region]:
+def regions_in(crs: str | None, polygon: object, by: str = "name") -> list[Region]:
     """Convert what is given to regions, and see that they are in the system of a surface.
 
     Parameters
@@ -54,6 +54,8 @@ def regions_in(crs: str | None, polygon: object) -> list[Region]:
         The system of the surface.
     polygon : object
         A file, or as for `as_regions`.
+    by : str
+        As for `as_regions`.
 
     Returns
     -------
@@ -72,10 +74,10 @@ def regions_in(crs: str | None, polygon: object) -> list[Region]:
     """
     if not isinstance(polygon, str | os.PathLike):
         check_system(crs, polygon, "the polygon")
-        return as_regions(polygon)
+        return as_regions(polygon, by)
     path = Path(polygon)
     shapes = read_shapes(path, "polygons", crs)
     try:
-        return as_regions(shapes)
+        return as_regions(shapes, by)
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error

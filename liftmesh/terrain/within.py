@@ -64,7 +64,7 @@ def in_all(
 
 
 def in_each(
-    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured]
+    surface: Surface, polygon: object, measure: Callable[[list[Polygon]], Measured], by: str
 ) -> Iterator[tuple[str | int, Measured]]:
     """Measure each region by itself.
 
@@ -72,6 +72,8 @@ def in_each(
     ----------
     surface, polygon, measure
         As for `in_all`.
+    by : str
+        The property with the names.
 
     Yields
     ------
@@ -84,9 +86,12 @@ def in_each(
         Polygons are invalid, and the message names the region; or two regions have one name.
     """
     seen = set()
-    for region in regions_in(_system(surface), polygon):
+    for region in regions_in(_system(surface), polygon, by):
         if region.name in seen:
-            raise InputError(f"two polygons have the name {region.name!r}: give each its own")
+            raise InputError(
+                f"two polygons have the name {region.name!r}: give each its own, or by= a property "
+                "that differs"
+            )
         seen.add(region.name)
         try:
             yield region.name, measure(region.polygons)
