@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -25,7 +26,15 @@ __all__ = ["folder"]
 def state() -> tuple[object, ...]:
     here = [signal.getsignal(number) for number in ENDS]
     wakeup = signal.set_wakeup_fd(-1)
-    return *here, wakeup, threading.active_count(), sys.unraisablehook
+    return *here, wakeup, sys.unraisablehook
+
+
+@pytest.fixture(autouse=True)
+def _no_thread_is_left() -> Iterator[None]:
+    """See that a test leaves no thread behind; those of others may end meanwhile."""
+    before = {*threading.enumerate()}
+    yield
+    assert {*threading.enumerate()} <= before
 
 
 def test_main_restores_all_it_changes(folder: Path) -> None:
