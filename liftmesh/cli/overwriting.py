@@ -102,6 +102,10 @@ def check(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bool = 
         for each in read:
             if _is_part(target, each):
                 raise _same(each, target)
+            if _is_named(target, each):
+                raise typer.BadParameter(
+                    f"{target} is a part of {each}, and would be lost: give another name"
+                )
         if not overwrite and holds_data(target):
             raise typer.BadParameter(
                 f"{target} exists, and would be lost: give another name for what is written, or "
@@ -137,6 +141,16 @@ def _is_part(target: Path, source: Path) -> bool:
         found = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
         return os.path.samestat(found, place.stat()) and place.is_file()
     return place == where
+
+
+def _is_named(target: Path, source: Path) -> bool:
+    """Whether a file is a buffer or an image of a glTF file that is an input."""
+    is_model = source.suffix.lower() in (".gltf", ".glb") and source.is_file()
+    if not is_model or not target.is_file():
+        return False
+    from liftmesh.io.gltf.beside import named_in  # noqa: PLC0415 - help and --version do without
+
+    return any(_is_part(target, each) for each in named_in(source))
 
 
 def _same(one: Path, other: Path) -> typer.BadParameter:
