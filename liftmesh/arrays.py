@@ -11,7 +11,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Reals, Rows
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.floats import as_floats, is_readable, unmasked
-from liftmesh.shapes import no_array, wrong_shape
+from liftmesh.shapes import no_array, no_numbers, wrong_shape
 
 MOST_ROWS: int = _kernel.MOST_ROWS
 
@@ -302,6 +302,9 @@ def _as_array(points: ArrayLike) -> Array:
         raise InputError(_describe_ragged(points, error)) from error
     if array.ndim == 0 and array.dtype.kind in "OSU":
         raise no_array(points)
+    first = array[:1].flat if array.ndim and array.dtype.hasobject else ()
+    if any(hasattr(each, "geom_type") for each in first):
+        raise no_numbers(points)
     return array
 
 

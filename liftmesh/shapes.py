@@ -75,6 +75,31 @@ def no_array(points: object) -> InputError:
     return InputError(f"points are {what}{_advice(points)}")
 
 
+def no_numbers(points: object) -> InputError:
+    """Return the exception for geometries of shapely, of which NumPy makes objects.
+
+    Parameters
+    ----------
+    points : object
+        Anything with such rows.
+
+    Returns
+    -------
+    InputError
+        The exception, not yet raised.
+
+    Examples
+    --------
+    >>> print(no_numbers([]))
+    points are geometries: give what shapely.get_coordinates(points) returns, with ...
+    """
+    has_own = hasattr(type(points), "get_coordinates")  # of geopandas
+    call = "its get_coordinates()" if has_own else "shapely.get_coordinates(points)"
+    return InputError(
+        f"points are geometries: give what {call} returns, with include_z=True where heights count"
+    )
+
+
 def _advice(points: object) -> str:
     """Return what follows the type of an object in a message."""
     if isinstance(points, Mapping):
