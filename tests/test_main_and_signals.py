@@ -3,7 +3,6 @@ lost."""
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import threading
@@ -51,7 +50,7 @@ def test_main_ends_at_a_signal_and_can_run_again(
     before = state()
 
     def send(*_: object, **__: object) -> None:
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
     with monkeypatch.context() as patched:
         patched.setattr("liftmesh.io.files.read", send)
