@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.frozen import check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
 from liftmesh.optional import load
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
@@ -143,6 +144,12 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
         self.overflowed = diagram.overflowed
         self._neighbors = solution["neighbors"]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        check_copied(len(self._points), self.simplices, self._neighbors, self.duplicates)
+        check_adjacent(self.simplices, self._neighbors)
+        check_numbers(0, len(self.vertices), self.simplex_to_vertex)
 
     @cached_property
     def _found(self) -> Regions:
