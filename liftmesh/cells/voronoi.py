@@ -24,7 +24,7 @@ from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
-from liftmesh.planar.kinds import chosen
+from liftmesh.planar.kinds import weights_or_radii
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
@@ -127,7 +127,7 @@ def power_diagram(
     >>> cells.areas, cells.hidden
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
     return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 

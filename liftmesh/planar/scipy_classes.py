@@ -208,7 +208,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         self._can_grow = is_growing
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
-        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
         self._exact = solution["simplices"], solution["neighbors"]
@@ -430,7 +430,7 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self._can_grow = is_growing
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
-        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
                      "ridge_points", "_found"):  # fmt: skip
             self.__dict__.pop(name, None)
@@ -523,7 +523,7 @@ def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
         )
 
 
-def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
+def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
     """Triangulate points, with the errors that SciPy's callers expect."""
     try:
         return (solve_farthest if furthest_site else solve)(rows, copy=copy)
