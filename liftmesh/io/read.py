@@ -26,7 +26,7 @@ from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
-from liftmesh.io.metadata import TRANSFORMATION, Label
+from liftmesh.io.metadata import Label, noted
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
@@ -364,8 +364,8 @@ def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> C
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    labels = {"source": Label(name), "format": Label(found.name)}
-    return replace(cloud, metadata={**cloud.metadata, **labels})
+    metadata = noted(cloud.metadata, source=Label(name), format=Label(found.name))
+    return replace(cloud, metadata=metadata)
 
 
 def _changed(
@@ -393,15 +393,15 @@ def placed(
     """Set the coordinate system of a cloud in place of what its file states, or transform it."""
     if crs is not None:
         is_other = cloud.crs is not None and not is_same(cloud.crs, crs)
-        entry = {"stated_crs": cloud.crs} if is_other else {}
-        cloud = replace(cloud, crs=crs, metadata={**cloud.metadata, **entry})
+        metadata = noted(cloud.metadata, stated_crs=cloud.crs if is_other else None)
+        cloud = replace(cloud, crs=crs, metadata=metadata)
     if target is None:
         return cloud
     check_system(target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
     found, told = transform(_raised(cloud.points, before), cloud.crs, target, chosen)
-    metadata = {**_moved(cloud, target), TRANSFORMATION: told}
+    metadata = noted(_moved(cloud, target), transformation=told)
     return replace(cloud, points=_raised(found, after), crs=target, metadata=metadata)
 
 
