@@ -25,7 +25,7 @@ import typer
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
 from liftmesh.cli import options, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.signals import Closed
 from liftmesh.errors import FormatError
 
@@ -129,14 +129,10 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 
 def _writing(
     scale: Annotated[
-        float | None,
-        options.option(
-            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
-        ),
+        float | None, option("STEP", "Of LAS: the step that coordinates are rounded to.", positive)
     ] = None,
     point_format: Annotated[
-        int | None,
-        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
+        int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
@@ -168,8 +164,8 @@ def check_target(
         for each in writing:
             writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
-        option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
+        name = each.replace("_", "-")
+        raise typer.BadParameter(f"--{name}: {kind.name} files have none") from error
 
 
 def check_place(path: Path | None) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.base.arrays import as_positive
 from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
@@ -111,10 +112,7 @@ def _range(value: Iterable[float]) -> tuple[float, float]:
 
 
 def _length(value: float) -> float:
-    numbers = _numbers([value])
-    if not numbers or isinstance(value, bool) or not 0 < numbers[0] < math.inf:
-        raise _invalid("resolution", value, "a positive number, in the units of the file")
-    return numbers[0]
+    return as_positive("resolution", value, "a positive number, in the units of the file")
 
 
 def _numbers(value: Any) -> tuple[float, ...]:
