@@ -47,8 +47,7 @@ from .planar.lifting import (
     project as project,
 )
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
-from .planar.scipy_delaunay import Delaunay as Delaunay
-from .planar.scipy_voronoi import Voronoi as Voronoi
+from .planar.scipy_classes import Delaunay as Delaunay, Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d

@@ -50,10 +50,10 @@ def verify_graph(
         progress,
     )
     violations = DiskViolations(disks[:, :2], lists)
-    found = zip(MEANINGS, places, strict=True)
+    reported = zip(MEANINGS, places, strict=True)
     flaws = [
         violations.flaw(kind, count, _in_all_rows(rows, kind, first))
-        for kind, (count, first) in found
+        for kind, (count, first) in reported
         if count
     ]
     if skipped.tolist() != np.flatnonzero(~finite).tolist():

@@ -131,5 +131,5 @@ def _between_two(points: Floats, rows: Rows, creased: Rows) -> Rows:
     both = ends[np.argsort(ends[:, 0], kind="stable")].reshape(-1, 2, 2)
     at, one, other = both[:, 0, 0], both[:, 0, 1], both[:, 1, 1]
     is_between: Mask = orient2d(points[at], points[one], points[other]) == 0
-    found: Rows = at[is_between]
-    return found
+    between: Rows = at[is_between]
+    return between

@@ -36,7 +36,7 @@ def write(
     stream: BinaryIO,
     values: Array,
     transform: Sequence[float],
-    crs: str | None,
+    crs: str | None,  # the unit of its heights, if any, is that of the band to GDAL
     *,
     unit: str | None = None,
     cog: bool = False,
@@ -59,7 +59,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     path: Path,
     shape: tuple[int, int],
     kind: np.dtype[Any],
-    windows: Iterable[tuple[tuple[range, range], Array]],
+    windows: Iterable[tuple[tuple[range, range], Array]],  # of rows and columns, all pixels once
     transform: Sequence[float],
     crs: str | None,
     *,
@@ -76,7 +76,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     beside = Path(os.path.realpath(path)).parent
     with working_folder(beside, "raster") as folder:
         written = folder / "raster.tif"
-        with rasterio.Env(**ALONE), _told(path):
+        with rasterio.Env(**ALONE), _disk_errors(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:
                 _state_unit(file, unit)
@@ -149,7 +149,7 @@ def _optimised(path: Path, size: int, compress: str | None) -> Path:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _disk_errors(path: Path) -> Iterator[None]:
     """Raise what GDAL says of a file as an error of the disk."""
     errors = load("rasterio.errors", extra="terrain")
     base = load("rasterio._err", extra="terrain").CPLE_BaseError

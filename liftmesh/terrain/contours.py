@@ -256,9 +256,9 @@ def wanted_levels(
     interval: float | None,
     base: float,
     index_every: int,
-    heights: Callable[[], tuple[Fraction, Fraction]],
+    heights: Callable[[], tuple[Fraction, Fraction]],  # the least and the greatest
 ) -> tuple[Floats, Array]:
-    """Decide which levels have lines."""
+    """Decide which levels have lines, and which of these are index contours."""
     if (levels is None) == (interval is None):
         raise InputError("give either levels or an interval")
     if interval is None:

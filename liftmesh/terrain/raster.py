@@ -118,8 +118,8 @@ class Wanted:
 
     quantity: str
     kind: np.dtype[Any]
-    light: Floats
-    rise: tuple[float, float]
+    light: Floats  # the unit vector towards it
+    rise: tuple[float, float]  # what gradients are multiplied by
 
     @classmethod
     def validated(
@@ -139,7 +139,7 @@ class Wanted:
         return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:
-        """Raise if a height is finite, but beyond the type."""
+        """Raise if one of some heights, or of their bounds, is finite but beyond the type."""
         farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
         with np.errstate(over="ignore"):
             is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
@@ -189,7 +189,7 @@ def _light_of(light: tuple[float, float]) -> Floats:
 
 
 def shade_of(gradients: Floats, light: Floats) -> Floats:
-    """Compute how bright faces are under a distant light."""
+    """Compute how bright faces are under a distant light: 0 in the shade, 255 facing it."""
     steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
     scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
     x, y = gradients[..., 0] * scale, gradients[..., 1] * scale

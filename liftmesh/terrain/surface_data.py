@@ -55,7 +55,7 @@ def as_cloud(surface: SurfaceData) -> Cloud:
 
 
 def kernel_surface(surface: SurfaceData) -> _kernel.Relief:
-    """Hand a surface over to the kernel."""
+    """Hand a surface over to the kernel, which shares its arrays."""
     solved = surface.triangulation
     return _kernel.Relief(
         solved.points,
