@@ -28,17 +28,8 @@ import numpy as np
 from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import working_folder
-from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
-from liftmesh.tiles.clouds import (
-    alike,
-    in_record_file,
-    valued_parts,
-    valued_parts_of_file,
-)
 from liftmesh.tiles.context import label
-from liftmesh.tiles.copies import in_files, numbered, stage_of
-from liftmesh.tiles.las import readings
 from liftmesh.tiles.options import (
     ROW_BYTES,
     SURFACE_ROW_BYTES,
@@ -50,25 +41,26 @@ from liftmesh.tiles.options import (
 from liftmesh.tiles.parquet import planar_columns
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Meter, in_order, release
-from liftmesh.tiles.schema import records_from, schema_of
+from liftmesh.tiles.source_chunks import Origin, SavedChunk, SourceChunk, in_files, numbered, saved
 from liftmesh.tiles.sources import (
-    BY_RANGES,
-    Origin,
+    alike,
+    check_no_options,
+    file_chunks,
     files_of,
-    in_file,
-    parts_of,
-    parts_of_file,
+    readings,
+    records_of,
+    source_chunks,
+    stage_of,
 )
 from liftmesh.tiles.stages import node
+from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
     from liftmesh._typing import Progress
-    from liftmesh.tiles.clouds import Reading
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.sources import Part
-    from liftmesh.tiles.tiled import Tiled
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.schema import Reading
+    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
 __all__ = ["delaunay", "local_cluster", "triangulate"]
@@ -145,10 +137,10 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
-        found = triangulated(source, options, workers, fitting=fitting, cut=workers.parts)
+        tiled = open_tiled(triangulated(source, options, workers, fitting))
     if progress is not None:
         progress(1.0)
-    return found
+    return tiled
 
 
 def triangulate(  # noqa: PLR0913 - options are keywords
@@ -225,12 +217,11 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     )
     with client_of(client) as used:
         workers = _Workers(used, progress)
-        cut = partial(workers.valued_parts, reading=surface.reading)
         fitting = _tile_rows(used, SURFACE_ROW_BYTES)
-        found = triangulated(source, options, workers, fitting=fitting, cut=cut)
+        tiled = open_tiled(triangulated(source, options, workers, fitting))
     if progress is not None:
         progress(1.0)
-    return cast("TiledSurface", found)
+    return cast("TiledSurface", tiled)
 
 
 class _Workers:
@@ -248,49 +239,35 @@ class _Workers:
         """Hear how many rows there are."""
         self._meter.begin(rows)
 
-    def parts(self, source: object, rows: int, scratch: Path) -> list[Part]:
-        """Cut a source into parts that all workers can read."""
-        files = files_of(source)
-        if files is not None:
-            calls = [(each, os.path.abspath(each.source), rows, scratch) for each in files]  # noqa: PTH100 - links stay
-            found = self.each(stage_of(files, BY_RANGES), parts_of_file, calls)
-            return [part for parts in found for part in parts]
-        blocks = _blocks(source, rows)
-        if blocks is None:
-            return in_files(parts_of(source, rows, scratch, self._copied), scratch)
-        return self._spooled(_in_file, blocks, scratch)
-
-    def valued_parts(
+    def chunks(
         self, source: object, rows: int, scratch: Path, reading: Reading
-    ) -> Sequence[Part]:
-        """Cut the source of a surface into parts that all workers can read."""
+    ) -> list[SourceChunk]:
+        """Cut a source into chunks that all workers can read."""
         files = files_of(source)
         if files is not None:
-            names = [os.path.abspath(each.source) for each in files]  # noqa: PTH100 - links stay
-            (given,) = self.each("open", readings, [(names, reading)])
+            names = [os.path.abspath(file.source) for file in files]  # noqa: PTH100 - links stay
+            (each,) = self.each("open", readings, [(names, reading)])
             calls = [
-                (*each, rows, scratch, how) for *each, how in zip(files, names, given, strict=True)
+                (file, name, rows, scratch, how)
+                for file, name, how in zip(files, names, each, strict=True)
             ]
-            found = self.each(stage_of(files, (".npy",)), valued_parts_of_file, calls)
-            return alike([part for parts in found for part in parts])
-        blocks = _blocks(source, rows, every_column=True)
+            found = self.each(stage_of(files, reading), file_chunks, calls)
+            return alike([chunk for chunks in found for chunk in chunks])
+        blocks = _blocks(source, rows, every_column=not reading.is_planar)
         if blocks is None:
-            return in_files(valued_parts(source, rows, scratch, reading, self._copied), scratch)
-        if reading.options:
-            given = ", ".join(reading.options)
-            raise InputError(f"{given}: options of files, and there is no file")
-        return alike(self._spooled(partial(_in_record_file, reading=reading), blocks, scratch))
+            return in_files(source_chunks(source, rows, scratch, reading, self._copied), scratch)
+        check_no_options(reading)
+        return alike(self._spooled(blocks, scratch, reading))
 
-    def _spooled(self, task: Callable[..., Part], blocks: list[Any], scratch: Path) -> list[Any]:
+    def _spooled(self, blocks: list[Any], scratch: Path, reading: Reading) -> list[SourceChunk]:
         """Write blocks to files, each on a worker."""
         write = load("dask", extra="dask").delayed(_tried, pure=False)
         places = [scratch / f"points-{number:05d}.npy" for number in range(len(blocks))]
         tasks = [
-            write(task, block, place, dask_key_name=self._key("spool", number))
+            write(_in_file, block, place, reading, dask_key_name=self._key("spool", number))
             for number, (block, place) in enumerate(zip(blocks, places, strict=True))
         ]
-        found: list[Part] = self._gathered("spool", self._client.compute(tasks))
-        return numbered(found)
+        return [*numbered(self._gathered("spool", self._client.compute(tasks)))]
 
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments, on any worker."""
@@ -385,16 +362,10 @@ def _blocks(source: object, rows: int, *, every_column: bool = False) -> list[An
     return list(whole.rechunk({0: rows, 1: -1} if known else {1: -1}).to_delayed().reshape(-1))
 
 
-def _in_file(block: Any, path: Path) -> Part:
+def _in_file(block: Any, path: Path, reading: Reading) -> SavedChunk:
     """Write a block to a file; only its name goes back, so the block can be released."""
-    points = as_cloud(block).points if hasattr(block, "columns") else block
-    return in_file(points, path, Origin("Dask"))
-
-
-def _in_record_file(block: Any, path: Path, reading: Reading) -> Part:
-    """Write a block to a file, with all its values."""
-    cloud = reading.changed(as_cloud(block))
-    return in_record_file(records_from(cloud), path, schema_of(cloud), Origin("Dask"))
+    records, schema = records_of(block, reading, "Dask")
+    return saved(records, path, schema, Origin("Dask"))
 
 
 def _tried(task: Callable[..., Any], *arguments: Any) -> Any:

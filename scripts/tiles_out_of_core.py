@@ -29,8 +29,10 @@ from process_state import memory
 from liftmesh.tiles.options import Options
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
-from liftmesh.tiles.sources import Origin
+from liftmesh.tiles.schema import PLANAR, Schema, records_of_points
+from liftmesh.tiles.source_chunks import Origin
 from liftmesh.tiles.store import save_array
+from liftmesh.tiles.tiled import open_tiled
 
 _CHUNK = 1_000_000
 
@@ -42,15 +44,26 @@ class Generated:
     number: int
     rows: int
     place: None = None
+    schema: Schema = PLANAR
 
     @property
     def origin(self) -> Origin:
         """The first row."""
         return Origin("generated", row=self.number * _CHUNK)
 
-    def read(self) -> Points:
+    def records(self) -> Points:
         """Make the rows: the same each time, whatever chunks came before."""
-        return np.random.default_rng((SEED, self.number)).random((self.rows, 2))
+        points = np.random.default_rng((SEED, self.number)).random((self.rows, 2))
+        return records_of_points(points, PLANAR, "generated")
+
+
+class Generator(Serial):
+    """Works on generated chunks, whatever the source."""
+
+    def chunks(self, source: Any, *_: Any) -> list[Any]:
+        """Cut the number of rows into chunks."""
+        begins = range(0, source, _CHUNK)
+        return [Generated(k, min(_CHUNK, source - begin)) for k, begin in enumerate(begins)]
 
 
 def main() -> None:
@@ -74,14 +87,13 @@ def hashed(n: int, tile_rows: int, folder: str | None) -> str:
         sums = sums + mark_of(triangles)
         return save_array(path, triangles[:0])
 
-    parts = [Generated(i, min(_CHUNK, n - i * _CHUNK)) for i in range(-(-n // _CHUNK))]
     begin, before = perf_counter(), process_time()
     with (
         TemporaryDirectory(dir=folder) as place,
         patch("liftmesh.tiles.stages.save_shard", hash_shard),
     ):
         options = Options.checked(place, tile_rows, None, "error", True, "npy", False)
-        found = triangulated(None, options, Serial(1), cut=lambda *_: [*parts])
+        found = open_tiled(triangulated(n, options, Generator(1)))
     mark = "".join(f"{each:016x}" for each in sums)
     print(
         f"{n:,} rows in {found.manifest['merges']['tiles']:,} tiles: {found.nsimplex:,} triangles, "

@@ -11,7 +11,7 @@ from commands import liftmesh as run
 
 import liftmesh
 from liftmesh._typing import Floats
-from liftmesh.paper.pictures import adaptive
+from liftmesh.paper.pictures import anisotropic
 
 
 def loss(points: Floats, kept: list[int]) -> float:
@@ -68,7 +68,7 @@ def test_level_ground_keeps_rows_everywhere() -> None:
 
 
 def test_triangles_along_an_edge_are_long_and_thin() -> None:
-    points = adaptive.thinned_image()
+    points = anisotropic.thinned_image()
     surface = liftmesh.triangulate(points)
     a, b, c = np.moveaxis(points[surface.faces], 1, 0)
     sides = np.stack([np.hypot(*(p - q)[:, :2].T) for p, q in ((a, b), (b, c), (c, a))])

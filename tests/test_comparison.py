@@ -14,10 +14,13 @@ import trimesh
 from clouds import FAMILIES
 
 import liftmesh
-from liftmesh.comparison.background import interruptible
-from liftmesh.comparison.cells import find_cells
-from liftmesh.comparison.differences import find_differences
-from liftmesh.comparison.matching import first_of_each, match_triangles
+from liftmesh.comparison.differences import (
+    find_cells,
+    find_differences,
+    first_of_each,
+    match_triangles,
+)
+from liftmesh.comparison.hull import interruptible
 from liftmesh.comparison.proofs import confirm, refute
 from liftmesh.planar.lifting import lift
 

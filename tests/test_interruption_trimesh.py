@@ -28,13 +28,7 @@ def saved(kind: str) -> bytes:
     return stream.getvalue()
 
 
-def reading(kind: str) -> Callable[[], object]:
-    data = saved(kind)
-    return lambda: liftmesh.read(io.BytesIO(data), format=kind)
-
-
 WITH_TRIMESH: dict[str, Callable[[], object]] = {
-    **{f"read {kind}": reading(kind) for kind in ("glb", "gltf")},
     **{f"write {kind}": lambda kind=kind: saved(kind) for kind in ("glb", "gltf")},
     "to_trimesh": MESH.to_trimesh,
     "as_cloud": lambda: liftmesh.as_cloud(trimesh.Scene(trimesh.creation.box())),

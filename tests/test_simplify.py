@@ -64,11 +64,11 @@ def test_no_point_is_beyond_the_bound(made: object, bound: float, prune: bool) -
         np.arange(len(points)), liftmesh.triangulate(points, duplicates="highest").report.left_out
     )
     worst = max(distances(found, points[used]))
-    told = found.metadata["simplification"]
+    summary = found.metadata["simplification"]
     assert worst <= Fraction(bound)
-    assert worst <= told["error"]
-    assert told["within"]
-    assert (told["positions"], told["kept"]) == (len(used), len(found.vertices))
+    assert worst <= summary["error"]
+    assert summary["within"]
+    assert (summary["positions"], summary["kept"]) == (len(used), len(found.vertices))
     assert found.triangulation.verify().canonical
 
 
@@ -88,10 +88,10 @@ def test_fewer_points_and_a_surface() -> None:
     found = liftmesh.simplify(surface, max_points=20)
     assert len(found.vertices) == 20
     np.testing.assert_array_equal(points[found.attributes["row"]], found.vertices)
-    told = found.metadata["simplification"]
-    assert not told["within"]
-    assert told["max_error"] is None
-    assert max(distances(found, points)) == pytest.approx(told["error"])
+    summary = found.metadata["simplification"]
+    assert not summary["within"]
+    assert summary["max_error"] is None
+    assert max(distances(found, points)) == pytest.approx(summary["error"])
     both = liftmesh.simplify(surface, max_points=20, max_error=5)
     assert both.metadata["simplification"]["within"]
     assert len(both.vertices) < 20
@@ -217,8 +217,8 @@ def test_the_largest_distance_is_told_where_faces_are_slivers() -> None:
 
 def test_merged_rows_are_told_apart() -> None:
     points = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [0, 0, 7], [2, 2, 0.0]])
-    told = liftmesh.simplify(points, max_error=0).metadata["simplification"]
-    assert (told["merged"], told["error"], told["kept"]) == (7.0, 0.0, 4)
+    summary = liftmesh.simplify(points, max_error=0).metadata["simplification"]
+    assert (summary["merged"], summary["error"], summary["kept"]) == (7.0, 0.0, 4)
     up = liftmesh.simplify(points, max_error=0, duplicates="mean")
     assert up.vertices[:, 2].max() == 3.5
     assert up.metadata["simplification"]["merged"] == 3.5
@@ -284,13 +284,13 @@ def test_products_of_steps_may_leave_the_doubles(exponent: int) -> None:
     places = np.unique(rng.integers(0, 16, (60, 2)), axis=0)
     heights = rng.integers(-100, 100, len(places))
     points = np.column_stack([np.ldexp(places.astype(float), exponent), heights])
-    told = liftmesh.simplify(points, max_error=0).metadata["simplification"]
+    summary = liftmesh.simplify(points, max_error=0).metadata["simplification"]
     expected = liftmesh.simplify(np.column_stack([places, heights]), max_error=0)
-    assert told["kept"] == expected.metadata["simplification"]["kept"]
+    assert summary["kept"] == expected.metadata["simplification"]["kept"]
 
 
 def test_slopes_may_be_less_than_any_double() -> None:
     huge = np.array([[0, 0, 0], [2.0**537, 0, 3.4e-237], [0, 2.0**433, 0], [0, 7.7e14, 8.3e-235]])
     inner = np.array([[1e-251, 1.8e82, 2.2e-289]])
-    told = liftmesh.simplify(np.concatenate([huge, inner]), max_error=2.3e-287)
-    assert told.metadata["simplification"]["error"] <= 2.3e-287
+    summary = liftmesh.simplify(np.concatenate([huge, inner]), max_error=2.3e-287)
+    assert summary.metadata["simplification"]["error"] <= 2.3e-287

@@ -14,10 +14,17 @@ from test_sampling import LATTICE, exactly, family_surface, with_heights
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
-from liftmesh.terrain.raster import owners
+from liftmesh.terrain.raster import scanner
 
 STEPS = st.sampled_from([-1.0, -0.5, 0.0, 0.25, 0.5, 1.0, 2.0])
 QUANTITIES = {"height": "sample", "slope": "slope", "aspect": "aspect"}
+
+
+def owners(surface: liftmesh.Surface, layout: Layout, threads: int | None = None) -> np.ndarray:
+    """The face that each pixel belongs to."""
+    faces = np.empty((layout.rows, layout.columns), np.int32)
+    scanner(surface, layout, threads)(faces[:, :, None], 0)
+    return faces
 
 
 def covering(surface: liftmesh.Surface, rows: int, columns: int, *, turned: bool) -> Layout:

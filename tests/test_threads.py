@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.base.options import Method
-from liftmesh.base.threads import MOST_THREADS, VARIABLE, as_threads
+from liftmesh.base.options import MOST_THREADS, VARIABLE, Method, as_threads
 from liftmesh.errors import DegenerateInputError, InputError
 
 Points = NDArray[np.float64]

@@ -10,7 +10,7 @@ import textwrap
 import begun_threads
 import pytest
 
-from liftmesh.base.threads import VARIABLE
+from liftmesh.base.options import VARIABLE
 
 
 def test_many_small_runs_begin_no_threads(tmp_path):

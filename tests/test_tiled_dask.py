@@ -33,6 +33,7 @@ from liftmesh.errors import (
     MissingDependencyError,
     NonFiniteError,
 )
+from liftmesh.tiles.schema import Reading
 
 POINTS = np.random.default_rng(8).random((24_000, 2))
 TILE_ROWS = 2_000
@@ -390,8 +391,9 @@ def test_blocks_of_dask_are_not_held(client: Client, tmp_path: Path) -> None:
         return block
 
     array = dask.array.random.default_rng(1).random((800_000, 2), chunks=(25_000, 2))
+    blocks = array.map_blocks(tell, meta=np.empty((0, 2)))
     workers = liftmesh.dask._Workers(client, None)
-    parts = workers.parts(array.map_blocks(tell, meta=np.empty((0, 2))), 25_000, tmp_path)
+    parts = workers.chunks(blocks, 25_000, tmp_path, Reading(is_planar=True))
     assert [part.rows for part in parts] == [25_000] * 32
     held = [int(float(line)) for line in (tmp_path / "held").read_text().split()]
     assert max(held) < 2_000_000

@@ -332,7 +332,7 @@ def test_rows_go_when_the_names_of_records_are_on_the_disk(
 
 
 def test_rows_that_are_needed_are_not_removed(tmp_path: Path) -> None:
-    run_context = RunContext(tmp_path, tmp_path, runs=1, groups=Groups(4, 2))
+    run_context = RunContext(tmp_path, tmp_path, chunks=1, groups=Groups(4, 2))
     (tmp_path / "run-00000-01.npy").touch()
     with pytest.raises(RuntimeError, match="rows of group 1 are still needed"):
         release(run_context, 1, [])

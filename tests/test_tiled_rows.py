@@ -22,6 +22,8 @@ from liftmesh.tiles import (
     stages,
 )
 from liftmesh.tiles.options import rows_within
+from liftmesh.tiles.schema import Reading, planar_of
+from liftmesh.tiles.source_chunks import Origin, SourceChunk
 
 TIES = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 
@@ -55,12 +57,17 @@ def test_columns_of_parquet_are_not_rounded(tmp_path: Path) -> None:
     assert (found.nsimplex, found.skipped.tolist()) == (1, [3])
 
 
+def planar_chunks(place: Path, rows: int, scratch: Path) -> list[SourceChunk]:
+    reading = Reading(is_planar=True)
+    return sources.file_chunks(Origin("a"), str(place), rows, scratch, reading)
+
+
 def test_a_large_row_group_is_read_in_batches(tmp_path: Path, monkeypatch) -> None:
     """It is copied to the scratch folder in parts, and the triangles are the same."""
     monkeypatch.setattr(sources, "_GROUP", 100)
     x = [None if row == 450 else int(value) for row, value in enumerate(TIES[:, 0] * 8)]
     place = parquet(tmp_path / "a.parquet", x, TIES[:, 1])
-    parts = sources.parts_of_file(sources.Origin("a"), str(place), 100, tmp_path)
+    parts = planar_chunks(place, 100, tmp_path)
     assert [part.rows for part in parts] == [100] * 6
     assert [part.origin.row for part in parts] == [*range(0, 600, 100)]
     found = liftmesh.tile(place, tmp_path / "out", tile_rows=100, nonfinite="skip")
@@ -74,9 +81,9 @@ def test_a_large_row_group_is_read_in_batches(tmp_path: Path, monkeypatch) -> No
 def test_rows_in_groups_of_one_are_put_together_one_by_one(tmp_path: Path) -> None:
     table = pa.table({"x": TIES[:, 0], "y": TIES[:, 1]})
     pyarrow.parquet.write_table(table, tmp_path / "a.parquet", row_group_size=1)
-    parts = sources.parts_of_file(sources.Origin("a"), str(tmp_path / "a.parquet"), 250, tmp_path)
+    parts = planar_chunks(tmp_path / "a.parquet", 250, tmp_path)
     assert [part.rows for part in parts] == [250, 250, 100]
-    assert np.array_equal(np.concatenate([part.read() for part in parts]), TIES)
+    assert np.array_equal(np.concatenate([planar_of(part.records()) for part in parts]), TIES)
     sizes = Counted(1 for _ in range(5000))
     assert len([*parquet_module._grouped(sizes, 5000)]) == 1
     assert sizes.looks == 0  # each size comes once, and none is looked up again

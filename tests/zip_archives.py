@@ -10,7 +10,7 @@ import zlib
 
 STORED, DEFLATED = zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED
 BZIP2, LZMA = zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA
-METHODS = (STORED, DEFLATED, BZIP2, LZMA)
+METHODS = (STORED, DEFLATED)
 
 LZMA_MODEL = {"id": lzma.FILTER_LZMA1, "lc": 3, "lp": 0, "pb": 2, "dict_size": 1 << 20}
 
@@ -34,7 +34,7 @@ def archive(
     *,
     method: int = STORED,
     name: bytes = b"points.npy",
-    flags: int | None = None,
+    flags: int = 0,
     local: tuple[int, int, int, int] | None = None,
     extra: bytes = b"",
     size: int | None = None,
@@ -44,7 +44,6 @@ def archive(
     ``local`` replaces method, checksum and sizes in the header in front of the data, ``extra`` is
     the extra field there.
     """
-    flags = (2 if method == LZMA else 0) if flags is None else flags
     sums = (zlib.crc32(stated), len(data), len(stated) if size is None else size)
     there, *its_sums = local or (method, *sums)
     head = struct.pack(

@@ -1,4 +1,8 @@
-"""Options and their checks: the values of those with a fixed set, switches, and callbacks."""
+"""Options and their checks: those with a fixed set of values, switches, counts, threads, callbacks.
+
+The command line reads the values of options for its help, so nothing here loads NumPy or the
+kernel.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +13,9 @@ from reprlib import Repr
 from typing import Any, Literal, TypeAlias
 
 from liftmesh.errors import InputError
+
+VARIABLE = "LIFTMESH_NUM_THREADS"
+MOST_THREADS = 1024
 
 _LONGEST = 64  # characters of a value in a message
 _SHORT = 10**15
@@ -48,12 +55,40 @@ def as_switch(name: str, value: object) -> bool:
         raise InputError(f"{name} is {shown(value)}: give True or False") from error
 
 
-def as_count(name: str, value: object, least: int) -> int:
+def as_count(name: str, value: Any, least: int, most: int | None = None) -> int:
     """Convert an option that is a whole number; True does not count as 1."""
     with suppress(TypeError):
-        if not isinstance(value, bool) and (count := operator.index(value)) >= least:  # type: ignore[arg-type]
+        count = least - 1 if isinstance(value, bool) else operator.index(value)
+        if least <= count and (most is None or count <= most):
             return count
-    raise InputError(f"{name} is {shown(value)}: give a whole number from {least}")
+    bounds = f"{least}" if most is None else f"{least} to {most}"
+    raise InputError(f"{name} is {shown(value)}: give a whole number from {bounds}")
+
+
+def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
+    """Return how many threads a run may use, and whether it shares them with other runs."""
+    from liftmesh import _kernel  # noqa: PLC0415 - see above
+
+    if threads is not None:
+        return as_count("threads", threads, 1, MOST_THREADS), False
+    if rows < 2 * _kernel.ROWS_PER_THREAD:
+        return 1, True
+    chosen = os.environ.get(VARIABLE)
+    return (_threads_of(chosen) if chosen else _cores()), True
+
+
+def _threads_of(text: str) -> int:
+    """Read the variable of the environment; messages show its text."""
+    with suppress(ValueError):
+        if 1 <= int(text) <= MOST_THREADS:
+            return int(text)
+    return as_count(VARIABLE, text, 1, MOST_THREADS)  # which raises: no text is a number
+
+
+def _cores() -> int:
+    if hasattr(os, "sched_getaffinity"):
+        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
+    return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux
 
 
 def check_progress(progress: object) -> None:

@@ -114,12 +114,12 @@ def _near(start: Floats, end: Floats, first: Floats, last: Floats) -> tuple[Indi
         tree = shapely.STRtree(shapely.box(*least.T, *most.T))
         segment, edge = tree.query(shapely.box(*low[seen].T, *high[seen].T))
         return seen[segment], edge
-    found = [
+    by_edge = [
         np.flatnonzero((high >= least[k]).all(axis=1) & (low <= most[k]).all(axis=1))
         for k in range(len(first))
     ]
-    edges = np.repeat(np.arange(len(first)), [len(each) for each in found])
-    return np.concatenate(found), edges
+    edges = np.repeat(np.arange(len(first)), [len(each) for each in by_edge])
+    return np.concatenate(by_edge), edges
 
 
 def _moved(sign: Signs, along: Floats) -> Signs:
@@ -138,8 +138,8 @@ def _ties(
     edges = edge[on_edge], *(np.full(np.count_nonzero(on), -1) for on in corner_on)
     corners = np.full(len(edges[0]), -1), edge[corner_on[0]], domain.following[edge[corner_on[1]]]
     named = np.concatenate(of_segments)
-    found = np.stack([np.concatenate(corners), np.concatenate(edges), named, named], axis=1)
-    ties: Indices = np.unique(found, axis=0)
+    rows = np.stack([np.concatenate(corners), np.concatenate(edges), named, named], axis=1)
+    ties: Indices = np.unique(rows, axis=0)
     return ties
 
 
@@ -204,9 +204,9 @@ class _Pairs:
         for k in np.flatnonzero(~(share[1] < _VAGUE)).tolist():
             value[k] = float(self.exact_share_of_edge(k)[0])
         with np.errstate(over="ignore"):
-            found = self.u + value[:, None] * (self.v - self.u)
+            points = self.u + value[:, None] * (self.v - self.u)
         low, high = np.minimum(self.u, self.v), np.maximum(self.u, self.v)
-        inside: Floats = np.clip(found, low, high)
+        inside: Floats = np.clip(points, low, high)
         return inside
 
 
@@ -242,10 +242,10 @@ def cell_at(lines: Traced, domain: Domain, begin: int, end: int, default: int) -
     for place, k in _ways(start + share[:, None] * (end_of - start), domain.corners[begin:end]):
         a, b = as_exact(start[k]), as_exact(end_of[k])
         target = _between(a, b, Fraction(float(share[k])))
-        found = _first_side(start, end_of, place, target)
-        if found is not None:
-            line = int(np.searchsorted(lines.starts, segments[found[0]], side="right")) - 1
-            return int(lines.rows[line, found[1]])
+        side = _first_side(start, end_of, place, target)
+        if side is not None:
+            line = int(np.searchsorted(lines.starts, segments[side[0]], side="right")) - 1
+            return int(lines.rows[line, side[1]])
     return default
 
 

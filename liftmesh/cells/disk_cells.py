@@ -14,13 +14,13 @@ from liftmesh.base.arrays import as_coordinates, read_only
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
-from liftmesh.cells.overlay import overlaid
+from liftmesh.cells.overlay import overlay_cells
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_chord_tolerance
 from liftmesh.disks.graph import as_disks
-from liftmesh.disks.sides import Traced, traced
+from liftmesh.disks.sides import Traced, trace_sides
 from liftmesh.errors import InputError
 
 _MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
@@ -96,7 +96,7 @@ def apollonius_diagram(
         raise InputError("there are no disks: give one at least")
     disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
     graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
-    area = as_domain(domain, graph.centers, system_of(centers))
+    area = as_domain(domain, graph.centers, crs_of(centers))
     bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
     if tolerance is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
@@ -173,9 +173,9 @@ class ApolloniusCells(ClippedCells):
             super().__init__(graph.centers, domain, *clip(dual, domain))
         else:
             self._simplices = graph.simplices
-            self._lines = traced(graph, _box_around(domain, tolerance), tolerance)
+            self._lines = trace_sides(graph, _box_around(domain, tolerance), tolerance)
             default = _nearest(graph, domain)
-            super().__init__(graph.centers, domain, *overlaid(self._lines, domain, default))
+            super().__init__(graph.centers, domain, *overlay_cells(self._lines, domain, default))
         self.duplicates, self.hidden = graph.duplicates, graph.hidden
 
     @property
@@ -191,9 +191,9 @@ class ApolloniusCells(ClippedCells):
         of the domain, 3 another point of an arc.
         """
         edge, other, _ = self._sources.T
-        found = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
-        found[(edge < 0) & (self._vertex < 0)] = _OF_ARC
-        return read_only(found.astype(np.uint8))
+        kinds = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
+        kinds[(edge < 0) & (self._vertex < 0)] = _OF_ARC
+        return read_only(kinds.astype(np.uint8))
 
     @cached_property
     def corner_sources(self) -> Rows:
@@ -205,9 +205,9 @@ class ApolloniusCells(ClippedCells):
         """
         edge, other, beyond = self._sources.T
         own, kinds = rows_of_corners(self).astype(np.int32), self.corner_kinds
-        found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
+        sources = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
         is_vertex, is_crossing, is_arc = (kinds == k for k in (_VERTEX, _CROSSING, _OF_ARC))
-        found[is_vertex] = self._simplices[self._vertex[is_vertex]]
+        sources[is_vertex] = self._simplices[self._vertex[is_vertex]]
         across = other
         if self._lines is not None:
             lines = self._lines
@@ -215,9 +215,9 @@ class ApolloniusCells(ClippedCells):
             across = other.copy()
             across[is_crossing] = lines.rows[line].sum(axis=1) - own[is_crossing]
         crossing = own[is_crossing], across[is_crossing], edge[is_crossing]
-        found[is_crossing] = np.stack(crossing, axis=1)
-        found[is_arc, 0], found[is_arc, 1] = own[is_arc], beyond[is_arc]
-        return read_only(found)
+        sources[is_crossing] = np.stack(crossing, axis=1)
+        sources[is_arc, 0], sources[is_arc, 1] = own[is_arc], beyond[is_arc]
+        return read_only(sources)
 
     @cached_property
     def _vertex(self) -> Rows:

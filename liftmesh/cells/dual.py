@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.base.cloud import Cloud
-from liftmesh.crs.comparison import common_system, system_of
+from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
@@ -26,7 +26,7 @@ from liftmesh.planar.diagram import (
     regions_of,
     rows_without_area,
 )
-from liftmesh.planar.kinds import as_weights, named_values, non_finite_value
+from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values
 from liftmesh.planar.points import rows_of
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
@@ -36,7 +36,7 @@ _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
 
 def sites_of(points: Any, domain: Any = None) -> Any:
     """Return the points of anything, for arrays to be made of."""
-    common_system(system_of(points), system_of(domain))
+    common_system(crs_of(points), crs_of(domain))
     if _is_geometric(points):
         return _coordinates(points)
     if is_table(points):
@@ -101,14 +101,16 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
         raise InputError("there are no points: give one at least")
     values = _values(kind, given, len(planar))
     try:
-        found = delaunay.solve(planar) if kind == "plain" else regular.solve(planar, kind, values)
+        solution = (
+            delaunay.solve(planar) if kind == "plain" else regular.solve(planar, kind, values)
+        )
     except DegenerateInputError:
         return _chained(planar, kind, values)
     except NonFiniteError as error:  # whose remedy is an option that cells have not
         raise _unskippable(error, planar, kind, values) from None
-    triangles = found["simplices"], found["neighbors"]
+    triangles = solution["simplices"], solution["neighbors"]
     diagram = diagram_of(planar, *triangles, values, kind)
-    degenerate = _NO_ROWS if kind == "plain" else _without_area(found, diagram, values, kind)
+    degenerate = _NO_ROWS if kind == "plain" else _without_area(solution, diagram, values, kind)
     if len(degenerate):
         triangles = _without(degenerate, planar, kind, values, triangles[0])
         diagram = diagram_of(planar, *triangles, values, kind)
@@ -119,25 +121,25 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
         *triangles,
         vertices=diagram.vertices,
         simplex_to_vertex=diagram.simplex_to_vertex,
-        duplicates=found["duplicates"],
-        hidden=found.get("hidden", _NO_ROWS),
+        duplicates=solution["duplicates"],
+        hidden=solution.get("hidden", _NO_ROWS),
         degenerate=degenerate,
     )
 
 
-def _without_area(found: dict[str, Any], diagram: Diagram, values: Floats, kind: str) -> Rows:
+def _without_area(solution: dict[str, Any], diagram: Diagram, values: Floats, kind: str) -> Rows:
     """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
-    rows, simplices = len(found["points"]), found["simplices"]
+    rows, simplices = len(solution["points"]), solution["simplices"]
     if len(diagram.vertices) == len(simplices):
         return _NO_ROWS
-    regions = regions_of(rows, simplices, found["neighbors"], diagram.simplex_to_vertex)
+    regions = regions_of(rows, simplices, solution["neighbors"], diagram.simplex_to_vertex)
     ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
     is_vertex = np.zeros(rows, dtype=np.bool_)
     is_vertex[simplices.reshape(-1)] = True
     few = np.flatnonzero(is_vertex & (ridges <= 2))
     if not len(few):
         return _NO_ROWS
-    triangles = found["points"], simplices, found["neighbors"], found["hull"]
+    triangles = solution["points"], simplices, solution["neighbors"], solution["hull"]
     return rows_without_area(LiftedTriangles(*triangles, values, kind))
 
 
@@ -146,8 +148,8 @@ def _without(
 ) -> tuple[Rows, Rows]:
     """Triangulate the vertices but for some; the cells of the others stay as they are."""
     kept = np.setdiff1d(simplices, degenerate).astype(np.int32)
-    found = regular.solve(planar[kept], kind, values[kept])
-    return kept[found["simplices"]], found["neighbors"]
+    solution = regular.solve(planar[kept], kind, values[kept])
+    return kept[solution["simplices"]], solution["neighbors"]
 
 
 def _values(kind: str, given: Any, rows: int) -> Floats:
@@ -164,7 +166,7 @@ def _own(given: Reals) -> Floats:
 def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
     row = error.row
     if np.isfinite(planar[row]).all():
-        return non_finite_value(kind, row, values, skippable=False)
+        return TriangulationKind(kind, values).non_finite(row, skippable=False)
     return non_finite(row, planar[row], skippable=False)
 
 
@@ -225,10 +227,10 @@ class _Line:
 
     def on_hull(self, rows: list[int], hull: list[int]) -> list[int]:
         """Return the rows that are on a segment of the hull, between its ends."""
-        found, place = [], 0
+        between, place = [], 0
         for row in rows:
             if row == hull[place]:
                 place = min(place + 1, len(hull) - 1)
             elif self.height(hull[place - 1], row, hull[place]) == 0:
-                found.append(row)
-        return found
+                between.append(row)
+        return between

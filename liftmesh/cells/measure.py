@@ -118,9 +118,9 @@ class Measure:
     def _integrals(self) -> Floats:
         """Mass, first and second moments of each cell, in pixels from the corner of the box."""
         row, start, end = self._sides
-        found = self._image.integrals(start, end)
+        of_sides = self._image.integrals(start, end)
         count = len(self.cells.points)
-        return np.stack([np.bincount(row, each, minlength=count) for each in found.T], axis=1)
+        return np.stack([np.bincount(row, each, minlength=count) for each in of_sides.T], axis=1)
 
 
 def energy(cells: Cells) -> float:
@@ -237,7 +237,7 @@ class Density:
         begin, step = (start - self.low) / self.pixel, (end - start) / self.pixel
         most = np.minimum(np.abs(step), self.values.shape[::-1]).sum(axis=1) + 4
         blocks = np.unique(np.searchsorted(np.cumsum(most), np.arange(0, most.sum(), _PIECES)))
-        found = np.empty((len(start), count))
+        sums = np.empty((len(start), count))
         for first, last in pairwise([*blocks.tolist(), len(start)]):
             block = slice(first, last)
             side, one, other = self._cut(begin[block], step[block])
@@ -245,8 +245,8 @@ class Density:
                 begin[block][side] + share[:, None] * step[block][side] for share in (one, other)
             )
             for k, each in enumerate(integrand(*ends, other - one)):
-                found[block, k] = np.bincount(side, each, minlength=last - first)
-        return found
+                sums[block, k] = np.bincount(side, each, minlength=last - first)
+        return sums
 
     def _cut(self, begin: Floats, step: Floats) -> tuple[NDArray[np.intp], Floats, Floats]:
         """Cut sides at the lines between pixels: the side of each piece, and its shares of it."""

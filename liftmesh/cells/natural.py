@@ -15,8 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_numbers, as_pairs, check_finite, read_only
-from liftmesh.base.options import counted
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads, counted
 from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
@@ -90,11 +89,11 @@ class NaturalNeighbors:
                 f"{counted(self.rows_in_all, 'row')}"
             )
         count = np.diff(self.indptr)
-        found = np.full((len(count), *held.shape[1:]), np.nan)
+        means = np.full((len(count), *held.shape[1:]), np.nan)
         if len(self.rows):
             products = held[self.rows] * self.weights.reshape(-1, *(1,) * (held.ndim - 1))
-            found[count > 0] = np.add.reduceat(products, self.indptr[:-1][count > 0])
-        return found
+            means[count > 0] = np.add.reduceat(products, self.indptr[:-1][count > 0])
+        return means
 
 
 def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> NaturalNeighbors:
@@ -151,11 +150,11 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
     at = as_pairs(asked if asked is queries else np.asarray(asked)[:, :2]).reshape(-1, 2)
     check_finite(at, skippable=False)
     located = tri._locator  # noqa: SLF001 - made once for all that is asked of it
-    found = located.natural_weights(at, *as_threads(None, len(at)))
-    if found is None:
+    arrays = located.natural_weights(at, *as_threads(None, len(at)))
+    if arrays is None:
         raise InputError(
             "the points are not those that were triangulated: their array has changed since; "
             "triangulate them again, by delaunay(points, copy=True)"
         )
-    starts, rows, weights = (read_only(each) for each in found)
+    starts, rows, weights = (read_only(each) for each in arrays)
     return NaturalNeighbors(starts.view(np.int64), rows, weights, len(tri.points))

@@ -65,56 +65,56 @@ class PolylineCorners(DomainCorners):
         return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
-def overlaid(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
+def overlay_cells(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
     """Clip all cells between polylines to a domain."""
     segment = lines.segments
-    found = crossings(lines.points[segment], lines.points[segment + 1], domain)
-    found = found._replace(segment=segment[found.segment])
-    of_lines, parts = _cut_lines(lines, found, domain)
-    of_domain, border = _cut_domain(lines, found, domain, default, len(of_lines.points))
+    crossed = crossings(lines.points[segment], lines.points[segment + 1], domain)
+    crossed = crossed._replace(segment=segment[crossed.segment])
+    of_lines, parts = _cut_lines(lines, crossed, domain)
+    of_domain, border = _cut_domain(lines, crossed, domain, default, len(of_lines.points))
     stations = _joined(of_lines, of_domain)
     rings = _linked(stations, _together(*parts, border), len(of_lines.points))
     exact = PolylineCorners(domain, lines)
-    line = np.searchsorted(lines.starts, segment[found.ties[:, 2]], side="right") - 1
-    ties = np.concatenate([found.ties[:, :2], lines.rows[line]], axis=1).astype(np.int32)
-    return _as_found(resolve_ties(rings, exact, ties), found), exact
+    line = np.searchsorted(lines.starts, segment[crossed.ties[:, 2]], side="right") - 1
+    ties = np.concatenate([crossed.ties[:, :2], lines.rows[line]], axis=1).astype(np.int32)
+    return _as_found(resolve_ties(rings, exact, ties), crossed), exact
 
 
-def _as_found(rings: Rings, found: Crossings) -> Rings:
+def _as_found(rings: Rings, crossed: Crossings) -> Rings:
     """Round crossings in one way, whether a cell was taken apart or not."""
-    width = int(found.segment.max(initial=0)) + 1
+    width = int(crossed.segment.max(initial=0)) + 1
     edge, segment, _ = rings.sources.astype(np.int64).T
     own = np.flatnonzero((edge >= 0) & (segment >= 0))
-    names = found.edge.astype(np.int64) * width + found.segment
+    names = crossed.edge.astype(np.int64) * width + crossed.segment
     order = np.argsort(names)
     place = order[np.searchsorted(names[order], edge[own] * width + segment[own])]
-    rings.points[own] = found.points[place]
+    rings.points[own] = crossed.points[place]
     return rings
 
 
 def _cut_lines(
-    lines: Traced, found: Crossings, domain: Domain
+    lines: Traced, crossed: Crossings, domain: Domain
 ) -> tuple[_Stations, tuple[_Parts, _Parts]]:
     """Put crossings between the points of polylines, and return the parts inside the domain."""
-    count, before = len(lines.points), found.segment + 1
+    count, before = len(lines.points), crossed.segment + 1
     vertex = int(lines.ends.max(initial=-1)) + 1
     place = np.full(count, -1)
     place[lines.starts[:-1]], place[lines.starts[1:] - 1] = lines.ends.T
     source = np.stack([np.full(count, -1), np.arange(count)], axis=1)
     stations = _Stations(
-        np.insert(lines.points, before, found.points, axis=0),
-        np.insert(source, before, np.stack([found.edge, found.segment], axis=1), axis=0).astype(
+        np.insert(lines.points, before, crossed.points, axis=0),
+        np.insert(source, before, np.stack([crossed.edge, crossed.segment], axis=1), axis=0).astype(
             np.int32
         ),
         np.insert(place, before, vertex + np.arange(len(before))),
     )
-    starts = lines.starts + np.searchsorted(found.segment, lines.starts)
+    starts = lines.starts + np.searchsorted(crossed.segment, lines.starts)
     at = before + np.arange(len(before))  # the station of each crossing
     bounds = np.sort(np.concatenate([starts[:-1], starts[1:] - 1, at]))
     of_bound = np.searchsorted(starts, bounds, side="right") - 1
     within = np.flatnonzero(of_bound[:-1] == of_bound[1:])
     first, last, line_of = bounds[within], bounds[within + 1], of_bound[within]
-    inside = _are_inside(lines, found, domain, (first, last, line_of, at))
+    inside = _are_inside(lines, crossed, domain, (first, last, line_of, at))
     first, last, rows = first[inside], last[inside], lines.rows[line_of[inside]]
     left, right = rows.T
     return stations, (_Parts(left, first, last, right), _Parts(right, last, first, left))
@@ -122,7 +122,7 @@ def _cut_lines(
 
 def _are_inside(
     lines: Traced,
-    found: Crossings,
+    crossed: Crossings,
     domain: Domain,
     pieces: tuple[Integers, Integers, Integers, Integers],
 ) -> Mask:
@@ -133,43 +133,43 @@ def _are_inside(
     number[at] = np.arange(len(at))
     begins, ends = number[first], number[last]
     has_begin, has_end = begins >= 0, ends >= 0
-    inside[has_begin] = found.enters[begins[has_begin]]
+    inside[has_begin] = crossed.enters[begins[has_begin]]
     alone = has_end & ~has_begin
-    inside[alone] = ~found.enters[ends[alone]]
+    inside[alone] = ~crossed.enters[ends[alone]]
     both = has_begin & has_end
-    _check_alternate(found, begins[both], ends[both])
+    _check_alternate(crossed, begins[both], ends[both])
     whole = ~has_begin & ~has_end
     inside[whole] = lies_inside(lines.points[lines.starts[line_of[whole]]], domain)
     return inside
 
 
-def _check_alternate(found: Crossings, begins: Integers, ends: Integers) -> None:
-    wrong = np.flatnonzero(found.enters[begins] == found.enters[ends])
+def _check_alternate(crossed: Crossings, begins: Integers, ends: Integers) -> None:
+    wrong = np.flatnonzero(crossed.enters[begins] == crossed.enters[ends])
     if len(wrong):
-        x, y = found.points[begins[wrong[0]]].tolist()
+        x, y = crossed.points[begins[wrong[0]]].tolist()
         raise InputError(
             f"the rings of the domain cross or overlap at ({x!r}, {y!r}): give a valid polygon"
         )
 
 
 def _cut_domain(
-    lines: Traced, found: Crossings, domain: Domain, default: int, offset: int
+    lines: Traced, crossed: Crossings, domain: Domain, default: int, offset: int
 ) -> tuple[_Stations, _Parts]:
     """Put crossings between the corners of the domain; each part between two is in one cell."""
     vertex = int(lines.ends.max(initial=-1)) + 1
-    line = np.searchsorted(lines.starts, found.segment, side="right") - 1
-    rows = np.where(found.from_left[:, None], lines.rows[line], lines.rows[line, ::-1])
-    order = found.along_edges
-    edges = found.edge[order]
+    line = np.searchsorted(lines.starts, crossed.segment, side="right") - 1
+    rows = np.where(crossed.from_left[:, None], lines.rows[line], lines.rows[line, ::-1])
+    order = crossed.along_edges
+    edges = crossed.edge[order]
     stations: list[Integers] = []  # of a corner its number, of a crossing what is below -1
     cells, firsts, lasts, count = [], [], [], offset
     for ring in range(len(domain.starts) - 1):
         begin, end = domain.starts[ring : ring + 2].tolist()
         own = order[np.searchsorted(edges, begin) : np.searchsorted(edges, end)]
-        chain, at = _around(begin, end, found.edge[own], own)
+        chain, at = _around(begin, end, crossed.edge[own], own)
         if len(own):
             after, before = rows[own, 1], rows[np.roll(own, -1), 0]
-            _check_same(after, before, found.points[own])
+            _check_same(after, before, crossed.points[own])
             cells.append(after)
         else:
             cells.append([cell_at(lines, domain, begin, end, default)])
@@ -180,13 +180,13 @@ def _cut_domain(
     named = np.concatenate(stations)
     is_corner = named >= 0
     crossing, corner = np.where(is_corner, 0, -2 - named), np.where(is_corner, named, 0)
-    if len(found.points):
-        points = np.where(is_corner[:, None], domain.corners[corner], found.points[crossing])
-        source = np.stack([found.edge[crossing], found.segment[crossing]], axis=1)
+    if len(crossed.points):
+        points = np.where(is_corner[:, None], domain.corners[corner], crossed.points[crossing])
+        source = np.stack([crossed.edge[crossing], crossed.segment[crossing]], axis=1)
     else:
         points, source = domain.corners[corner], np.zeros((len(named), 2), dtype=np.int64)
     source[is_corner] = np.stack([named, np.full(len(named), -1)], axis=1)[is_corner]
-    place = vertex + np.where(is_corner, len(found.points) + named, crossing)
+    place = vertex + np.where(is_corner, len(crossed.points) + named, crossing)
     cell = np.concatenate(cells).astype(np.int32)
     parts = _Parts(cell, np.concatenate(firsts), np.concatenate(lasts), np.full_like(cell, -1))
     return _Stations(points, source.astype(np.int32), place), parts

@@ -30,7 +30,7 @@ from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of
 from liftmesh.cells.measure import Density, Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 
@@ -165,7 +165,7 @@ def transport(
     most = as_count("steps", steps, 0)
     share = as_share(tolerance, 1)
     dual = dual_of(sites_of(points, domain))
-    inside = as_domain(domain, dual.points, system_of(points))
+    inside = as_domain(domain, dual.points, crs_of(points))
     _check_apart(dual)
     _check_connected(inside)
     check_extent(inside, dual.points)
@@ -292,8 +292,8 @@ def _newton(
     while state.errors[-1] > tolerance and len(state.damping) < most and not stalled:
         if spread.share > spread.floor and _is_near(state.here, wanted, spread.share):
             spread.lower(_least_spread(state.here, wanted))
-        elif (found := _stepped(state.here, state.weights, wanted, spread.share)) is not None:
-            here, weights, taken = found
+        elif (stepped := _stepped(state.here, state.weights, wanted, spread.share)) is not None:
+            here, weights, taken = stepped
             errors = (*state.errors, _missing(here, wanted, 0.0))
             state = _State(here, weights, errors, (*state.damping, taken))
         else:

@@ -21,10 +21,10 @@ from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact
 from liftmesh.cells.tie_resolution import resolve_ties
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
-from liftmesh.planar.kinds import chosen
+from liftmesh.planar.kinds import weights_or_radii
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
@@ -79,7 +79,7 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
            [2., 2.]])
     """
     dual = dual_of(sites_of(points, domain))
-    return Cells(dual, as_domain(domain, dual.points, system_of(points)))
+    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 
 
 def power_diagram(
@@ -127,9 +127,9 @@ def power_diagram(
     >>> cells.areas, cells.hidden
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
-    return Cells(dual, as_domain(domain, dual.points, system_of(points)))
+    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 
 
 class Cells(ClippedCells):
@@ -211,12 +211,12 @@ class Cells(ClippedCells):
         number, and -1 twice.
         """
         edge, other, _ = self._sources.T
-        found = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
+        sources = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
         is_vertex, is_crossing = self.corner_kinds == 0, self.corner_kinds == 1
-        found[is_vertex] = self._dual.simplices[other[is_vertex]]
+        sources[is_vertex] = self._dual.simplices[other[is_vertex]]
         own = rows_of_corners(self)[is_crossing].astype(np.int32)
-        found[is_crossing] = np.stack([own, other[is_crossing], edge[is_crossing]], axis=1)
-        return read_only(found)
+        sources[is_crossing] = np.stack([own, other[is_crossing], edge[is_crossing]], axis=1)
+        return read_only(sources)
 
     @cached_property
     def unclipped(self) -> Unclipped:
@@ -226,13 +226,13 @@ class Cells(ClippedCells):
 
 def clip(dual: Dual, domain: Domain) -> tuple[Rings, ExactCorners]:
     """Clip all cells to a domain."""
-    found = _kernel.clip(
+    clipped = _kernel.clip(
         dual.points, dual.values, dual.kind, dual.simplices, dual.neighbors,
         dual.simplex_to_vertex, dual.chain, domain.corners, domain.starts,
     )  # fmt: skip
-    if found is None:
+    if clipped is None:
         raise InputError("the rings of the domain cross or overlap: give a valid polygon")
-    sources, points, certain, starts, cells, cut, ties = found
+    sources, points, certain, starts, cells, cut, ties = clipped
     vertex_of, k = dual.simplex_to_vertex, len(points)  # corners from k on are vertices
     points = np.concatenate([points, dual.vertices[vertex_of[sources[k:, 1]]]])
     is_vertex = np.flatnonzero(sources[:k, 0] < 0)
@@ -343,12 +343,12 @@ class Unclipped:
         self.simplices = read_only(dual.simplices)
         self.simplex_to_vertex = read_only(dual.simplex_to_vertex)
         if len(dual.simplices):
-            found = regions_of(
+            regions = regions_of(
                 len(dual.points), dual.simplices, dual.neighbors, dual.simplex_to_vertex
             )
-            self.ridge_points = read_only(found.ridge_points)
-            self.ridge_ends = read_only(found.ridge_ends)
-            region_of, starts, corners = found.region_of, found.starts, found.corners
+            self.ridge_points = read_only(regions.ridge_points)
+            self.ridge_ends = read_only(regions.ridge_ends)
+            region_of, starts, corners = regions.region_of, regions.starts, regions.corners
         else:
             self.ridge_points = read_only(np.stack([dual.chain[:-1], dual.chain[1:]], axis=1))
             self.ridge_ends = read_only(np.full_like(self.ridge_points, -1))

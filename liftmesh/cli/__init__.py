@@ -129,7 +129,7 @@ def _fail(error: BaseException, *, debug: bool) -> int:
     """Print one line about an exception; return the exit code."""
     _name_stdout(error)
     if debug:
-        import traceback  # noqa: PLC0415 - slow, and rarely needed
+        import traceback
 
         with suppress(OSError):  # a full disk, as below
             traceback.print_exc()
@@ -142,9 +142,9 @@ def _fail(error: BaseException, *, debug: bool) -> int:
 def _pop_flag(words: list[str], flag: str) -> bool:
     """Remove a flag anywhere before ``--``; return whether it was given."""
     end = words.index("--") if "--" in words else len(words)
-    found = flag in words[:end]
+    is_given = flag in words[:end]
     words[:end] = [word for word in words[:end] if word != flag]
-    return found
+    return is_given
 
 
 def _expanded(word: str) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,29 +32,22 @@ def run(
     source: options.Source,
     q: Annotated[
         Any,
-        options.option(
+        option(
             "Q",
             "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
             options.vertex,
         ),
     ] = "median",
     lower: Annotated[
-        Path | None,
-        options.option("FILE", "Write liftmesh's lower hull of the lifted points."),
+        Path | None, option("FILE", "Write liftmesh's lower hull of the lifted points.")
     ] = None,
-    hull: Annotated[
-        Path | None, options.option("FILE", "Write trimesh's convex hull of them.")
-    ] = None,
-    proofs: Annotated[
-        int,
-        options.option("N", "Maximum number of proofs to print.", options.whole(0)),
-    ] = 4,
+    hull: Annotated[Path | None, option("FILE", "Write trimesh's convex hull of them.")] = None,
+    proofs: Annotated[int, option("N", "Maximum number of proofs to print.", whole(0))] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -61,7 +55,7 @@ def run(
     outputs.check_stdout()
     outputs.check_target(lower)
     outputs.check_target(hull)
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
         result = _compare(cloud, q=q, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs)
@@ -79,7 +73,7 @@ def run(
 
 
 def _compare(cloud: Cloud, **choices: Any) -> Comparison:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     with terminal.stage(f"comparing {len(cloud):,} rows with trimesh's convex hull"):
         return liftmesh.compare(cloud, **choices)

@@ -32,16 +32,15 @@ def run(
     ],
     source_format: options.SourceFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary."""
     outputs.check_stdout()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
-    from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
+    from liftmesh.cli.summary import summarise
 
     with terminal.stage(f"summarising {len(cloud):,} rows"):
         summary = summarise(cloud)
@@ -78,13 +77,13 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
 
 def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
-    from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.description import parse_crs
 
-    found = described(crs)
-    if found is None:
+    system = parse_crs(crs)
+    if system is None:
         return crs
-    number = f"{crs}, " if len(crs) < len(found.name) + _SHORT else ""
-    return f"{number}{found.name} ({found.kind})"
+    number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""
+    return f"{number}{system.name} ({system.kind})"
 
 
 def _samples(raster: dict[str, Any]) -> str:

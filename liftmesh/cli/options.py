@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import Duplicates as Policy, NonFinite, as_count
+from liftmesh.base.options import VARIABLE, Duplicates as Policy, NonFinite, as_count, as_threads
 from liftmesh.cli.wording import as_on_command_line
 from liftmesh.errors import InputError
 
@@ -187,8 +187,8 @@ def classes(text: str) -> str | list[int]:
 
 def size(text: str) -> int:
     """Parse a number of bytes."""
-    found = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
-    value = 0 if found is None else int(found[1]) * 1000 ** " KMGT".index(found[2].upper() or " ")
+    match = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
+    value = 0 if match is None else int(match[1]) * 1000 ** " KMGT".index(match[2].upper() or " ")
     if not value:
         raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
     return value
@@ -204,15 +204,12 @@ def threads(text: str) -> int:
 def checked_threads(value: int | None) -> int | None:
     """Check the number of threads that the environment gives, where no option does."""
     if value is None:
-        from liftmesh.base.threads import VARIABLE  # noqa: PLC0415 - as below
-
         _check_threads(None, VARIABLE, VARIABLE)
     return value
 
 
 def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
-    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
-    from liftmesh.base.threads import as_threads  # noqa: PLC0415 - as above
+    from liftmesh.base.arrays import MOST_ROWS
 
     with _refusing(name, hint):
         as_threads(value, MOST_ROWS)
@@ -220,7 +217,7 @@ def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
 
 def color_depth(text: str) -> int:
     """Parse a number of bits of a channel."""
-    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.colors import DEPTHS
 
     depth = _digits(text)
     if depth not in DEPTHS:
@@ -233,7 +230,7 @@ def metric(text: str) -> Any:
     values = _exactly(3, text)
     if values is None:
         raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+    from liftmesh.planar.kinds import as_metric
 
     a, b, c = values
     with _refusing("metric"):
@@ -270,7 +267,7 @@ def plane(text: str) -> ProjectionPlane:
 
 def _matrix(path: Path, text: str) -> Any:
     """Read a 4x4 matrix from a text or .npy file."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
     if not path.is_file():
         raise WrongValue(
@@ -287,7 +284,7 @@ def _matrix(path: Path, text: str) -> Any:
 
 
 def _read_npy(path: Path) -> Any:
-    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
+    from liftmesh.io.formats.numpy_arrays import read_array
 
     with path.open("rb") as stream:
         return read_array(stream, path.name)
@@ -313,22 +310,20 @@ def _float(text: str) -> float:
 def _exactly(length: int, text: str) -> tuple[float, ...] | None:
     """Parse so many numbers separated by commas; None if the text is something else."""
     try:
-        found = tuple(float(part) for part in text.split(","))
+        numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
         return None
-    return found if len(found) == length else None
+    return numbers if len(numbers) == length else None
 
 
 Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
+    str | None, option("FORMAT", "Format of the input, instead of its suffix.", name="--from")
 ]
 TargetFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
+    str | None, option("FORMAT", "Format of OUT, instead of its suffix.", name="--format")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -341,8 +336,7 @@ Plane: TypeAlias = Annotated[
     ),
 ]
 Duplicates: TypeAlias = Annotated[
-    Policy,
-    typer.Option(help="Which of several rows at one planar position is used as the vertex."),
+    Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
@@ -382,15 +376,12 @@ Weights: TypeAlias = Annotated[
     ),
 ]
 Radii: TypeAlias = Annotated[
-    str | None,
-    option("COLUMN", "The same with radii, whose squares are weights."),
+    str | None, option("COLUMN", "The same with radii, whose squares are weights.")
 ]
 Metric: TypeAlias = Annotated[
     Any,
     option(
-        "A,B,C",
-        "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
-        metric,
+        "A,B,C", "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.", metric
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
@@ -398,7 +389,7 @@ Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON ob
 
 def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
     """Return the option that says by what points are lifted, of which there may be one."""
-    found = given(weights=weights, radii=radii, metric=metric)
-    if len(found) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(found)} are given: give one of them")
-    return found
+    chosen = given(weights=weights, radii=radii, metric=metric)
+    if len(chosen) > 1:
+        raise typer.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
+    return chosen

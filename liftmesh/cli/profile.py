@@ -10,6 +10,7 @@ import typer
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def run(
     ],
     along: Annotated[
         list[str],
-        options.option(
+        option(
             "FILE|X,Y",
             "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",
@@ -72,15 +73,15 @@ def run(
     if path is not None:
         lines = _lines(path, corners_table, source, surface, max_bytes)
     with terminal.stage(f"draping {counted(len(lines), 'line')}"):
-        found = _draped(surface, lines, along)
+        draped = _draped(surface, lines, along)
     if is_shapes:
         with terminal.stage(f"writing {target.name}"):
-            written: Path | None = found.save(target)
+            written: Path | None = draped.save(target)
     else:
-        name = outputs.write(target, found.as_cloud(), target_format).path
+        name = outputs.write(target, draped.as_cloud(), target_format).path
         written = None if name is None else Path(name)
     with outputs.report_after(target):
-        _say(written, found, lines, surface, as_json=json)
+        _say(written, draped, lines, surface, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -108,7 +109,7 @@ def _pair(word: str) -> list[float] | None:
 def _check_shapes(target: Path) -> None:
     """Raise before the work starts if a file of lines cannot be written."""
     if target.suffix.lower() == ".gpkg":
-        from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
+        from liftmesh.optional import load
 
         load("geopandas", extra="shapes")
     outputs.check_place(target)
@@ -118,8 +119,8 @@ def _lines(
     path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
 ) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
-    from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system
+    from liftmesh.vector.lines import lines_of
 
     crs = plane_system(surface)
     if table.are_shapes(path):
@@ -131,7 +132,7 @@ def _lines(
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
-    from liftmesh.terrain.profile import drape  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import drape
 
     try:
         return drape(surface, lines)
@@ -147,20 +148,20 @@ def _length(lines: list[Any]) -> float:
 
 
 def _say(
-    path: Path | None, found: Draped, given: list[Any], surface: Surface, *, as_json: bool
+    path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import unit_names
 
     plane, upright = unit_names(surface)
-    length, heights = float(found.lengths.sum()), found.points[:, 2]
+    length, heights = float(draped.lengths.sum()), draped.points[:, 2]
     lines, whole = len(given), _length(given)
     if as_json:
         terminal.as_json(
             {
                 "path": str(path or "-"),
                 "lines": lines,
-                "parts": len(found.lines),
+                "parts": len(draped.lines),
                 "points": len(heights),
                 "length": length,
                 "length_of_lines": whole,
@@ -175,7 +176,7 @@ def _say(
     if whole - length > _ROUNDING * whole:
         terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
     terminal.sentence(
-        f"{path or 'stdout'}: {len(heights):,} points in {counted(len(found.lines), 'part')} of "
+        f"{path or 'stdout'}: {len(heights):,} points in {counted(len(draped.lines), 'part')} of "
         f"{counted(lines, 'line')}, "
         f"{length:,.10g} {plane or '(unit unknown)'} long, heights from {heights.min():.10g} to "
         f"{heights.max():.10g} {upright or '(unit unknown)'}",

@@ -10,7 +10,7 @@ import typer
 
 from liftmesh.base.options import SampleMethod
 from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -38,8 +38,7 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
-        Path,
-        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
+        Path, option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage.")
     ],
     *,
     points: Points,
@@ -49,8 +48,7 @@ def run(
     target_format: options.TargetFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
@@ -58,13 +56,13 @@ def run(
     if json:
         outputs.check_stdout()
     outputs.check_target(target, target_format)
-    rows = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    rows = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        found, known = _sampled(surface, asked, method, threads)
-    path = _write(target, found, target_format)
+        sampled, known = _sampled(surface, asked, method, threads)
+    path = _write(target, sampled, target_format)
     with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
@@ -80,7 +78,7 @@ def _asked(
     """Read the points, which have to be in the system of the surface."""
     if is_stream(at) or not points.are_shapes(at):
         return points.read(at, source, own, max_bytes, flat=None)
-    from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.vector.points import points_of
 
     with terminal.stage(f"reading {at.name}"):
         asked = points_of(at, own)
@@ -93,17 +91,17 @@ def _sampled(
     surface: Any, asked: Any, method: SampleMethod, threads: int | None
 ) -> tuple[Any, int]:
     """Return the points with heights as z, and how many have one."""
-    from dataclasses import replace  # noqa: PLC0415 - help and --version do without
+    from dataclasses import replace
 
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
-    options = {**own, **asked.attributes}
+    attributes = {**own, **asked.attributes}
     crs = asked.crs or surface.crs
-    found = replace(asked, points=points, attributes=options, faces=None, crs=crs)
-    return found, int(np.count_nonzero(np.isfinite(heights)))
+    sampled = replace(asked, points=points, attributes=attributes, faces=None, crs=crs)
+    return sampled, int(np.count_nonzero(np.isfinite(heights)))
 
 
 class _EmptyFields:
@@ -117,19 +115,19 @@ class _EmptyFields:
         return False
 
     def write(self, lines: bytes) -> int:
-        options = lines
+        values = lines
         if self._is_amid_names:
-            names, end, options = bytes(lines).partition(b"\n")
+            names, end, values = bytes(lines).partition(b"\n")
             self._is_amid_names = not end
             self._stream.write(names + end)
-        self._stream.write(_NAN.sub(b"", options))
+        self._stream.write(_NAN.sub(b"", values))
         return len(lines)
 
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io import write
+    from liftmesh.io.streams import suffix_of
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:

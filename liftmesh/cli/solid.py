@@ -9,6 +9,7 @@ import typer
 
 from liftmesh.base.options import Pinched
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,25 +32,16 @@ EXAMPLES = [
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
-    base: Annotated[
-        float | None,
-        options.option("HEIGHT", "The height of a flat base.", options.number),
-    ] = None,
+    base: Annotated[float | None, option("HEIGHT", "The height of a flat base.", number)] = None,
     thickness: Annotated[
-        float | None,
-        options.option(
-            "HEIGHT", "The base is the surface itself, so much lower.", options.positive
-        ),
+        float | None, option("HEIGHT", "The base is the surface itself, so much lower.", positive)
     ] = None,
     longest: Annotated[
         float | None,
-        options.option(
-            "MM", "Scale the longer of width and depth to so many millimetres.", options.positive
-        ),
+        option("MM", "Scale the longer of width and depth to so many millimetres.", positive),
     ] = None,
     z_factor: Annotated[
-        float | None,
-        options.option("FACTOR", "With --longest: multiply heights by this.", options.positive),
+        float | None, option("FACTOR", "With --longest: multiply heights by this.", positive)
     ] = None,
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
@@ -71,50 +63,50 @@ def run(
     if longest is not None:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
-        found = surface.solid(
+        solid = surface.solid(
             base=base, thickness=thickness, longest=longest, z_factor=z_factor, pinched=pinched
         )
-    written = outputs.write(target, found, target_format, writing)
-    _say(written, found, _left_out(surface, found), notes.provenance(surface), as_json=json)
+    written = outputs.write(target, solid, target_format, writing)
+    _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
 
 
-def _left_out(surface: Surface, found: Cloud) -> list[str]:
+def _left_out(surface: Surface, solid: Cloud) -> list[str]:
     """Name what a surface has, and no solid of it."""
-    options: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
-    if found.crs is None:
-        options["crs"] = surface.crs  # of a solid that is scaled
-    return [*(name for name in options if options[name] is not None), *sorted(surface.attributes)]
+    values: dict[str, Any] = {"colors": surface.colors, "normals": surface.normals}
+    if solid.crs is None:
+        values["crs"] = surface.crs  # of a solid that is scaled
+    return [*(name for name in values if values[name] is not None), *sorted(surface.attributes)]
 
 
 def _say(
     written: Written,
-    found: Cloud,
+    solid: Cloud,
     left_out: list[str],
     rows_of: dict[str, Any],
     *,
     as_json: bool,
 ) -> None:
-    faces = 0 if found.faces is None else len(found.faces)
-    size = (found.points.max(axis=0) - found.points.min(axis=0)).tolist()
+    faces = 0 if solid.faces is None else len(solid.faces)
+    size = (solid.points.max(axis=0) - solid.points.min(axis=0)).tolist()
     if as_json:
-        volume = {"triangles": faces, "volume": _volume(found), "size": size}
+        volume = {"triangles": faces, "volume": _volume(solid), "size": size}
         volume |= rows_of
         dropped = {"dropped": [*left_out, *written.dropped]}
         terminal.as_json({**outputs.as_values(written), **dropped, **volume})
         return
     width, depth, height = (f"{each:.6g}" for each in size)
-    measures = f"volume {_volume(found):,.10g}, size {width} x {depth} x {height}"
+    measures = f"volume {_volume(solid):,.10g}, size {width} x {depth} x {height}"
     content = f"{faces:,} triangles, {measures}"
     lost = f"; a solid does not keep {notes.listed(left_out)}" if left_out else ""
     terminal.sentence(outputs.headline(written, content) + lost, "good")
 
 
-def _volume(found: Cloud) -> float:
+def _volume(solid: Cloud) -> float:
     """Return the volume inside the faces: a sixth of the determinants of their corners."""
-    import math  # noqa: PLC0415 - help and --version do without
+    import math
 
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
-    corners = (found.points - found.points.min(axis=0))[found.faces]
+    corners = (solid.points - solid.points.min(axis=0))[solid.faces]
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     return math.fsum(parts.tolist()) / 6

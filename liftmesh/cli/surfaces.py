@@ -10,13 +10,14 @@ import typer
 
 from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import inputs, options, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
     from liftmesh.terrain.surface import Surface
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import TiledSurface
 
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides
@@ -31,8 +32,7 @@ Source: TypeAlias = Annotated[
 
 def _trimming(
     max_edge: Annotated[
-        float | None,
-        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
+        float | None, option("LENGTH", "Leave out faces with a side that is longer.", positive)
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -43,15 +43,13 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        options.option(
-            "RADIUS",
-            "Leave out faces whose circumcircle is larger: the alpha shape.",
-            options.positive,
+        option(
+            "RADIUS", "Leave out faces whose circumcircle is larger: the alpha shape.", positive
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
+        option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
@@ -59,8 +57,8 @@ def _trimming(
         raise typer.BadParameter("--boundary-only needs --max-edge")
     if polygon is not None:
         polygon.open("rb").close()
-    found = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
-    return found | options.given(polygon=polygon)
+    trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
+    return trimming | options.given(polygon=polygon)
 
 
 Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
@@ -89,12 +87,11 @@ def _reading(
     *,
     trimming: Trimming,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
-    rows = options.given(format=source_format, max_bytes=max_bytes)
-    return SurfaceOptions({**table, **selection, **rows}, plane.value, nonfinite, threads, trimming)
+    rows = rows | options.given(format=source_format, max_bytes=max_bytes)
+    return SurfaceOptions(rows, plane.value, nonfinite, threads, trimming)
 
 
 Reading: TypeAlias = Annotated[SurfaceOptions, options.Group(_reading)]
@@ -107,7 +104,7 @@ def read(source: Path, reading: SurfaceOptions) -> Surface:
 
 def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
     """Read a surface without trimming it."""
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     cloud = inputs.read_rows([source], reading.rows)
     choices = {"plane": reading.plane, "threads": reading.threads}
@@ -127,7 +124,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
     """Open a folder that ``liftmesh tile --surface`` has written."""
-    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.tiled import open_tiled
 
     of_files = {"format", "max_bytes"}
     given = [*reading.trimming]
@@ -139,12 +136,12 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     if given:
         name = f"--{given[0].lstrip('-').replace('_', '-')}"
         raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
-    found = open_tiled(source)
-    if "surface" not in found.manifest:
+    tiled = open_tiled(source)
+    if "surface" not in tiled.manifest:
         raise InputError(
             f"{source} holds triangles without heights: tile the source with --surface"
         )
-    return found  # type: ignore[return-value]  # the manifest says so
+    return tiled  # type: ignore[return-value]  # the manifest says so
 
 
 def _note_overhangs(source: Path, count: int) -> None:
@@ -158,7 +155,7 @@ def _note_overhangs(source: Path, count: int) -> None:
 
 def note_slivers(source: Path, surface: Surface) -> None:
     """Say on stderr how many faces are far longer than others, as between the corners of a hull."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
     points, faces = surface.triangulation.points, surface.faces
     if not len(faces):
@@ -176,7 +173,7 @@ def note_slivers(source: Path, surface: Surface) -> None:
 
 def _sides(points: Array, faces: Array) -> Array:
     """Return the lengths of the three sides of each face in the plane."""
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     corners = points[faces, :2]
     sides = corners - np.roll(corners, 1, axis=1)
@@ -186,7 +183,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
     """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees."""
-    from liftmesh.terrain.units import metres_of, steepness  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.units import metres_of, steepness
 
     steepness(surface, factor)
     if factor is None and metres_of(surface) is None:

@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.base.options import CellRow
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, positive, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -25,19 +26,13 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 
 
 def _thinning(
-    random: Annotated[
-        int | None,
-        options.option("N", "Thin: n rows, chosen at random.", options.whole(1)),
-    ] = None,
+    random: Annotated[int | None, option("N", "Thin: n rows, chosen at random.", whole(1))] = None,
     seed: Annotated[
         int | None,
-        options.option(
-            "N", "Of --random, 0 by default; the same rows on every machine.", options.whole(0)
-        ),
+        option("N", "Of --random, 0 by default; the same rows on every machine.", whole(0)),
     ] = None,
     cell: Annotated[
-        float | None,
-        options.option("SIZE", "Thin: one row of each square of this size.", options.positive),
+        float | None, option("SIZE", "Thin: one row of each square of this size.", positive)
     ] = None,
     keep: Annotated[
         CellRow | None,
@@ -45,29 +40,26 @@ def _thinning(
     ] = None,
     distance: Annotated[
         float | None,
-        options.option(
+        option(
             "D",
             "Thin: rows of which no two are nearer to each other in the plane.",
-            options.positive,
+            positive,
             name="--min-distance",
         ),
     ] = None,
     adaptive: Annotated[
-        int | None,
-        options.option(
-            "N", "Thin: the n rows without which a surface loses most.", options.whole(3)
-        ),
+        int | None, option("N", "Thin: the n rows without which a surface loses most.", whole(3))
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    found = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
-    if len(found) > 1:
+    thinning = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
+    if len(thinning) > 1:
         raise typer.BadParameter(_WAYS)
     if seed is not None and random is None:
         raise typer.BadParameter("--seed is of --random only: give both, or neither")
     if keep is not None and cell is None:
         raise typer.BadParameter("--keep is of --cell only: give both, or neither")
-    return found | options.given(seed=seed, keep=keep)
+    return thinning | options.given(seed=seed, keep=keep)
 
 
 Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
@@ -83,8 +75,7 @@ def run(
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     thin: Thinning,
     max_bytes: options.MaxBytes = None,
     color_depth: options.ColorDepth = None,
@@ -92,14 +83,14 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
-    if not thin and "every" not in selection:
+    if not thin and "every" not in rows:
         raise typer.BadParameter(f"{_WAYS}, or --every")
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     cloud = inputs.read_rows(sources, reading, of_surface=False)
     with inputs.about_rows(sources, cloud):
@@ -123,11 +114,11 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     """Thin a cloud, and say on stderr how many rows stay."""
     if not thinning:
         return cloud
-    from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.thinning import thin
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
-        found = thin(cloud, **thinning)
-    told = found.metadata["thinning"].items()
+        kept = thin(cloud, **thinning)
+    told = kept.metadata["thinning"].items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
-    terminal.note(f"thinned to {len(found):,} of {len(cloud):,} rows: {how}")
-    return found
+    terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
+    return kept

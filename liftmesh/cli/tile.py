@@ -13,6 +13,7 @@ import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
@@ -37,8 +38,7 @@ SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text."),
+        list[Path], typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text.")
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
     surface: Annotated[
@@ -53,25 +53,20 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        options.option(
-            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
-        ),
+        option("SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size),
     ] = None,
     tile_rows: Annotated[
-        int | None,
-        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
+        int | None, option("N", "Rows of a tile, in place of --memory.", whole(16))
     ] = None,
     workers: Annotated[
-        int | None,
-        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
+        int | None, option("N", "Processes, run by Dask; by default this one alone.", whole(1))
     ] = None,
     scheduler: Annotated[
-        str | None,
-        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
+        str | None, option("ADDRESS", "Scheduler of Dask whose workers do the work.")
     ] = None,
     scratch: Annotated[
         Path | None,
-        options.option(
+        option(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
@@ -87,46 +82,44 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
     outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    reading = {**table, **selection}
-    if not surface and (duplicates or reading):
-        given = "--duplicates" if duplicates else of_reading(next(iter(reading)))
+    if not surface and (duplicates or rows):
+        given = "--duplicates" if duplicates else of_reading(next(iter(rows)))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
-    from liftmesh.tiles.options import (  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.options import (
         ROW_BYTES,
         SURFACE_ROW_BYTES,
         rows_within,
     )
 
     row_bytes = SURFACE_ROW_BYTES if surface else ROW_BYTES
-    rows: Any = "auto" if tile_rows is None else tile_rows
+    rows_of_tile: Any = "auto" if tile_rows is None else tile_rows
     if memory is not None:
         with options.as_usage():
-            rows = rows_within(memory, row_bytes=row_bytes)
-    common = {"tile_rows": rows, "scratch": scratch, "nonfinite": nonfinite, "resume": not anew}
-    common |= {"shards": shards, "neighbors": neighbors}
+            rows_of_tile = rows_within(memory, row_bytes=row_bytes)
+    common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
+    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **reading}
+        common |= {"duplicates": duplicates or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
         by_dask = workers is not None or scheduler is not None
         make = _maker(surface=surface, by_dask=by_dask)
         if not by_dask:
-            found = make(paths, out, threads=threads, **common)
+            tiled = make(paths, out, threads=threads, **common)
         else:
             with _client(workers, scheduler, memory) as client:
-                found = make(paths, out, client=client, **common)
-    _say(found, json=json)
+                tiled = make(paths, out, client=client, **common)
+    _say(tiled, json=json)
 
 
 @contextmanager
@@ -160,18 +153,18 @@ def _check_options(
 def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
     """Return what does the work, in this process or on the workers of Dask."""
     if by_dask:
-        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
+        from liftmesh.dask import delaunay, triangulate
 
         return triangulate if surface else delaunay
-    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
+    from liftmesh.tiles.build import tile, tile_surface
 
     return tile_surface if surface else tile
 
 
 @contextmanager
 def _client(workers: int | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
-    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.dask import local_cluster
+    from liftmesh.optional import load
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")
@@ -193,7 +186,7 @@ def _client(workers: int | None, scheduler: str | None, limit: int | None) -> It
 
 def _check_address(text: str) -> None:
     """Raise unless it is an address that a process may connect to."""
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.optional import load
 
     addressing = load("distributed.comm.addressing", extra="dask")
     protocols = {*load("distributed.comm.registry", extra="dask").backends} - {"inproc"}
@@ -208,23 +201,23 @@ def _check_address(text: str) -> None:
         )
 
 
-def _say(found: Tiled, *, json: bool) -> None:
-    counts = {name: found.manifest[name] for name in SHOWN}
-    if "surface" in found.manifest:
-        counts["overhangs"] = found.manifest["surface"]["overhangs"]
+def _say(tiled: Tiled, *, json: bool) -> None:
+    counts = {name: tiled.manifest[name] for name in SHOWN}
+    if "surface" in tiled.manifest:
+        counts["overhangs"] = tiled.manifest["surface"]["overhangs"]
         counts["duplicates"] -= counts["overhangs"]
-    classes: dict[int, int] = getattr(found, "classes", {})
+    classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(found.directory), **counts, "classes": classes}
-        terminal.as_json({**said, "merges": dict(found.manifest["merges"])})
+        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
-    merges = found.manifest["merges"]
+    merges = tiled.manifest["merges"]
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(found.shards):,} in {found.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
         ]
     )

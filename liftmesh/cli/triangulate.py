@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.base.options import GroundMethod, Method
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
 from liftmesh.errors import InputError
 
@@ -55,13 +56,11 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        options.option(
-            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
-        ),
+        option("METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", positive),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        options.option(
+        option(
             "N",
             "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
             _rigidness,
@@ -69,19 +68,17 @@ def _ground(
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        options.option(
-            "METRES",
-            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
-            options.positive,
+        option(
+            "METRES", "Of --ground: rows nearer to the cloth are ground; default: 0.5.", positive
         ),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
-    found = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
-    found |= options.given(rigidness=cloth_rigidness)
-    if found and ground is None:
-        raise typer.BadParameter(f"--cloth-{next(iter(found))} is an option of --ground csf")
-    return {} if ground is None else {"method": ground, **found}
+    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
+    choices |= options.given(rigidness=cloth_rigidness)
+    if choices and ground is None:
+        raise typer.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
+    return {} if ground is None else {"method": ground, **choices}
 
 
 Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
@@ -98,12 +95,11 @@ def run(
     duplicates: options.Duplicates = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
-        Method,
-        typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow."),
+        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
     ] = "auto",
     q: Annotated[
         Any,
-        options.option(
+        option(
             "Q",
             "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
             options.vertex,
@@ -117,8 +113,7 @@ def run(
     trimming: surfaces.Trimming,
     target_format: options.TargetFormat = None,
     threads: options.Threads = None,
-    table: inputs.Table,
-    selection: inputs.Selection,
+    rows: inputs.RowOptions,
     ground: Ground,
     thin: Thinning,
     writing: outputs.Writing,
@@ -133,11 +128,11 @@ def run(
     inputs.check_once(sources)
     outputs.check_target(target, target_format, writing)
     start = perf_counter()
-    reading = {**table, **selection, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
-        cloud = _classified(cloud, ground, selection.get("classes", _GROUND))
+        cloud = _classified(cloud, ground, rows.get("classes", _GROUND))
     else:
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
@@ -165,18 +160,18 @@ def run(
 
 def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found."""
-    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
-    from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
+    from liftmesh.io.selection import Selector, selected, validate_selection
+    from liftmesh.terrain.ground import bare_warning, classify_ground
 
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
         try:
             with inputs.without_warnings():
-                found = classify_ground(cloud, **ground)
+                classified = classify_ground(cloud, **ground)
         except InputError as error:
             said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
             raise
-    counts = found.metadata["ground"]
+    counts = classified.metadata["ground"]
     if not counts["ground"]:
         raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
@@ -189,22 +184,24 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
         terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
     chosen = validate_selection(classes=classes)
-    found = found if chosen is None else selected(found, Selector(chosen, "the cloud"))
-    if not len(found):
+    classified = (
+        classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
+    )
+    if not len(classified):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
-    return found
+    return classified
 
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     """What to say of values of the cloud that those of the surface have replaced."""
-    from liftmesh.terrain.lifting import replaced_flags  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.lifting import replaced_flags
 
     said = replaced_flags(cloud) if hasattr(surface.triangulation, "hidden") else ""
     return [said] if said else []
 
 
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     text = f"triangulating {len(cloud):,} rows"
     with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
@@ -223,7 +220,7 @@ def _print_report(
     if as_json:
         cloud = surface.to_cloud()
         about = {
-            "notes": [*notes.notes(cloud), *replaced],
+            "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
             "selection": notes.counts_of(cloud),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,28 +44,21 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
+        option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     source_format: options.SourceFormat = None,
     weights: Annotated[
-        str | None,
-        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
+        str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
-    radii: Annotated[
-        str | None, options.option("COLUMN", "The same with radii, not squared.")
-    ] = None,
+    radii: Annotated[str | None, option("COLUMN", "The same with radii, not squared.")] = None,
     metric: Annotated[
-        Any,
-        options.option(
-            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
-        ),
+        Any, option("A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric)
     ] = None,
     points: Annotated[
-        list[Path] | None,
-        options.option("FILE", "The points of a folder, if its source has moved."),
+        list[Path] | None, option("FILE", "The points of a folder, if its source has moved.")
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
@@ -77,29 +70,29 @@ def run(
     if points is not None and not source.is_dir():
         raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
-        found = _verify_tiles(source, points, threads, certificate)
+        certified = _verify_tiles(source, points, threads, certificate)
     else:
         _check_format(source, source_format)
         cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
         _note_polygons(cloud)
         with inputs.about(source):
             choices = {"nonfinite": nonfinite, "threads": threads}
-            found = _verify_file(cloud, source, plane.value, lifting, **choices)
+            certified = _verify_file(cloud, source, plane.value, lifting, **choices)
     if certificate is not None:
-        _write(certificate, found)
+        _write(certificate, certified)
     with outputs.report_after(certificate):
         if json:
-            sys.stdout.write(found.to_json())
+            sys.stdout.write(certified.to_json())
         else:
-            _say(found)
-    if not found.valid:
+            _say(certified)
+    if not certified.valid:
         raise typer.Exit(exit_codes.DIFFERENT)
 
 
 def _verify_tiles(
     source: Path, points: list[Path] | None, threads: int | None, certificate: Path | None
 ) -> Certificate:
-    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.tiled import open_tiled
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
@@ -111,23 +104,23 @@ def _verify_tiles(
 def _verify_file(
     cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.planar.verification import verify
+    from liftmesh.terrain.frame import resolve_plane
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source)
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
         planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        found = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
-    if not found.valid and not lifting:
+        certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+    if not certified.valid and not lifting:
         _note_part(cloud, plane, choices["threads"])
-    return found
+    return certified
 
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     """Report a mesh that is a part of a triangulation, as what is left of a trimmed surface."""
-    from liftmesh.errors import LiftmeshError  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
+    from liftmesh.errors import LiftmeshError
+    from liftmesh.terrain.meshes import as_surface
 
     try:
         with inputs.without_warnings():
@@ -145,13 +138,13 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
 
 def _check_format(source: Path, file_format: str | None) -> None:
     """Raise for a file of points before it is read: options of tables would not help."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
 
     if file_format is None and not source.is_file():
         return
-    found = find_format(file_format or suffix_of(source.name), str(source))
-    if "faces" not in found.keeps:
+    kind = find_format(file_format or suffix_of(source.name), str(source))
+    if "faces" not in kind.keeps:
         raise _no_triangles(source)
 
 
@@ -163,7 +156,7 @@ def _no_triangles(source: Path) -> InputError:
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of
 
     if not lifting:
         return options_of(cloud)
@@ -175,36 +168,38 @@ def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
 
 def _note_polygons(cloud: Cloud) -> None:
     """Report faces of the file that are not among the triangles verified, on stderr."""
-    found = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
-    cut, left_out = (each if isinstance(each, int) else 0 for each in found)  # glTF holds any names
+    counts = map(cloud.metadata.get, ("polygons", "degenerate_faces"))
+    cut, left_out = (
+        each if isinstance(each, int) else 0 for each in counts
+    )  # glTF holds any names
     notes = [f"{cut:,} of more than three corners cut into triangles"] if cut else []
     notes += [f"{left_out:,} of fewer than three corners left out"] if left_out else []
     if notes:
         terminal.note(f"faces of the file: {', '.join(notes)}")
 
 
-def _write(path: Path, found: Certificate) -> None:
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+def _write(path: Path, certified: Certificate) -> None:
+    from liftmesh.io.atomic import replacing
 
     if is_stream(path):
-        sys.stdout.write(found.to_json())
+        sys.stdout.write(certified.to_json())
         return
     with replacing(path) as stream:
-        stream.write(found.to_json().encode())
+        stream.write(certified.to_json().encode())
 
 
-def _say(found: Certificate) -> None:
-    terminal.sentence(_verdict(found), "good" if found.valid else "bad")
-    for flaw in found.flaws:
+def _say(certified: Certificate) -> None:
+    terminal.sentence(_verdict(certified), "good" if certified.valid else "bad")
+    for flaw in certified.flaws:
         terminal.item(flaw.text)
         for place in flaw.first[:SHOWN]:
             terminal.item(f"such as: {place.text}")
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
-    counts[2:2] = [] if found.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(found, name))) for name in counts]
-    sums = [("points", found.points_sha256), ("triangles", found.simplices_sha256)]
-    sums += [] if found.values_sha256 is None else [(found.member, found.values_sha256)]
+    counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
+    lines = [(name.replace("_", " "), _number(getattr(certified, name))) for name in counts]
+    sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
+    sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
 
 
@@ -212,11 +207,11 @@ def _number(count: int | None) -> str:
     return "not counted" if count is None else f"{count:,}"
 
 
-def _verdict(found: Certificate) -> str:
-    if found.canonical:
-        which = "" if found.member == "delaunay" else f", the {found.name}"
+def _verdict(certified: Certificate) -> str:
+    if certified.canonical:
+        which = "" if certified.member == "delaunay" else f", the {certified.name}"
         return f"Valid, and canonical: these are the triangles that liftmesh makes{which}."
-    if found.valid:
-        tied = "cocircular" if found.member in ("delaunay", "farthest") else "tied"
-        return f"Valid: a {found.name}, with other choices among {tied} points."
-    return f"Not valid: this is not the {found.name} of these points."
+    if certified.valid:
+        tied = "cocircular" if certified.member in ("delaunay", "farthest") else "tied"
+        return f"Valid: a {certified.name}, with other choices among {tied} points."
+    return f"Not valid: this is not the {certified.name} of these points."

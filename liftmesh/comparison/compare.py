@@ -12,10 +12,9 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, ParaboloidVertex
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.options import NonFinite, as_count, check_option
-from liftmesh.comparison.cells import find_cells
-from liftmesh.comparison.differences import find_differences
-from liftmesh.comparison.evidence import Evidence
-from liftmesh.comparison.hull_facets import trimesh_hull
+from liftmesh.comparison.differences import find_cells, find_differences
+from liftmesh.comparison.hull import trimesh_hull
+from liftmesh.comparison.proofs import Evidence
 from liftmesh.comparison.report import Comparison
 from liftmesh.errors import InputError
 from liftmesh.io.surface_rows import read_rows

@@ -1,4 +1,4 @@
-"""Exact proofs that a triangle is or is not Delaunay, in rational numbers without rounding.
+"""Exact proofs that triangles are or are not Delaunay, in rational numbers without rounding.
 
 The in-circle determinant of counter-clockwise a, b, c and a point d is computed with `fractions`
 from the unchanged doubles. It is positive if and only if d lies strictly inside the circle
@@ -8,17 +8,23 @@ through a, b and c, that is, if and only if the lifted d lies strictly below the
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
-from typing import Literal
+from itertools import islice
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Rows
+from liftmesh.comparison.differences import Cells, opposite_rows
 from liftmesh.predicates import incircle, orient2d
+
+if TYPE_CHECKING:
+    from liftmesh.comparison.differences import Differences
+    from liftmesh.planar.triangulation import Triangulation
 
 Claim = Literal["wrong facet", "broken cell", "right triangle", "wrong triangle"]
 
@@ -65,6 +71,56 @@ def _short(value: Fraction) -> str:
     if len(exact) <= 12:
         return exact
     return f"{Decimal(value.numerator) / Decimal(value.denominator):.5e}"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Evidence:
+    """The data for proofs."""
+
+    triangulation: Triangulation
+    rows: Rows
+    lower: Rows
+    cells: Cells
+    differences: Differences
+
+    def proofs(self, limit: int) -> list[Proof]:
+        """Prove the first differences: liftmesh's errors if any, then half of each kind."""
+        faults = list(islice(self._faults(), limit))
+        limit -= len(faults)
+        for_wrong = limit - min(limit // 2, len(self.differences.missing))
+        wrong = list(islice(self._wrong(), for_wrong))
+        return [*faults, *wrong, *islice(self._missing(), limit - len(wrong))]
+
+    def _faults(self) -> Iterator[Proof]:
+        """Refute triangles of liftmesh that are not Delaunay."""
+        simplices, points = self.triangulation.simplices, self.triangulation.points
+        for index, _ in self.cells.violations:
+            proof = refute(points, self.rows, simplices[index], claim="wrong triangle")
+            if proof is not None:  # pragma: no branch - there is always one
+                yield proof
+
+    def _wrong(self) -> Iterator[Proof]:
+        """Refute facets of trimesh: by a point inside their circle, or by their cell."""
+        facets = self.lower[self.differences.wrong]
+        for facet, cell in zip(facets, self.differences.wrong_cell, strict=True):
+            proof = refute(self.triangulation.points, self.rows, facet) if cell < 0 else None
+            yield proof or broken_cell(facet)
+
+    def _missing(self) -> Iterator[Proof]:
+        """Confirm triangles of liftmesh that trimesh lacks."""
+        simplices, points = self.triangulation.simplices, self.triangulation.points
+        for index in self.differences.missing:
+            proof = confirm(points, self.rows, simplices[index], self._apexes(int(index)))
+            if proof is not None:
+                yield proof
+
+    def _apexes(self, index: int) -> list[int]:
+        """Return the rows opposite the edges of a triangle that have a neighbour."""
+        neighbors = self.triangulation.neighbors[index]
+        edge = np.flatnonzero(neighbors >= 0)
+        triangle = np.full(len(edge), index, dtype=np.intp)
+        apexes = opposite_rows(self.triangulation.simplices, triangle, edge, neighbors[edge])
+        return [int(row) for row in apexes]
 
 
 def incircle_determinant(points: Floats, rows: Sequence[int]) -> Fraction:

@@ -143,7 +143,7 @@ class Arcs:
         """Return the directions at which arcs are divided."""
         arc = np.flatnonzero(self.turns[:, 0] < self.turns[:, 1])
         low, high = self.turns[arc].T
-        found = [(arc[:0], low[:0])]
+        divisions = [(arc[:0], low[:0])]
         points, most = 0, max(_POINTS, _POINTS_EACH * len(arc))
         while len(arc):
             divided, ahead = self._coarse(arc, low, high, box, tolerance)
@@ -152,10 +152,10 @@ class Arcs:
             if points + ahead > most:
                 raise TooManyPointsError(most)
             middle = (low + high) / 2
-            found.append((arc, middle))
+            divisions.append((arc, middle))
             arc = np.concatenate([arc, arc])
             low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
-        arcs, turns = zip(*found, strict=True)
+        arcs, turns = zip(*divisions, strict=True)
         return np.concatenate(arcs), np.concatenate(turns)
 
     def _coarse(

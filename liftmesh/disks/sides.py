@@ -58,7 +58,7 @@ class Traced(NamedTuple):
         return np.flatnonzero(is_start)
 
 
-def traced(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
+def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
     """Follow the sides of all cells as far as a box sees them."""
     largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
     scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
@@ -67,12 +67,12 @@ def traced(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
         return np.ldexp(values, -scale)
 
     disks = scaled(np.column_stack([graph.centers, graph.radii]))
-    found = sides(graph.simplices, graph.neighbors, graph.convex_hull)
+    all_sides = sides(graph.simplices, graph.neighbors, graph.convex_hull)
     vertices = vertices_of(disks, graph.simplices, scaled(graph.circles))
-    vertices = coinciding(found, disks[:, :2], vertices)
+    vertices = merge_coinciding(all_sides, disks[:, :2], vertices)
     left, low, right, high = scaled(np.array(box)).tolist()
     limits = left, low, right, high
-    arcs = arcs_of(found, disks, vertices).near(limits)
+    arcs = arcs_of(all_sides, disks, vertices).near(limits)
     try:
         starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
     except TooManyPointsError as error:
@@ -84,11 +84,11 @@ def traced(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
     return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
 
 
-def pieces_in(found: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
+def pieces_in(lines: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
     """Cut off what of polylines is outside of their box."""
-    first = found.segments
-    start, end = found.points[first], found.points[first + 1]
-    low, high = shares_in(start, end, found.box)
+    first = lines.segments
+    start, end = lines.points[first], lines.points[first + 1]
+    low, high = shares_in(start, end, lines.box)
     left = np.flatnonzero(low < high)
     if not len(left):
         return
@@ -99,10 +99,10 @@ def pieces_in(found: Traced) -> Iterator[tuple[tuple[int, int], Floats]]:
         np.where(share[:, None] == whole, at, start + share[:, None] * step)
         for share, whole, at in ((low, 0.0, start), (high, 1.0, end))
     )
-    side = (np.searchsorted(found.starts, first, side="right") - 1).tolist()
+    side = (np.searchsorted(lines.starts, first, side="right") - 1).tolist()
     goes_on = (np.diff(first) == 1) & (np.diff(side) == 0) & (high[:-1] == 1) & (low[1:] == 0)
     bounds = np.flatnonzero(np.concatenate([[True], ~goes_on, [True]]))
-    pairs = np.sort(found.rows, axis=1).tolist()
+    pairs = np.sort(lines.rows, axis=1).tolist()
     for one, next_one in zip(bounds[:-1].tolist(), bounds[1:].tolist(), strict=True):
         a, b = pairs[side[one]]
         yield (a, b), np.concatenate([start[one:next_one], end[next_one - 1 : next_one]])
@@ -153,11 +153,11 @@ def _named(pairs: Rows) -> Integers:
     return named
 
 
-def coinciding(found: Sides, centers: Floats, vertices: Floats) -> Floats:
+def merge_coinciding(all_sides: Sides, centers: Floats, vertices: Floats) -> Floats:
     """Give one position to vertices that only rounding keeps apart."""
-    bounded = (found.ends >= 0).all(axis=1)
-    one, other = found.ends[bounded].T
-    near = centers[found.pairs[bounded, 0]]
+    bounded = (all_sides.ends >= 0).all(axis=1)
+    one, other = all_sides.ends[bounded].T
+    near = centers[all_sides.pairs[bounded, 0]]
     size = np.abs(near).max(axis=1) + np.abs(vertices[one] - near).max(axis=1)
     apart = np.abs(vertices[one] - vertices[other]).max(axis=1)
     equal = apart <= _COINCIDENT * size
@@ -180,12 +180,12 @@ def _first_of(count: int, one: Rows, other: Rows) -> Indices:
         first = named
 
 
-def arcs_of(found: Sides, disks: Floats, vertices: Floats) -> Arcs:
+def arcs_of(all_sides: Sides, disks: Floats, vertices: Floats) -> Arcs:
     """Describe sides as arcs."""
-    is_turned = disks[found.pairs[:, 1], 2] < disks[found.pairs[:, 0], 2]
-    rows = np.where(is_turned[:, None], found.pairs[:, ::-1], found.pairs)
+    is_turned = disks[all_sides.pairs[:, 1], 2] < disks[all_sides.pairs[:, 0], 2]
+    rows = np.where(is_turned[:, None], all_sides.pairs[:, ::-1], all_sides.pairs)
     # Counter-clockwise about the first disk, a side starts at the triangle on its right.
-    ends = np.where(is_turned[:, None], found.ends, found.ends[:, ::-1])
+    ends = np.where(is_turned[:, None], all_sides.ends, all_sides.ends[:, ::-1])
     near, far = rows.T
     relative, power = differences_of(disks, far, near)
     focus, axis, difference = disks[near, :2], relative[:, :2], relative[:, 2]
@@ -205,39 +205,39 @@ def vertices_of(disks: Floats, simplices: Rows, circles: Floats) -> Floats:
     p, q, r = np.take_along_axis(simplices, turn % 3, axis=1).T
     (first, power), (second, other) = (differences_of(disks, k, p) for k in (q, r))
     rows, half = np.stack([first, second], axis=1), np.stack([power, other], axis=1) / 2
-    found = np.c_[circles[:, :2] - disks[p, :2], circles[:, 2]]
-    found[:, 2] = np.hypot(found[:, 0], found[:, 1])
+    solution = np.c_[circles[:, :2] - disks[p, :2], circles[:, 2]]
+    solution[:, 2] = np.hypot(solution[:, 0], solution[:, 1])
     with np.errstate(all="ignore"):
-        error = _refine(found, rows, half)
-        terms = np.abs(rows * found[:, None]).sum(axis=2)
+        error = _refine(solution, rows, half)
+        terms = np.abs(rows * solution[:, None]).sum(axis=2)
         is_poor = ~((np.abs(error) <= _OFF * terms) & (half > _CANCELLED * terms)).all(axis=1)
-    places: Floats = disks[p, :2] + found[:, :2]
+    places: Floats = disks[p, :2] + solution[:, :2]
     for k in np.flatnonzero(is_poor).tolist():
         places[k] = _exactly(*(disks[row].tolist() for row in (p[k], q[k], r[k])))
     return places
 
 
-def _refine(found: Floats, rows: Floats, half: Floats) -> Floats:
+def _refine(solution: Floats, rows: Floats, half: Floats) -> Floats:
     """Improve (vx, vy, R) in place, and return what the equations are off."""
-    error = _residuals(found, rows, half)
+    error = _residuals(solution, rows, half)
     for _ in range(_STEPS):
-        tried = found - _step(found, rows, error)
+        tried = solution - _step(solution, rows, error)
         tried[:, 2] = np.hypot(tried[:, 0], tried[:, 1])
         off = _residuals(tried, rows, half)
         is_better = np.abs(off).sum(axis=1) < np.abs(error).sum(axis=1)
-        found[is_better], error[is_better] = tried[is_better], off[is_better]
+        solution[is_better], error[is_better] = tried[is_better], off[is_better]
     return error
 
 
-def _residuals(found: Floats, rows: Floats, half: Floats) -> Floats:
-    off: Floats = np.einsum("mij,mj->mi", rows, found) - half
+def _residuals(solution: Floats, rows: Floats, half: Floats) -> Floats:
+    off: Floats = np.einsum("mij,mj->mi", rows, solution) - half
     return off
 
 
-def _step(found: Floats, rows: Floats, error: Floats) -> Floats:
+def _step(solution: Floats, rows: Floats, error: Floats) -> Floats:
     """Solve for a step that changes nothing of vx^2 + vy^2 - R^2."""
     first, second = rows[:, 0], rows[:, 1]
-    cone = found * (1.0, 1.0, -1.0)
+    cone = solution * (1.0, 1.0, -1.0)
     determinant = (first * np.cross(second, cone)).sum(axis=1)[:, None]
     step: Floats = (
         error[:, :1] * np.cross(second, cone) + error[:, 1:] * np.cross(cone, first)

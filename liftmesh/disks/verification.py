@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Mask, Progress, Rows
-from liftmesh.base.options import check_progress, counted
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads, check_progress, counted
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, Offender, sha256_of
@@ -51,10 +50,10 @@ def verify_graph(
         progress,
     )
     violations = DiskViolations(disks[:, :2], lists)
-    found = zip(MEANINGS, places, strict=True)
+    reported = zip(MEANINGS, places, strict=True)
     flaws = [
         violations.flaw(kind, count, _in_all_rows(rows, kind, first))
-        for kind, (count, first) in found
+        for kind, (count, first) in reported
         if count
     ]
     if skipped.tolist() != np.flatnonzero(~finite).tolist():

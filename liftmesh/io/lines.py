@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Integers, Mask
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
 
 BLOCK = 1 << 17  # lines taken at a time, at most

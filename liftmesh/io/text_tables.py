@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import Ragged
 from liftmesh.io.limits import MOST_COLUMNS

@@ -9,19 +9,30 @@ computing the median is not included.
 The methods run in rounds of alternating order, so that drifts of the machine's speed affect all
 alike. A fast method runs several times per round; a slow one is omitted from later rounds. All
 methods must find the same facets; anything else is a bug.
+
+How long the experiments will take is estimated first. The seconds printed for LF and LFRes grow
+like a power of n slightly above two; a run on at most a thousand points calibrates it for this
+machine; the other methods are too fast to matter.
 """
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+import hashlib
+import math
+import os
+import platform
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from importlib.metadata import version
+from pathlib import Path
 from statistics import median
 from time import perf_counter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
+from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Method
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
@@ -42,6 +53,14 @@ PATIENCE = 3.0
 
 BURST = 0.01
 """Seconds for which a fast method is repeated within a round."""
+
+Estimate: TypeAlias = "Callable[[Trial], float]"
+_WRAPPING = METHODS[:2]
+
+_ENOUGH = 1_000
+"""Number of points for which LF and LFRes take a tenth of a second and follow their growth."""
+
+_PROCESSORS = Path("/proc/cpuinfo")
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -156,3 +175,78 @@ def _measurement(trial: Trial, run: _Runs, result: Triangulation) -> Measurement
         undecided=counters.undecided if counters else 0,
         rejected=dict(counters.rejected) if counters else dict.fromkeys(REJECTIONS, 0),
     )
+
+
+def growth(table: TableName) -> float:
+    """Return the power of n with which the printed seconds of LF and LFRes together grow."""
+    first, last = TABLES[table].rows[0], TABLES[table].rows[-1]
+    ratio = (last.lf + last.lfres) / (first.lf + first.lfres)
+    return math.log(ratio) / math.log(last.n / first.n)
+
+
+def calibrate(trials: Iterable[Trial]) -> Estimate:
+    """Time LF and LFRes on a small set for each table, to predict the time of all trials."""
+    timed: dict[TableName, Trial] = {}
+    for trial in sorted(trials):
+        timed.setdefault(trial.table, replace(trial, n=min(trial.n, _ENOUGH)))
+    seconds = {table: _seconds_of_each(trial) for table, trial in timed.items()}
+
+    def estimate(trial: Trial) -> float:
+        size = (trial.n / timed[trial.table].n) ** growth(trial.table)
+        quick = ROUNDS * BURST * (len(METHODS) - len(_WRAPPING))
+        return quick + sum(_all_rounds(once * size) for once in seconds[trial.table])
+
+    return estimate
+
+
+def _seconds_of_each(trial: Trial) -> list[float]:
+    points = trial.points()
+    return [median(_once(points, method, trial.q) for _ in range(3)) for method in _WRAPPING]
+
+
+def _once(points: Floats, method: Method, q: Vertex) -> float:
+    start = perf_counter()
+    delaunay(points, method=method, q=q)
+    return perf_counter() - start
+
+
+def _all_rounds(once: float) -> float:
+    """Return the seconds of all rounds of a method, given the seconds of a single run."""
+    spent = max(once, BURST)
+    return spent * min(ROUNDS, max(1, int(PATIENCE / spent)))
+
+
+def describe_machine() -> str:
+    """Describe this machine."""
+    count = os.cpu_count() or 1
+    words = [_processor(), f"{count} processor" + ("s" if count > 1 else ""), _memory()]
+    return ", ".join([*filter(None, words), f"{platform.system()} {platform.machine()}"])
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of the software that measurements depend on."""
+    kernel = Path(str(_kernel.__file__)).read_bytes()
+    return {
+        "liftmesh": version("liftmesh"),
+        "kernel": hashlib.sha256(kernel).hexdigest()[:12],
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
+
+
+def _processor() -> str:
+    """Return the processor's name from Linux, or from Python on other systems."""
+    if _PROCESSORS.is_file():  # pragma: no branch - Linux
+        lines = _PROCESSORS.read_text("utf-8", errors="replace").splitlines()
+        for line in lines:  # pragma: no branch - one of them names it
+            name, _, value = line.partition(":")
+            if name.strip() == "model name":  # pragma: no branch - a line of Linux
+                return " ".join(value.split())
+    return platform.processor()  # pragma: no cover - not Linux
+
+
+def _memory() -> str:
+    if "SC_PHYS_PAGES" not in getattr(os, "sysconf_names", {}):
+        return ""  # pragma: no cover - not Linux
+    size = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    return f"{size / 2**30:.0f} GiB of memory"

@@ -4,36 +4,39 @@ Figures 2.1 to 5.2 show results of the other modules of this room: exact planes 
 real triangulations and hulls, random points. Figures 6.1 and 6.2 show the printed running times,
 and ours if measured. Two additional figures show the effect of the restricted region, four what the
 last section names (a power diagram, another metric, a metric for each point, and disks), and one
-the upper hull. Each function returns a matplotlib ``Figure`` that is not attached to a window.
+the upper hull. Each function returns a matplotlib ``Figure`` that is not attached to a window. The
+bytes of the files depend on the figures alone.
 """
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liftmesh.paper.pictures.adaptive import figure_adaptive
-from liftmesh.paper.pictures.data import figure_5_1, figure_5_2
-from liftmesh.paper.pictures.disks import figure_disks
+from liftmesh.io.atomic import replacing
+from liftmesh.optional import load
+from liftmesh.paper.pictures.anisotropic import figure_adaptive, figure_metric, figure_stars
+from liftmesh.paper.pictures.cross_section import figure_4_1, figure_4_2
 from liftmesh.paper.pictures.farthest import figure_farthest
-from liftmesh.paper.pictures.files import save
 from liftmesh.paper.pictures.first_edge import figure_3_1
-from liftmesh.paper.pictures.lifting import figure_2_1, figure_2_2
-from liftmesh.paper.pictures.metric import figure_metric
-from liftmesh.paper.pictures.nearest import figure_4_2
-from liftmesh.paper.pictures.power import figure_power
+from liftmesh.paper.pictures.lifting import figure_2_1, figure_2_2, figure_5_1, figure_5_2
 from liftmesh.paper.pictures.region import figure_4_3
-from liftmesh.paper.pictures.running_times import figure_6_1, figure_6_2
-from liftmesh.paper.pictures.section import figure_4_1
-from liftmesh.paper.pictures.stars import figure_stars
-from liftmesh.paper.pictures.work import figure_dot_products, figure_rejections
+from liftmesh.paper.pictures.running_times import (
+    figure_6_1,
+    figure_6_2,
+    figure_dot_products,
+    figure_rejections,
+)
+from liftmesh.paper.pictures.style import styled
+from liftmesh.paper.pictures.weighted import figure_disks, figure_power
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from liftmesh.paper.summary import Row
+    from liftmesh.paper.tables import Row
 
 Drawer: TypeAlias = "Callable[[], Figure]"
 
@@ -67,6 +70,8 @@ MEASURED: Mapping[str, Callable[[Sequence[Row]], Figure]] = {
 }
 """The figures that show measurements only."""
 
+DOTS_PER_INCH = 180
+
 
 def draw_all(
     directory: Path,
@@ -88,3 +93,22 @@ def _drawers(results: Sequence[Row]) -> Iterator[tuple[str, Drawer]]:
     yield from FIXED.items()
     for name, draw in {**TIMED, **(MEASURED if results else {})}.items():
         yield name, partial(draw, results)
+
+
+@styled
+def save(figure: Figure, directory: Path, name: str) -> list[Path]:
+    """Write a figure as ``name.png`` and ``name.svg``."""
+    return [_write(directory / f"{name}.{kind}", figure, kind) for kind in ("png", "svg")]
+
+
+def _write(path: Path, figure: Figure, kind: str) -> Path:
+    # No date, no version: the bytes depend on the figure alone. The salt fixes SVG's random names.
+    nothing: dict[str, Any] = (
+        {"Software": None} if kind == "png" else {"Date": None, "Creator": None}
+    )
+    drawn = io.BytesIO()
+    with load("matplotlib", extra="plot").rc_context({"svg.hashsalt": path.stem}):
+        figure.savefig(drawn, format=kind, dpi=DOTS_PER_INCH, metadata=nothing)
+    with replacing(path, follow_links=False) as stream:
+        stream.write(drawn.getvalue())
+    return path

@@ -1,20 +1,42 @@
-"""The lemmas and propositions of the paper, each as a function in exact rationals.
+"""The lemmas, propositions and the first edge of the paper, as functions in exact rationals.
 
 Each function takes the hypotheses of a statement and returns the condition that holds, or the
 conclusion, so that it can be compared with the paper. If a statement is wrong as printed, the
 docstring says so and the function includes the correction.
+
+The first edge of the lower hull is found by the projection onto Oyz (Section 3). P' is P seen along
+the x-axis, with Oy from right to left. (That is the view from x = -infinity; the paper says
++infinity, from where Oy runs from left to right.) v'_1 is the lowest point of P'; all of P' is on
+or to the left of v'_1 v'_2, and on or to the right of v'_1 v'_n. As v'_1 is lowest, all of P' lies
+within a half turn around it, from v'_2 to v'_n. So
+
+* if v_2y < v_1y, the points are above the line v'_1 v'_2, and [v_1, v_2] is a lower edge;
+* if v_1y < v_ny, the points are above the line v'_1 v'_n, and [v_1, v_n] is a lower edge.
+
+Both hold in the paper's first case, one each in its second and third. Neither holds with equality:
+the line is then vertical, and a segment on it need not be an edge.
+
+Ties are decided by the canonical perturbation: every point is lifted by an infinitesimal amount,
+infinitely more for a point that is lexicographically larger in (x, y). Then no two points are
+equally low and the paper's "rightmost" is not needed, and no three points of different y are
+collinear in P'.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, Literal
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cmp_to_key
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
-from liftmesh.errors import InputError
-from liftmesh.paper.geometry import Plane, Point, Position, exact
+from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.paper.geometry import Exact, Plane, Point, Position, exact
 
 if TYPE_CHECKING:
     from liftmesh.paper.region import Circle, Ellipse, Surd
+
+Edge: TypeAlias = tuple[int, int]
 
 
 def outward(plane: Plane, points: Iterable[Point]) -> Plane:
@@ -73,3 +95,55 @@ def proposition_4_4(ellipse: Ellipse, t: Point) -> bool:
     """Proposition 4.4: t_z < minz_E and L_cq < r imply that t is below (a, b, p)."""
     q_inside = ellipse.squared_distance < ellipse.circle.squared_radius
     return q_inside and exact(t)[2] < ellipse.min_z
+
+
+@dataclass(frozen=True, slots=True)
+class FirstEdge:
+    """Result of finding the first edge by the projection onto Oyz."""
+
+    v1: int
+    v2: int
+    vn: int
+    case: int
+    edges: tuple[Edge, ...]
+
+
+def first_edge(points: Sequence[Point]) -> FirstEdge:
+    """Find edges of the lower convex hull by the projection onto Oyz."""
+    rows = [exact(p) for p in points]
+    v1 = min(range(len(rows)), key=lambda i: (rows[i][2], rows[i][:2]), default=0)
+    if len({y for _, y, _ in rows}) < 2:
+        raise DegenerateInputError("all points have the same y: there is no lower facet")
+    others = [i for i, row in enumerate(rows) if row != rows[v1]]
+
+    def before(i: int, j: int) -> int:
+        return _turn(rows[v1], rows[i], rows[j])
+
+    around = cmp_to_key(before)
+    return _cases(rows, v1, min(others, key=around), max(others, key=around))
+
+
+def _cases(rows: Sequence[Exact], v1: int, v2: int, vn: int) -> FirstEdge:
+    y1, y2, yn = rows[v1][1], rows[v2][1], rows[vn][1]
+    if y2 < y1 < yn:
+        return FirstEdge(v1, v2, vn, 1, ((v1, v2), (v1, vn)))
+    if y2 < y1:
+        return FirstEdge(v1, v2, vn, 2, ((v1, v2),))
+    return FirstEdge(v1, v2, vn, 3, ((v1, vn),))
+
+
+def _turn(v1: Exact, i: Exact, j: Exact) -> int:
+    """Return -1 if v'_1 v'_i precedes v'_1 v'_j on the half turn from right to left."""
+    yi, yj = i[1] - v1[1], j[1] - v1[1]
+    turn = yj * (i[2] - v1[2]) - yi * (j[2] - v1[2])
+    return -tie_sign(turn, [(v1, yi - yj), (i, yj), (j, -yi)])
+
+
+def tie_sign(value: Fraction, rises: Iterable[tuple[Exact, Fraction]]) -> int:
+    """The sign of a sum of heights after the canonical perturbation."""
+    totals: dict[Exact, Fraction] = {}
+    for point, factor in rises:
+        totals[point[:2]] = totals.get(point[:2], Fraction(0)) + factor
+    entering = [totals[xy] for xy in sorted(totals, reverse=True) if totals[xy] != 0]
+    deciding = value or (entering[0] if entering else 0)
+    return (deciding > 0) - (deciding < 0)

@@ -115,13 +115,13 @@ def _stars(planar: Floats, matrices: Floats, progress: Progress | None) -> Aniso
 
 
 def _among_all_rows(
-    found: AnisotropicStars, planar: Floats, matrices: Floats, kept: Rows
+    stars: AnisotropicStars, planar: Floats, matrices: Floats, kept: Rows
 ) -> AnisotropicStars:
     """Number the rows that were kept as the caller does."""
     lengths = np.zeros(len(planar), dtype=np.int64)
-    lengths[kept] = np.diff(found.indptr)
+    lengths[kept] = np.diff(stars.indptr)
     indptr = np.concatenate([[0], np.cumsum(lengths)])
-    of_rows = (kept[found.indices], kept[found.hull], kept[found.duplicates])
+    of_rows = (kept[stars.indices], kept[stars.hull], kept[stars.duplicates])
     skipped = np.setdiff1d(np.arange(len(planar), dtype=np.int32), kept)
     return AnisotropicStars(planar, matrices, indptr, *of_rows, skipped)
 
@@ -264,12 +264,12 @@ class AnisotropicStars(FrozenResult):
         has_star = np.diff(self.indptr) > 0
         last = self.indptr[1:][has_star] - 1
         following[last] = self.indptr[:-1][has_star]
-        found = np.column_stack([owners, self.indices, self.indices[following]])
+        triangles = np.column_stack([owners, self.indices, self.indices[following]])
         on_hull = np.zeros(len(self.points), dtype=bool)
         on_hull[self.hull] = True
         is_gap = np.zeros(len(self.indices), dtype=bool)
         is_gap[last] = on_hull[has_star]
-        return found[~is_gap].astype(np.int32)
+        return triangles[~is_gap].astype(np.int32)
 
     @property
     def simplices(self) -> Rows:
@@ -286,9 +286,9 @@ class AnisotropicStars(FrozenResult):
         """Which rows have a star all of whose triangles are in `simplices`, (n,) bool."""
         triangles = self.triangles
         _, agrees = self._agreeing(triangles)
-        found = np.diff(self.indptr) > 0
-        found[triangles[~agrees, 0]] = False
-        return found
+        consistent = np.diff(self.indptr) > 0
+        consistent[triangles[~agrees, 0]] = False
+        return consistent
 
     @property
     def inconsistent(self) -> Rows:

@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.planar.points import pieces
 from liftmesh.predicates import orient2d
 
@@ -131,5 +131,5 @@ def _between_two(points: Floats, rows: Rows, creased: Rows) -> Rows:
     both = ends[np.argsort(ends[:, 0], kind="stable")].reshape(-1, 2, 2)
     at, one, other = both[:, 0, 0], both[:, 0, 1], both[:, 1, 1]
     is_between: Mask = orient2d(points[at], points[one], points[other]) == 0
-    found: Rows = at[is_between]
-    return found
+    between: Rows = at[is_between]
+    return between

@@ -143,14 +143,14 @@ class DynamicTriangulation:
         """
         rows = as_coordinates(points)[:, :2]
         check_finite(rows)
-        found = np.empty(len(rows), np.int32)
+        numbers = np.empty(len(rows), np.int32)
         with _Use(self._lock):
             if self._mesh.end() + len(rows) > MOST_ROWS:
                 message = f"{len(rows):,} more rows are too many: {MOST_ROWS:,} is the limit"
                 raise InputError(message)
             self._forget()
-            self._mesh.insert(rows, found)
-        return found
+            self._mesh.insert(rows, numbers)
+        return numbers
 
     def remove(self, vertices: ArrayLike) -> None:
         """Remove points.
@@ -213,12 +213,12 @@ class DynamicTriangulation:
         positions = as_pairs(points)
         flat = positions.reshape(-1, 2)
         is_finite = np.isfinite(flat).all(axis=1)
-        found = np.full(len(flat), -1, np.int32)
+        numbers = np.full(len(flat), -1, np.int32)
         part = np.empty(int(is_finite.sum()), np.int32)
         with _Use(self._lock):
             self._mesh.find(np.ascontiguousarray(flat[is_finite]), part)
-        found[is_finite] = part
-        return found.reshape(positions.shape[:-1])
+        numbers[is_finite] = part
+        return numbers.reshape(positions.shape[:-1])
 
     def to_triangulation(self) -> Triangulation:
         """Convert to a `Triangulation` that does not change.

@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals, Rows
 from liftmesh.base.arrays import as_coordinates
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 
 
 def rows_of(points: Any, *, has_heights: bool = False) -> Any:

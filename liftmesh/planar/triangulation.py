@@ -11,8 +11,8 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
-from liftmesh.base.options import NonFinite
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import NonFinite, as_threads
+from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import Heights, LowerHull, resolve_q
 
 if TYPE_CHECKING:
@@ -346,10 +346,10 @@ class Triangulation:
         array([ 0, -1, -1], dtype=int32)
         """
         pairs = as_pairs(xi)
-        found = np.empty(pairs.shape[:-1], dtype=np.int32)
-        threads = as_threads(None, found.size)
-        self._locator.find(pairs.reshape(-1, 2), found.reshape(-1), *threads)
-        return found
+        triangles = np.empty(pairs.shape[:-1], dtype=np.int32)
+        threads = as_threads(None, triangles.size)
+        self._locator.find(pairs.reshape(-1, 2), triangles.reshape(-1), *threads)
+        return triangles
 
     @cached_property
     def _locator(self) -> _kernel.Locator:
@@ -413,7 +413,6 @@ class Triangulation:
         >>> certificate.valid, certificate.canonical
         (True, True)
         """
-        from liftmesh.planar.kinds import options_of  # noqa: PLC0415 - as below
         from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 
         nonfinite: NonFinite = "skip" if len(self.skipped) else "error"

@@ -41,14 +41,19 @@ class AsciiGrid:
     gcps: tuple[list[Any], None] = ([], None)
     driver, compression, interleaving = "AAIGrid", None, None
 
-    def __init__(self, data: bytes, name: str, missing: float | None = None) -> None:
+    def __init__(
+        self,
+        data: bytes,
+        name: str,
+        missing: float | None = None,  # what stands for none where no keyword says it
+    ) -> None:
         self._name = name
         self._lines = Lines(BytesIO(data.removeprefix(_MARK)), name)
-        self._said: dict[str, float] = {}
+        self._header: dict[str, float] = {}
         block = self._keywords()
         self.width, self.height = (self._count(key) for key in ("ncols", "nrows"))
-        self.nodata = self._said.get("nodata_value")
-        self._mark = self._said.get("nodata_value", missing)
+        self.nodata = self._header.get("nodata_value")
+        self._mark = self._header.get("nodata_value", missing)
         self.transform = self._placed()
         self._values = self._numbers(block).reshape(self.height, self.width)
 
@@ -86,12 +91,12 @@ class AsciiGrid:
             number = float(value)
         except ValueError:
             key = ""
-        if key.lower() not in _WORDS - self._said.keys():
+        if key.lower() not in _WORDS - self._header.keys():
             raise self._wrong(f"{quoted(line)} is no keyword of a grid and its number")
-        self._said[key.lower()] = number
+        self._header[key.lower()] = number
 
     def _count(self, key: str) -> int:
-        number = self._said.get(key, 0.0)
+        number = self._header.get(key, 0.0)
         if not (1 <= number < 1 << 53 and number == int(number)):
             raise self._wrong(f"{key} is {number:g}: it must be a whole number from 1")
         return int(number)
@@ -102,13 +107,13 @@ class AsciiGrid:
         return Transform(width, 0.0, left, 0.0, -height, lower + self.height * height)
 
     def _step(self, key: str) -> float:
-        size = self._said.get(key, self._said.get("cellsize", 0.0))
+        size = self._header.get(key, self._header.get("cellsize", 0.0))
         if not 0 < size < math.inf:
             raise self._wrong(f"cellsize is {size:g}: it must be a positive number")
         return size
 
     def _corner(self, axis: str, step: float) -> float:
-        corner, center = (self._said.get(key) for key in _CORNERS[axis])
+        corner, center = (self._header.get(key) for key in _CORNERS[axis])
         place = corner if center is None else center - step / 2
         if place is None or not math.isfinite(place) or (corner is not None and center is not None):
             raise self._wrong(f"a grid needs either {' or '.join(_CORNERS[axis])}")

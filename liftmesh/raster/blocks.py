@@ -208,21 +208,21 @@ def _inflated(packed: bytes, most: int) -> int:
 @contextmanager
 def without_warnings(name: str) -> Iterator[None]:
     """Raise for what GDAL warns of while it decodes samples."""
-    said = _Said()
+    logged = _LoggedWarnings()
     with ExitStack() as held:
         for log in map(logging.getLogger, _LOGS):
             held.callback(log.setLevel, log.level)
-            held.callback(log.removeHandler, said)
+            held.callback(log.removeHandler, logged)
             log.setLevel(logging.WARNING)
-            log.addHandler(said)
+            log.addHandler(logged)
             if not log.isEnabledFor(logging.WARNING):
                 raise FormatError(f"{name}: damage would go unheard: undo logging.disable()")
         yield
-    if said.heard:
-        raise FormatError(f"{name}: the file is damaged: {said.heard[0][:200]}")
+    if logged.heard:
+        raise FormatError(f"{name}: the file is damaged: {logged.heard[0][:200]}")
 
 
-class _Said(logging.Handler):
+class _LoggedWarnings(logging.Handler):
     """What the log hears of this thread."""
 
     def __init__(self) -> None:

@@ -31,6 +31,7 @@ from liftmesh.crs.geokeys import without_wkt, wkt_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.metadata import noted
 from liftmesh.io.missing import Missing, Outliers, as_missing
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
@@ -67,7 +68,7 @@ class RasterOptions:
 _DEFAULTS = RasterOptions()
 
 
-def checked(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
     """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
@@ -87,11 +88,11 @@ def read_raster(
     selection: Selection | None = None,
     options: RasterOptions = _DEFAULTS,
 ) -> Cloud:
-    """Read a raster."""
+    """Read the samples that have a value; those left out are counted, with a value or without."""
     data = stream.read()
     if is_grid(data):
         grid = AsciiGrid(data, name, _ESRI if options.missing is None else None)
-        return _Raster(grid, options, name).cloud(selection, data, max_bytes)
+        return _OpenRaster(grid, options, name).cloud(selection, data, max_bytes)
     if data[:4] not in _TIFF:
         raise FormatError(f"{name}: neither a TIFF file nor an ASCII grid, which begins with ncols")
     rasterio = load("rasterio", extra="terrain")
@@ -102,7 +103,7 @@ def read_raster(
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):
-        return _Raster(file, options, name).cloud(selection, data, max_bytes)
+        return _OpenRaster(file, options, name).cloud(selection, data, max_bytes)
 
 
 @contextmanager
@@ -123,7 +124,7 @@ def _decoding(name: str) -> Iterator[None]:
         ) from error
 
 
-class _Raster:
+class _OpenRaster:
     """An open raster, of rasterio or an ASCII grid, of which one band is read."""
 
     def __init__(self, file: Any, options: RasterOptions, name: str) -> None:
@@ -182,7 +183,7 @@ class _Raster:
         entries = self._entries(window.samples)
         if selector is not None:
             selector.leave_out({"bbox": window.outside, "every": window.between})
-            entries["selection"] = selector.counts()
+            entries = noted(entries, selection=selector.counts())
         return builder.cloud(metadata=entries, crs=self._crs(data))
 
     def _check_size(self, window: Window, limit: int) -> None:
@@ -271,12 +272,9 @@ class _Raster:
         others = [k for k in range(1, file.count + 1) if k != self._band]
         if others:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")
-        entries: dict[str, Any] = {"raster": layout}
-        entries |= {"skipped": tuple(skipped)} if skipped else {}
         if unit := file.units[self._band - 1]:
             layout["unit"] = unit
-        entries |= {"notes": notes} if (notes := self._notes(unit)) else {}
-        return entries
+        return noted({"raster": layout}, skipped=tuple(skipped), notes=self._notes(unit))
 
     def _notes(self, unit: str | None) -> tuple[str, ...]:
         """Say what the file does not, or only of the band."""

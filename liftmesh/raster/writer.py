@@ -36,14 +36,14 @@ def write(
     stream: BinaryIO,
     values: Array,
     transform: Sequence[float],
-    crs: str | None,
+    crs: str | None,  # the unit of its heights, if any, is that of the band to GDAL
     *,
     unit: str | None = None,
     cog: bool = False,
     compress: str | None = "deflate",
 ) -> None:
     """Write one band, with NaN as nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     driver = _cog(compress) if cog else _tiff(compress, values.nbytes)
     profile = _profile(values.shape, values.dtype, transform, system) | driver
@@ -59,7 +59,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     path: Path,
     shape: tuple[int, int],
     kind: np.dtype[Any],
-    windows: Iterable[tuple[tuple[range, range], Array]],
+    windows: Iterable[tuple[tuple[range, range], Array]],  # of rows and columns, all pixels once
     transform: Sequence[float],
     crs: str | None,
     *,
@@ -68,7 +68,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     compress: str | None = "deflate",
 ) -> None:
     """Write one band from windows, which need not fit in memory together; NaN is nodata."""
-    system = checked(crs, compress)
+    system = validate_geotiff_options(crs, compress)
     rasterio = load("rasterio", extra="terrain")
     check_writable(path)
     size = math.prod(shape) * kind.itemsize
@@ -76,7 +76,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
     beside = Path(os.path.realpath(path)).parent
     with working_folder(beside, "raster") as folder:
         written = folder / "raster.tif"
-        with rasterio.Env(**ALONE), _told(path):
+        with rasterio.Env(**ALONE), _disk_errors(path):
             sums = []
             with rasterio.open(written, "w", **profile) as file:
                 _state_unit(file, unit)
@@ -91,7 +91,7 @@ def write_windows(  # noqa: PLR0913 - options are keywords
             shutil.copyfileobj(source, stream, _PIECE)
 
 
-def checked(crs: str | None, compress: str | None) -> Any:
+def validate_geotiff_options(crs: str | None, compress: str | None) -> Any:
     """Check what a file is asked to have, before there are values."""
     if compress not in _COMPRESSIONS:
         known = ", ".join(map(repr, _COMPRESSIONS))
@@ -149,7 +149,7 @@ def _optimised(path: Path, size: int, compress: str | None) -> Path:
 
 
 @contextmanager
-def _told(path: Path) -> Iterator[None]:
+def _disk_errors(path: Path) -> Iterator[None]:
     """Raise what GDAL says of a file as an error of the disk."""
     errors = load("rasterio.errors", extra="terrain")
     base = load("rasterio._err", extra="terrain").CPLE_BaseError

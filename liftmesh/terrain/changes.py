@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
-from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
@@ -26,17 +25,21 @@ from liftmesh.io.metadata import lifted_by
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
+from liftmesh.terrain.surface_data import as_cloud
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 _WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
-def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
-    """Make a copy of a surface with other values for some of its parts."""
-    depth = given.get("color_depth")
-    parts = as_parts({name: value for name, value in given.items() if name != "color_depth"})
+def replaced(surface: AnySurface, depth: int | None = None, **given: Any) -> AnySurface:
+    """Make a copy of a surface with other values for some of its parts, those that are not `...`.
+
+    The depth is that of integer colours; None lets new values decide.
+    """
+    parts = as_parts({name: value for name, value in given.items() if value is not ...})
     if "vertices" in parts:
         parts["vertices"] = _vertices(parts["vertices"], surface)
     if depth is not None:
@@ -45,17 +48,20 @@ def replaced(surface: AnySurface, given: Mapping[str, Any]) -> AnySurface:
         parts["colors"] = _colors(parts["colors"], surface.colors, depth)
     _check_lifting(surface, parts.get("attributes", {}))
     changed = replace(surface, **parts)
-    Cloud(  # which checks that the parts belong together
-        changed.vertices,
-        colors=changed.colors,
-        normals=changed.normals,
-        attributes=changed.attributes,
-        metadata=changed.metadata,
-        crs=changed.crs,
-    )
+    as_cloud(changed)  # which checks that the parts belong together
     if "vertices" not in parts:
         return changed
     return replace(changed, triangulation=_moved(surface, changed.vertices))
+
+
+def with_attributes(
+    surface: AnySurface,
+    attributes: Mapping[str, ArrayLike] | None,
+    named: Mapping[str, ArrayLike],
+) -> AnySurface:
+    """Make a copy of a surface with further named values."""
+    added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
+    return replaced(surface, attributes={**surface.attributes, **added, **named})
 
 
 def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:

@@ -21,8 +21,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_number, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_thousands, shown
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_count, as_thousands, as_threads, shown
 from liftmesh.errors import InputError
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
@@ -257,9 +256,9 @@ def wanted_levels(
     interval: float | None,
     base: float,
     index_every: int,
-    heights: Callable[[], tuple[Fraction, Fraction]],
+    heights: Callable[[], tuple[Fraction, Fraction]],  # the least and the greatest
 ) -> tuple[Floats, Array]:
-    """Decide which levels have lines."""
+    """Decide which levels have lines, and which of these are index contours."""
     if (levels is None) == (interval is None):
         raise InputError("give either levels or an interval")
     if interval is None:

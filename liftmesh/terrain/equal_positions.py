@@ -21,21 +21,21 @@ from liftmesh.errors import DuplicateHeightError
 class Choice:
     """The row that is used as the vertex at each shared planar position."""
 
-    kept: Rows
-    chosen: Rows
-    left_out: Rows
-    representatives: Rows
-    overhanging: Mask
-    moved: Rows
+    kept: Rows  # of each group, the row that the triangulation kept, increasing
+    chosen: Rows  # of each group, the row that is the vertex
+    left_out: Rows  # the other rows of all groups, increasing
+    representatives: Rows  # of each of these, the chosen row of its group
+    overhanging: Mask  # whether it is at another height than its representative
+    moved: Rows  # chosen rows whose height changes, by the policy "mean"
     new_heights: Floats
 
 
 def choose_rows(
-    duplicates: Rows,
+    duplicates: Rows,  # pairs (row, kept row), the kept one being the first at its position
     heights: Floats,
     planar: Floats,
     policy: str,
-    names: Integers | None = None,
+    names: Integers | None = None,  # of rows in messages, if not their numbers
 ) -> Choice:
     """Choose the row that is used as the vertex at each shared planar position."""
     check_option("duplicates", policy, Duplicates)

@@ -31,7 +31,7 @@ from liftmesh.errors import DegenerateInputError, InputError
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 # The planar coordinates of named planes are two columns, as they are.
 _COLUMNS = {"xy": slice(0, 2), "xz": slice(0, 3, 2), "yz": slice(1, 3)}
-NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v and normal
+_NAMED: dict[str, tuple[tuple[float, float, float], ...]] = {  # their axes u, v and normal
     "xy": ((1, 0, 0), (0, 1, 0), (0, 0, 1)),
     "xz": ((1, 0, 0), (0, 0, 1), (0, -1, 0)),
     "yz": ((0, 1, 0), (0, 0, 1), (1, 0, 0)),
@@ -222,8 +222,8 @@ def resolve_plane(plane: str | ArrayLike, points: Floats) -> Frame:
 
 
 def _named(plane: str, points: Floats) -> Frame:
-    if plane in NAMED:
-        return Frame(plane, np.zeros(3), np.array(NAMED[plane], dtype=np.float64))
+    if plane in _NAMED:
+        return Frame(plane, np.zeros(3), np.array(_NAMED[plane], dtype=np.float64))
     if plane == "fit":
         normal, centroid = _fit(points)
         return _around("fit", normal, centroid)

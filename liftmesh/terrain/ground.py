@@ -14,7 +14,6 @@ Remote Sensing 8 (2016), 501.
 
 from __future__ import annotations
 
-import math
 import os
 import subprocess
 import warnings
@@ -26,17 +25,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import GroundMethod, as_count, check_option, shown
-from liftmesh.crs.description import described
+from liftmesh.base.arrays import as_positive
+from liftmesh.base.options import GroundMethod, as_count, check_option
+from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.interpreter import command
+from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
-GROUND, _UNCLASSIFIED = 2, 1
+_GROUND, _UNCLASSIFIED = 2, 1
 _CLASSES = "classification"
 _NOISE = (7, 18)
 _MOST_NODES = 20_000_000  # of the cloth: CSF takes about 200 bytes for each
@@ -113,10 +114,8 @@ def classify_ground(
     400
     """
     check_option("method", method, GroundMethod)
-    for name, value in (("resolution", resolution), ("threshold", threshold)):
-        is_number = isinstance(value, float | int) and not isinstance(value, bool)
-        if not is_number or not 0 < value < math.inf:
-            raise InputError(f"{name} is {shown(value)}: give a positive number of metres")
+    as_positive("resolution", resolution, "a positive number of metres")
+    as_positive("threshold", threshold, "a positive number of metres")
     if as_count("rigidness", rigidness, 1) > 3:
         raise InputError(f"rigidness is {rigidness}: give 1, 2 or 3")
     source = read_cloud(cloud)
@@ -138,13 +137,13 @@ def classify_ground(
     return replace(
         source,
         attributes={**source.attributes, **_classes(source, ground)},
-        metadata={**source.metadata, "ground": counts},
+        metadata=noted(source.metadata, ground=counts),
     )
 
 
 def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     """Return how many metres the units have, and whether those of x and of z are known."""
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     if system is None:
         return np.ones(3), False, False
     if system.kind in {"geographic", "geocentric"}:
@@ -189,7 +188,7 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
             "pip install 'liftmesh[terrain]'"
         )
     options = map(str, (float(resolution), int(rigidness), float(threshold)))
-    words = [*command(PROGRAM, "CSF"), *options]
+    words = [*command(_PROGRAM, "CSF"), *options]
     done = subprocess.run(  # noqa: S603 - our own program and numbers
         words,
         input=points.tobytes(),
@@ -203,7 +202,7 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
 
 
-PROGRAM = """
+_PROGRAM = """
 import json, os, sys
 sys.path[:] = json.loads(sys.argv[1])
 answer = os.dup(1)
@@ -256,6 +255,6 @@ def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:
         name, classes = _CLASSES, np.full(len(cloud), _UNCLASSIFIED, np.uint8)
     else:
         classes = cloud.attributes[name].copy()
-        classes[classes == GROUND] = _UNCLASSIFIED
-    classes[ground] = GROUND
+        classes[classes == _GROUND] = _UNCLASSIFIED
+    classes[ground] = _GROUND
     return {name: classes}

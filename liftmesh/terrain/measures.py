@@ -135,8 +135,8 @@ def volume_of(surface: SurfaceData, level: float = 0.0, *, polygon: object = Non
     """Compute the volumes between the faces and a level."""
     at = as_number("level", level, "a finite height")
     if polygon is not None:
-        measure = partial(level_within, surface, at)
-        return Volume(*in_all(surface, polygon, measure), at, cubic_metres_of(surface))
+        measure = partial(_level_within, surface, at)
+        return Volume(*_in_all(surface, polygon, measure), at, cubic_metres_of(surface))
     corners, heights = _faces(surface)
     with np.errstate(all="ignore"):
         areas = _planar(corners)
@@ -150,7 +150,7 @@ def volumes_by_polygon(
 ) -> dict[str | int, Volume]:
     """Compute the volumes between the faces and a level in each of several polygons."""
     at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
-    volumes = in_each(surface, polygon, partial(level_within, surface, at))
+    volumes = _in_each(surface, polygon, partial(_level_within, surface, at))
     return {name: Volume(*each, at, unit) for name, each in volumes}
 
 
@@ -158,7 +158,7 @@ def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = 
     """Compute the volumes between this surface and another one."""
     _check(surface, other)
     if polygon is not None:
-        fill, cut, area = in_all(surface, polygon, partial(between_within, surface, other))
+        fill, cut, area = _in_all(surface, polygon, partial(_between_within, surface, other))
         return Earthwork(cut, fill, area, cubic_metres_of(surface))
     pair = _touching(surface.triangulation, other.triangulation)
     fill, cut, area = 0.0, 0.0, 0.0
@@ -176,7 +176,7 @@ def cut_and_fill_by_polygon(
     """Compute the volumes between this surface and another one in each of several polygons."""
     _check(surface, other)
     unit = cubic_metres_of(surface)
-    volumes = in_each(surface, polygon, partial(between_within, surface, other))
+    volumes = _in_each(surface, polygon, partial(_between_within, surface, other))
     return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
 
 
@@ -328,7 +328,7 @@ def _chains(tri: Triangulation) -> Iterator[tuple[Array, Array, Array]]:
         yield faces[chosen], low[chosen], high[chosen]
 
 
-def in_all(
+def _in_all(
     surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Measured:
     """Measure what polygons cover together."""
@@ -338,7 +338,7 @@ def in_all(
     return totals
 
 
-def in_each(
+def _in_each(
     surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Iterator[tuple[str | int, Measured]]:
     """Measure each region by itself."""
@@ -353,7 +353,7 @@ def in_each(
             raise InputError(f"polygon {region.name!r}: {error}") from error
 
 
-def level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:
+def _level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between a level and a surface in polygons."""
     solved = surface.triangulation
     low, high = solved.min_bound, solved.max_bound
@@ -370,7 +370,7 @@ def level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) ->
     return above, below, area
 
 
-def between_within(surface: SurfaceData, other: SurfaceData, polygons: list[Polygon]) -> Measured:
+def _between_within(surface: SurfaceData, other: SurfaceData, polygons: list[Polygon]) -> Measured:
     """Measure the volumes between two surfaces in polygons."""
     first = kernel_surface(surface), surface.triangulation
     second = kernel_surface(other), other.triangulation

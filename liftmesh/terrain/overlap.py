@@ -24,10 +24,10 @@ _FAR = 10  # times the longest side of a box: what is unlikely of tiles of one s
 class Overlap:
     """Rows in cells that others have, too."""
 
-    cell: float
-    rows: list[int]
-    lines: int
-    between: int
+    cell: float  # the width of a cell
+    rows: list[int]  # of each part, rows in cells of earlier parts
+    lines: int  # flight lines
+    between: int  # rows in cells of several flight lines
 
 
 def overlap_of(points: Floats, sizes: Sequence[int], lines: Array | None) -> Overlap:
@@ -46,7 +46,7 @@ def overlap_of(points: Floats, sizes: Sequence[int], lines: Array | None) -> Ove
 
 
 def distances_of(points: Floats, sizes: Sequence[int]) -> list[float]:
-    """Return how far parts of a cloud are from those before them, where that is far."""
+    """Return how far each part of a cloud is from those before it; 0 where that is not far."""
     ends = np.cumsum(sizes, dtype=np.intp).tolist()
     parts = [points[end - size : end, :2] for end, size in zip(ends, sizes, strict=True)]
     boxes = {k: _box(each) for k, each in enumerate(parts) if np.isfinite(each).all(axis=1).any()}

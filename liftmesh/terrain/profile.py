@@ -121,10 +121,10 @@ def _parts(points: Floats, joined: Mask) -> Profile:
 class Draped:
     """Lines over a surface, in parts where they leave its faces."""
 
-    points: Floats
-    distances: Floats
-    starts: Array
-    lines: Array
+    points: Floats  # (n, 3), one part after the other
+    distances: Floats  # along their line
+    starts: Array  # where each part begins, and where the last ends
+    lines: Array  # the line that each part is of, from 0
     crs: str | None
 
     @property
@@ -184,7 +184,7 @@ class LineCrossings:
         self._high = np.maximum(np.maximum(a, b), c)
 
     def of(self, corners: Floats) -> list[Floats]:
-        """List what each piece of a line meets."""
+        """List x, y, height and distance from its begin of what each piece of a line meets."""
         ends = np.column_stack([corners, heights_at(self._surface, corners)])
         pieces = [*pairwise(ends)]
         return [

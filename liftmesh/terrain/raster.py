@@ -17,8 +17,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import RasterQuantity, SampleMethod, check_option, shown
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_threads, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
@@ -48,17 +47,22 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels."""
     layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(surface))
-    wanted = Wanted.checked(surface, quantity, method, dtype, light, z_factor)
-    scan = _Scan(surface, layout, as_threads(threads, layout.rows * layout.columns))
+    wanted = Wanted.validated(surface, quantity, method, dtype, light, z_factor)
+    scan = scanner(surface, layout, threads)
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     if quantity == "height":
         _check_range(surface, wanted)
-        if method == "linear":
-            scan.fill(values[:, :, None])
-        else:
-            _fill_by(method, surface, layout, values, threads)
+    if quantity == "height" and method == "linear":
+        scan(values[:, :, None], 0)
+    elif quantity == "height":
+        for first, block in _blocks_of_rows(values):
+            rows = range(first, first + len(block))
+            centres = centres_of(layout.transform, rows, layout.columns)
+            block[...] = heights_at(surface, centres, method, threads=threads)
     else:
-        for block, gradients in scan.gradients(values):
+        for first, block in _blocks_of_rows(values):
+            gradients = np.empty((*block.shape, 2))
+            scan(gradients, first)
             block[...] = wanted.of_gradients(gradients)
     wanted.finish(values)
     unit = unit_of(surface, quantity)
@@ -84,46 +88,28 @@ def _check_range(surface: SurfaceData, wanted: Wanted) -> None:
         wanted.check_range(heights[surface.faces])
 
 
-def _fill_by(
-    method: SampleMethod, surface: SurfaceData, layout: Layout, values: Array, threads: int | None
-) -> None:
-    """Sample the centres, some rows at a time."""
-    count = max(_TOGETHER // layout.columns, 1)
-    for first in range(0, layout.rows, count):
-        block = values[first : first + count]
-        rows = range(first, first + len(block))
-        centres = centres_of(layout.transform, rows, layout.columns)
-        block[...] = heights_at(surface, centres, method, threads=threads)
+def _blocks_of_rows(values: Array) -> Iterator[tuple[int, Array]]:
+    """Yield the rows of a raster, some at a time, and the number of the first."""
+    count = max(_TOGETHER // values.shape[1], 1)
+    for first in range(0, len(values), count):
+        yield first, values[first : first + count]
 
 
-def owners(surface: SurfaceData, layout: Layout, *, threads: int | None = None) -> Array:
-    """Find the face that each pixel of a raster belongs to."""
-    faces = np.empty((layout.rows, layout.columns), np.int32)
-    _Scan(surface, layout, as_threads(threads, faces.size)).fill(faces[:, :, None])
-    return faces
+def scanner(
+    surface: SurfaceData, layout: Layout, threads: int | None
+) -> Callable[[Array, int], None]:
+    """Return the kernel's scan of a surface, which fills pixels from a row of the raster on.
 
+    Pixels are (rows, columns, k): heights if k is 1, gradients if it is 2, and integers get faces.
+    """
+    limit = as_threads(threads, layout.rows * layout.columns)
+    locator = surface.triangulation._locator  # noqa: SLF001 - as in `heights_at`
+    relief = kernel_surface(surface)
 
-class _Scan:
-    """The kernel's scan of a surface, whole or some rows at a time."""
+    def scan(pixels: Array, first_row: int) -> None:
+        relief.scan(locator, layout.transform, first_row, pixels, *limit)
 
-    def __init__(self, surface: SurfaceData, layout: Layout, threads: tuple[int, bool]) -> None:
-        self._relief = kernel_surface(surface)
-        self._locator = surface.triangulation._locator  # noqa: SLF001 - as in `Surface.sample`
-        self._layout = layout
-        self._threads = threads
-
-    def fill(self, pixels: Array, first_row: int = 0) -> None:
-        transform = self._layout.transform
-        self._relief.scan(self._locator, transform, first_row, pixels, *self._threads)
-
-    def gradients(self, values: Array) -> Iterator[tuple[Array, Floats]]:
-        """Yield blocks of rows, and the gradients at their pixels."""
-        count = max(_TOGETHER // self._layout.columns, 1)
-        for first in range(0, self._layout.rows, count):
-            block = values[first : first + count]
-            gradients = np.empty((*block.shape, 2))
-            self.fill(gradients, first)
-            yield block, gradients
+    return scan
 
 
 @dataclass(frozen=True)
@@ -132,11 +118,11 @@ class Wanted:
 
     quantity: str
     kind: np.dtype[Any]
-    light: Floats
-    rise: tuple[float, float]
+    light: Floats  # the unit vector towards it
+    rise: tuple[float, float]  # what gradients are multiplied by
 
     @classmethod
-    def checked(
+    def validated(
         cls,
         surface: OverPlane,
         quantity: RasterQuantity,
@@ -153,7 +139,7 @@ class Wanted:
         return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
 
     def check_range(self, heights: Floats) -> None:
-        """Raise if a height is finite, but beyond the type."""
+        """Raise if one of some heights, or of their bounds, is finite but beyond the type."""
         farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
         with np.errstate(over="ignore"):
             is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
@@ -203,7 +189,7 @@ def _light_of(light: tuple[float, float]) -> Floats:
 
 
 def shade_of(gradients: Floats, light: Floats) -> Floats:
-    """Compute how bright faces are under a distant light."""
+    """Compute how bright faces are under a distant light: 0 in the shade, 255 facing it."""
     steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
     scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
     x, y = gradients[..., 0] * scale, gradients[..., 1] * scale

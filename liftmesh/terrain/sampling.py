@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_pairs
-from liftmesh.base.options import SampleMethod, check_option
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import SampleMethod, as_threads, check_option
 from liftmesh.errors import InputError
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 from liftmesh.terrain.units import steepness

@@ -162,16 +162,16 @@ def simplify(  # noqa: PLR0913 - options are keywords
     rest = stages(_DONE_AFTER["choose"], _DONE_AFTER["check"])
     checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
-    told = {
+    summary = {
         "rows": len(whole.vertices),
         "positions": len(used),
         "kept": len(kept),
         "max_error": max_error,
         "error": checked.largest,
         "within": is_within,
-        "merged": of_rows(heights, whole.report.left_out, whole.report.representatives),
+        "merged": merged_deviation(heights, whole.report.left_out, whole.report.representatives),
     }
-    return replace(simplified, metadata={**whole.metadata, "simplification": told})
+    return replace(simplified, metadata={**whole.metadata, "simplification": summary})
 
 
 def _limits(max_error: object, max_points: object) -> tuple[float, int]:
@@ -282,15 +282,15 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
 class Deviation:
     """The largest distance of points from a surface."""
 
-    largest: float
-    beyond: int
+    largest: float  # not less than the largest distance
+    beyond: int  # how many points are farther than the bound, exactly
 
 
 def deviation(
-    triangulation: Triangulation,
-    heights: Floats,
+    triangulation: Triangulation,  # covers the points
+    heights: Floats,  # of its rows
     points: Floats,
-    z: Floats,
+    z: Floats,  # of the points
     bound: float,
     progress: Progress | None = None,
 ) -> Deviation:
@@ -415,7 +415,7 @@ def _upwards(value: Fraction) -> float:
     return nearest if Fraction(nearest) >= value else math.nextafter(nearest, math.inf)
 
 
-def of_rows(heights: Floats, left_out: Rows, representatives: Rows) -> float:
+def merged_deviation(heights: Floats, left_out: Rows, representatives: Rows) -> float:
     """Return the largest distance of merged rows from the row that stands for them."""
     merged = representatives >= 0
     apart = heights[left_out[merged]] - heights[representatives[merged]]

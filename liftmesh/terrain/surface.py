@@ -14,14 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.cloud import Cloud
-from liftmesh.base.colors import kept_depth
 from liftmesh.base.options import Pinched, RasterQuantity, SampleMethod, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
-from liftmesh.terrain.changes import as_parts
-from liftmesh.terrain.surface_data import SurfaceData
+from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
     import os
@@ -32,6 +29,7 @@ if TYPE_CHECKING:
     import open3d as o3d
     import trimesh as trimesh_package
 
+    from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import Written
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
@@ -138,16 +136,16 @@ class Surface(SurfaceData):
         >>> surface.replace(vertices=raised).vertices[:, 2], surface.vertices[:, 2]
         (array([50., 60., 70.]), array([5., 6., 7.]))
         """
-        given = {
-            "vertices": vertices,
-            "colors": colors,
-            "normals": normals,
-            "attributes": attributes,
-            "metadata": metadata,
-            "crs": crs,
-            "color_depth": ... if color_depth is None else color_depth,
-        }
-        return changes.replaced(self, {key: v for key, v in given.items() if v is not ...})
+        return changes.replaced(
+            self,
+            color_depth,
+            vertices=vertices,
+            colors=colors,
+            normals=normals,
+            attributes=attributes,
+            metadata=metadata,
+            crs=crs,
+        )
 
     def with_attributes(
         self, attributes: Mapping[str, ArrayLike] | None = None, /, **named: ArrayLike
@@ -178,8 +176,7 @@ class Surface(SurfaceData):
         >>> surface.with_attributes(depth=-surface.vertices[:, 2]).attributes["depth"]
         array([-5., -6., -7.])
         """
-        added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
-        return self.replace(attributes={**self.attributes, **added, **named})
+        return changes.with_attributes(self, attributes, named)
 
     def sample(
         self, points: ArrayLike, method: SampleMethod = "linear", *, threads: int | None = None
@@ -831,16 +828,7 @@ class Surface(SurfaceData):
         >>> surface.to_cloud().faces.shape
         (1, 3)
         """
-        return Cloud(
-            points=self.vertices,
-            colors=self.colors,
-            normals=self.normals,
-            attributes=self.attributes,
-            faces=self.faces,
-            metadata=self.metadata,
-            crs=self.crs,
-            color_depth=kept_depth(self.colors),
-        )
+        return as_cloud(self)
 
     def to_trimesh(self) -> trimesh_package.Trimesh:
         """Convert the surface to a trimesh mesh.

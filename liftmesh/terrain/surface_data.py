@@ -10,6 +10,8 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import FrozenResult
 
 if TYPE_CHECKING:
@@ -38,8 +40,22 @@ class SurfaceData(FrozenResult):
 AnySurface = TypeVar("AnySurface", bound=SurfaceData)  # of functions that change one
 
 
+def as_cloud(surface: SurfaceData) -> Cloud:
+    """Convert a surface to a cloud with faces; both share their arrays."""
+    return Cloud(
+        points=surface.vertices,
+        colors=surface.colors,
+        normals=surface.normals,
+        attributes=surface.attributes,
+        faces=surface.faces,
+        metadata=surface.metadata,
+        crs=surface.crs,
+        color_depth=kept_depth(surface.colors),
+    )
+
+
 def kernel_surface(surface: SurfaceData) -> _kernel.Relief:
-    """Hand a surface over to the kernel."""
+    """Hand a surface over to the kernel, which shares its arrays."""
     solved = surface.triangulation
     return _kernel.Relief(
         solved.points,

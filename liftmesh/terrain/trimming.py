@@ -60,7 +60,7 @@ def boundary(surface: SurfaceData) -> list[Rows]:
 
 
 def mask_of(surface: SurfaceData) -> Array:
-    """Return which triangles are left out."""
+    """Return which triangles of the triangulation are left out."""
     if surface.mask is None:
         return np.zeros(surface.triangulation.nsimplex, dtype=np.bool_)
     return surface.mask

@@ -3,21 +3,17 @@
 from __future__ import annotations
 
 import os
-from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress
-from liftmesh.base.threads import as_threads
-from liftmesh.tiles.clouds import valued_parts
+from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, as_threads, check_progress
 from liftmesh.tiles.options import Options, SurfaceOptions
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
-from liftmesh.tiles.sources import parts_of
+from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.tiled import Tiled
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
 _MANY = 1 << 30  # rows: enough for any number of threads
@@ -119,11 +115,10 @@ def tile(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
     options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    runner = Serial(count, progress)
-    found = triangulated(source, options, runner, cut=partial(parts_of, show=runner.copied))
+    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
-    return found
+    return tiled
 
 
 def tile_surface(  # noqa: PLR0913 - options are keywords
@@ -234,9 +229,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     options = Options.checked(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    runner = Serial(count, progress)
-    cut = partial(valued_parts, reading=surface.reading, show=runner.copied)
-    found = triangulated(source, options, runner, cut=cut)
+    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
-    return cast("TiledSurface", found)
+    return cast("TiledSurface", tiled)

@@ -17,6 +17,8 @@ from liftmesh.base.options import ShardFormat
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.schema import Reading
+    from liftmesh.tiles.source_chunks import SourceChunk
 
 _MOST = 16  # more would hardly save anything: a sixteenth of the rows is 1.5 bytes a point
 _ROWS = 50_000  # of a file on average: sorting them takes a hundred times what a file takes
@@ -88,13 +90,14 @@ class RunContext:
     out: Path
     scratch: Path
     plan: str = ""
-    held: int = 0
-    runs: int = 0
+    held: int = 0  # rows of a merge whose large arrays are in memory
+    chunks: int = 0  # how many there are
     groups: Groups = field(default_factory=Groups)
     released: frozenset[int] = frozenset()
     shards: ShardFormat = "npy"
     neighbors: bool = False
-    policy: str = ""
+    has_values: bool = False
+    duplicates: str = "first"
 
 
 @dataclass(frozen=True)
@@ -135,6 +138,11 @@ def node_of(stem: str) -> int:
 
 class Runner(Protocol):
     """What calls tasks."""
+
+    def chunks(
+        self, source: object, rows: int, scratch: Path, reading: Reading
+    ) -> list[SourceChunk]:
+        """Cut a source into chunks that all tasks can read."""
 
     def begin(self, rows: int) -> None:
         """Hear how many rows there are, once they are counted."""

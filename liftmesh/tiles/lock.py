@@ -27,7 +27,7 @@ from liftmesh.tiles.manifest import MANIFEST, manifest_of
 from liftmesh.tiles.store import load_json, save_json
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.source_chunks import SourceChunk
 
 CLAIM = ".liftmesh-run"
 MARKER = "scratch.json"
@@ -82,18 +82,18 @@ def _make_folders(folder: Path, made: list[Path]) -> None:
                 made.append(each)
 
 
-def check_apart(context: RunContext, parts: Sequence[Part]) -> None:
+def check_apart(context: RunContext, chunks: Sequence[SourceChunk]) -> None:
     """Raise if a run would overwrite its own source."""
     out = os.path.realpath(context.out)
-    for place in {part.place for part in parts if part.place is not None}:
+    for place in {chunk.place for chunk in chunks if chunk.place is not None}:
         real = Path(os.path.realpath(place))
         if str(real.parent) == out and _SHARD.fullmatch(real.name):
             raise InputError(f"{place} would be overwritten: choose another folder than {out}")
 
 
-def release_copies(context: RunContext, parts: Sequence[Part]) -> None:
+def release_copies(context: RunContext, chunks: Sequence[SourceChunk]) -> None:
     """Remove the copies of what cannot be read by ranges: the next run makes them anew."""
-    for place in {part.place for part in parts if part.place is not None}:
+    for place in {chunk.place for chunk in chunks if chunk.place is not None}:
         path = Path(place)
         if path.parent == context.scratch and _NOTE.fullmatch(path.name):
             path.unlink(missing_ok=True)

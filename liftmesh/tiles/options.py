@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -23,12 +23,11 @@ from liftmesh.base.options import (
     shown,
 )
 from liftmesh.errors import InputError
-from liftmesh.tiles.clouds import Reading, Valued
 from liftmesh.tiles.context import RunContext
+from liftmesh.tiles.schema import Reading
 
 if TYPE_CHECKING:
     from liftmesh.tiles.schema import Schema
-    from liftmesh.tiles.sources import Part
 
 _WHOLE = {
     "weights": "the merges of tiles know Delaunay triangles alone",
@@ -78,11 +77,6 @@ class SurfaceOptions:
             "reading": dict(self.reading.options),
             **schema.as_dict(),
         }
-
-
-def schema_of_parts(parts: Sequence[Part]) -> Schema:
-    """Return what the rows of all parts have."""
-    return cast("Valued", parts[0]).schema
 
 
 def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
@@ -135,6 +129,11 @@ class Options:
     skips: bool
     resumes: bool
     surface: SurfaceOptions | None = None
+
+    @property
+    def reading(self) -> Reading:
+        """How the rows of the source are read."""
+        return Reading(is_planar=True) if self.surface is None else self.surface.reading
 
     @classmethod
     def checked(

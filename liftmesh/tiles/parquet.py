@@ -14,17 +14,18 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_floats, widened
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError
 from liftmesh.io.registry import as_cloud
 from liftmesh.optional import load
+from liftmesh.tiles.schema import PLANAR, Schema, naming, records_of_points
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.tiles.sources import Origin
+    from liftmesh.tiles.source_chunks import Origin
 
 
 @dataclass(frozen=True)
-class ParquetPart:
+class ParquetChunk:
     """Row groups of a Parquet file."""
 
     origin: Origin
@@ -32,13 +33,16 @@ class ParquetPart:
     groups: tuple[int, ...]
     columns: tuple[str, str]
     rows: int
+    schema: Schema = PLANAR
 
-    def read(self) -> Array:
+    def records(self) -> Array:
         """Read the two columns, each of its own type; missing values are NaN."""
         parquet = load("pyarrow.parquet", extra="dask")
         with parquet.ParquetFile(self.place) as file:
             table = file.read_row_groups(list(self.groups), columns=list(self.columns))
-        return _stacked(table, self.columns)
+        with naming(self.origin.source):
+            points = _stacked(table, self.columns)
+        return records_of_points(points, PLANAR, self.origin.source)
 
 
 def parquet_files(name: str) -> list[str]:
@@ -55,18 +59,18 @@ def _numbers(name: str) -> tuple[list[int], str]:
     return [int(digits) for digits in re.findall(r"\d+", Path(name).name)], name
 
 
-def parquet_parts(origin: Origin, name: str, rows: int) -> list[ParquetPart]:
-    """Cut a Parquet file into parts."""
+def parquet_chunks(origin: Origin, name: str, rows: int) -> list[ParquetChunk]:
+    """Cut a Parquet file into chunks."""
     parquet = load("pyarrow.parquet", extra="dask")
     with parquet.ParquetFile(name) as file:
         columns = planar_columns(name, file.schema_arrow.names)
         sizes = [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)]
     place = os.path.abspath(name)  # noqa: PTH100 - links stay as they are
-    found: list[ParquetPart] = []
+    found: list[ParquetChunk] = []
     first = 0
     for groups in _grouped(sizes, rows):
         count = sum(sizes[i] for i in groups)
-        found.append(ParquetPart(replace(origin, row=first), place, groups, columns, count))
+        found.append(ParquetChunk(replace(origin, row=first), place, groups, columns, count))
         first += count
     return found
 
@@ -90,11 +94,10 @@ def planar_batches(name: str, rows: int) -> Iterator[Array]:
     parquet = load("pyarrow.parquet", extra="dask")
     with parquet.ParquetFile(name) as file:
         columns = planar_columns(name, file.schema_arrow.names)
-        try:
-            for batch in file.iter_batches(rows, columns=list(columns)):
-                yield _stacked(batch, columns)
-        except InputError as error:
-            raise type(error)(f"{name}: {error}") from error
+        for batch in file.iter_batches(rows, columns=list(columns)):
+            with naming(name):
+                points = _stacked(batch, columns)
+            yield points
 
 
 def parquet_clouds(name: str, rows: int) -> Iterator[Cloud]:
@@ -120,10 +123,9 @@ def _tables(name: str, rows: int, gaps: set[str]) -> Iterator[Cloud]:
                 if column.null_count and kinds.is_integer(field.type)
             }
             table = batch.to_pandas()
-            try:
-                yield as_cloud(table.astype(dict.fromkeys(gaps & {*table.columns}, np.float64)))
-            except InputError as error:
-                raise type(error)(f"{name}: {error}") from error
+            with naming(name):
+                cloud = as_cloud(table.astype(dict.fromkeys(gaps & {*table.columns}, np.float64)))
+            yield cloud
 
 
 def _stacked(table: Any, columns: Sequence[str]) -> Array:

@@ -7,7 +7,7 @@ files of tasks depend on besides, the plan and the program, is in the hash of th
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import accumulate
 from pathlib import Path
@@ -22,7 +22,7 @@ from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.context import JOB, Groups, RunContext
 from liftmesh.tiles.lock import check_apart, clear, locked, release_copies
 from liftmesh.tiles.manifest import MANIFEST, VERSION, manifest_of, wrong_job
-from liftmesh.tiles.options import TILE_ROWS, Options, SurfaceOptions, schema_of_parts
+from liftmesh.tiles.options import TILE_ROWS, Options, SurfaceOptions
 from liftmesh.tiles.plan import Plan, frequent, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.schedule import released
@@ -37,17 +37,15 @@ from liftmesh.tiles.sorted_chunks import (
     scan,
     tile_sample,
 )
-from liftmesh.tiles.sources import Part, parts_of
 from liftmesh.tiles.stages import is_recorded
 from liftmesh.tiles.store import load_record, save_record, seal
-from liftmesh.tiles.tiled import Tiled, open_tiled
+from liftmesh.tiles.tiled_data import TiledData, is_intact
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
+    from liftmesh.tiles.source_chunks import SourceChunk
 
-Cut = Callable[[object, int, Path], Sequence[Part]]
-
-_PART_ROWS = 2_000_000
+_CHUNK_ROWS = 2_000_000
 _SAMPLED = 2_000  # points of a tile
 _LARGE = 2  # times the rows of a tile: it is cut again
 _ROUNDS = 3  # of sorting; what is too large then stays so
@@ -57,26 +55,24 @@ def triangulated(
     source: object,
     options: Options,
     runner: Runner,
-    *,
     fitting: int = TILE_ROWS,
-    cut: Cut = parts_of,
-) -> Tiled:
-    """Do everything, or what is left to do."""
+) -> Path:
+    """Do everything, or what is left to do, and return the folder."""
     context = options.context
     with locked(context, anew=not options.resumes):
         before = _earlier_rows(context) if options.resumes else None
         rows = options.tile_rows or before or fitting
-        parts = cut(source, min(rows, _PART_ROWS), context.scratch)
-        check_apart(context, parts)
-        count = sum(part.rows for part in parts)
+        chunks = runner.chunks(source, min(rows, _CHUNK_ROWS), context.scratch, options.reading)
+        check_apart(context, chunks)
+        count = sum(chunk.rows for chunk in chunks)
         check_format(context.shards, count)
         runner.begin(count)
-        if options.surface is not None and parts:
-            check_system(schema_of_parts(parts).crs, "xy")
+        if options.surface is not None and chunks:
+            check_system(chunks[0].schema.crs, "xy")
         if not options.resumes:
             clear(context)
-        Run(context, parts, rows, options.skips, options.surface).finish(runner)
-    return open_tiled(context.out)
+        Run(context, chunks, rows, options.skips, options.surface).finish(runner)
+    return context.out
 
 
 @dataclass(frozen=True)
@@ -84,7 +80,7 @@ class Run:
     """What is triangulated, and how, in folders that are claimed."""
 
     context: RunContext
-    parts: Sequence[Part]
+    chunks: Sequence[SourceChunk]
     tile_rows: int
     skips: bool
     surface: SurfaceOptions | None = None
@@ -106,32 +102,35 @@ class Run:
             plan = finer
         else:
             context, sizes, skipped = self._sorted(runner, plan, identity, scanned)
-        release_copies(context, self.parts)
+        release_copies(context, self.chunks)
         done = runner.tree(context, plan, sizes)
-        publish(runner, context, self.parts, plan, identity, done, skipped)
+        publish(runner, context, self.chunks, plan, identity, done, skipped)
 
     def _sorted(
         self, runner: Runner, plan: Plan, identity: Mapping[str, Any], scanned: Sequence[Scanned]
     ) -> tuple[RunContext, list[int], Integers]:
-        """Sort all parts by tile; return the sizes of the tiles, and the rows left out."""
+        """Sort all chunks by tile; return the sizes of the tiles, and the rows left out."""
         context = self._context(plan, identity)
         save_plan(context, plan)
         context = replace(context, released=released(runner, context))
-        numbered = enumerate(zip(self.parts, self._firsts, scanned, strict=True))
-        calls = [(context, part, i, first, found.as_chunk) for i, (part, first, found) in numbered]
+        numbered = enumerate(zip(self.chunks, self._firsts, scanned, strict=True))
+        calls = [
+            (context, chunk, i, first, found.as_chunk) for i, (chunk, first, found) in numbered
+        ]
         runner.each("partition", partition, calls)
         return context, *save_boxes(context, plan)
 
     def _context(self, plan: Plan, identity: Mapping[str, Any]) -> RunContext:
         """Say what the files of a plan depend on."""
-        groups = Groups.of_plan(plan.tiles, max(part.rows for part in self.parts))
+        groups = Groups.of_plan(plan.tiles, max(chunk.rows for chunk in self.chunks))
         return replace(
             self.context,
             plan=seal(_program(), identity, plan.as_dict(), groups.count),
             held=2 * self.tile_rows,
-            runs=len(self.parts),
+            chunks=len(self.chunks),
             groups=groups,
-            policy="" if self.surface is None else self.surface.duplicates,
+            has_values=self.surface is not None,
+            duplicates="first" if self.surface is None else self.surface.duplicates,
         )
 
     def _begun(self, first: Plan, identity: Mapping[str, Any]) -> Plan | None:
@@ -160,19 +159,19 @@ class Run:
 
     @property
     def _tiles(self) -> int:
-        return -(-sum(part.rows for part in self.parts) // self.tile_rows)
+        return -(-sum(chunk.rows for chunk in self.chunks) // self.tile_rows)
 
     @property
     def _firsts(self) -> list[int]:
-        return [0, *accumulate(part.rows for part in self.parts)][:-1]
+        return [0, *accumulate(chunk.rows for chunk in self.chunks)][:-1]
 
     def _scanned(self, runner: Runner) -> list[Scanned]:
         if self._tiles == 0:
             raise DegenerateInputError("the source has no rows: a triangle needs three points")
-        total = sum(part.rows for part in self.parts)
+        total = sum(chunk.rows for chunk in self.chunks)
         calls = [
-            (part, first, -(-_SAMPLED * self._tiles * part.rows // total), self.skips)
-            for part, first in zip(self.parts, self._firsts, strict=True)
+            (chunk, first, -(-_SAMPLED * self._tiles * chunk.rows // total), self.skips)
+            for chunk, first in zip(self.chunks, self._firsts, strict=True)
         ]
         found: list[Scanned] = runner.each("scan", scan, calls)
         return found
@@ -189,7 +188,7 @@ class Run:
         }
         if self.surface is None:
             return said
-        return said | {"surface": self.surface.as_dict(schema_of_parts(self.parts))}
+        return said | {"surface": self.surface.as_dict(self.chunks[0].schema)}
 
     def _is_finished(self, identity: Mapping[str, Any]) -> bool:
         """Whether it is all done; raise if something else is, or was begun."""
@@ -201,7 +200,7 @@ class Run:
                     f"{self.context.out} holds the triangles of other points: choose another "
                     "folder, or replace them with resume=False"
                 )
-            if Tiled(self.context.out, before).is_sound():
+            if is_intact(TiledData(self.context.out, before)):
                 return True
         record = self.context.scratch / JOB
         if record.exists():
@@ -242,14 +241,14 @@ class Run:
                 f"{self.context.out} holds a run with other points: choose another folder, or "
                 "begin anew with resume=False"
             )
-        for number, part in enumerate(self.parts):
+        for number, chunk in enumerate(self.chunks):
             if number not in same:
-                raise changed(part)
+                raise changed(chunk)
         if len(before) > len(now):
+            rows = sum(chunk.rows for chunk in self.chunks)
             raise InputError(
-                f"the source has lost rows since this triangulation was begun: "
-                f"{sum(part.rows for part in self.parts):,} are left: restore them, or begin anew "
-                "with resume=False"
+                f"the source has lost rows since this triangulation was begun: {rows:,} are left: "
+                "restore them, or begin anew with resume=False"
             )
 
 

@@ -27,20 +27,20 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.terrain.equal_positions import choose_rows
 from liftmesh.tiles.adjacency import AdjacencyProof
-from liftmesh.tiles.clouds import planar_of
 from liftmesh.tiles.context import Groups, RunContext, label
 from liftmesh.tiles.findings import Findings
+from liftmesh.tiles.manifest import faces_name, vertices_name
 from liftmesh.tiles.node import mesh_of
 from liftmesh.tiles.plan import positions_of, set_apart
 from liftmesh.tiles.schedule import in_order
+from liftmesh.tiles.schema import planar_of
 from liftmesh.tiles.shards import open_shard, vertices_of
 from liftmesh.tiles.sorted_chunks import save_boxes, sorted_by_tile, tile_records, tile_values
 from liftmesh.tiles.store import concatenated, mapped, save_array
-from liftmesh.tiles.surface_files import faces_name, vertices_name
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.tiled import Tiled
+    from liftmesh.tiles.tiled_data import TiledData
 
 
 _BLOCK = 1 << 20  # triangles whose corners are looked up at once
@@ -64,7 +64,7 @@ class Loose:
 class Proof:
     """Collects what is wrong with the triangles of a folder."""
 
-    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         self._tiled = tiled
         self._plan = plan
         self._context = RunContext(tiled.directory, scratch, groups=Groups(plan.tiles))
@@ -83,21 +83,21 @@ class Proof:
         """Sort the points by tile; return how many rows were skipped, and the hash of all."""
         digest, number, first = hashlib.sha256(), 0, 0
         for number, chunk in enumerate(chunks, 1):
-            rows = np.ascontiguousarray(planar_of(chunk))
-            digest.update(rows.data)
+            digest.update(planar_of(chunk).data)
             stem = self._context.scratch / f"run-{number - 1:05d}"
-            arrays = self._context.groups.apart(self._sorted(rows, chunk, first))
+            arrays = self._context.groups.apart(self._sorted(chunk, first))
             for what, array in arrays.items():
                 save_array(Path(f"{stem}{what}.npy"), array)
-            first += len(rows)
-        self._context = replace(self._context, runs=number)
+            first += len(chunk)
+        self._context = replace(self._context, chunks=number)
         _, skipped = save_boxes(self._context, self._plan)
         if not np.array_equal(skipped, self._tiled.skipped):
             self.found.add("other_skipped", 1)
         return len(skipped), digest.hexdigest()
 
-    def _sorted(self, rows: Floats, _: Array, first: int) -> dict[str, Array]:
+    def _sorted(self, records: Array, first: int) -> dict[str, Array]:
         """Sort a chunk by tile."""
+        rows = planar_of(records)
         pairs = self._set_apart(rows, first)
         *found, skipped = self._plan.partition(rows, first)
         found.append(np.setdiff1d(skipped, pairs[:, 0]))
@@ -298,7 +298,7 @@ def _is_less(p: Floats, q: Floats) -> Array:
     return less
 
 
-def proof_of(tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> Proof:
+def proof_of(tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> Proof:
     """Begin the proof of a folder."""
     kind = SurfaceProof if "surface" in tiled.manifest else Proof
     return kind(tiled, plan, scratch, threads)
@@ -307,15 +307,15 @@ def proof_of(tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> Proof:
 class SurfaceProof(Proof):
     """Collects what is wrong with the triangles and the vertices of a folder."""
 
-    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         super().__init__(tiled, plan, scratch, threads)
         self._policy: str = tiled.manifest["surface"]["duplicates"]
         self._chosen = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._heights = np.full(len(plan.repeated), np.nan)
         self._overhangs = 0
 
-    def _sorted(self, rows: Floats, chunk: Array, first: int) -> dict[str, Array]:
-        return sorted_by_tile(self._plan, rows, first, chunk, self._policy)
+    def _sorted(self, records: Array, first: int) -> dict[str, Array]:
+        return sorted_by_tile(self._plan, records, first, self._policy)
 
     def _tile(self, tile: int) -> Loose:
         records = tile_records(self._context, tile)
@@ -350,7 +350,7 @@ class SurfaceProof(Proof):
 
     def _check_apart(self) -> None:
         """Rows that are in no tile are duplicates of those that tiles have chosen."""
-        for number in range(self._context.runs):
+        for number in range(self._context.chunks):
             stem = self._context.scratch / f"run-{number:05d}"
             pairs, apart = np.load(f"{stem}-duplicates.npy"), np.load(f"{stem}-apart.npy")
             at = apart[:, 0].astype(np.int64)

@@ -16,14 +16,14 @@ from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.context import Done, RunContext, label
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
+from liftmesh.tiles.node import overhangs_apart
 from liftmesh.tiles.plan import merged
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
-from liftmesh.tiles.surface_files import about_surface, extent_in_manifest
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.source_chunks import SourceChunk
 
 _DUPLICATES = "duplicates.npy"
 
@@ -31,7 +31,7 @@ _DUPLICATES = "duplicates.npy"
 def publish(
     runner: Runner,
     context: RunContext,
-    parts: Sequence[Part],
+    chunks: Sequence[SourceChunk],
     plan: Plan,
     identity: Mapping[str, Any],
     done: Sequence[Done],
@@ -39,10 +39,10 @@ def publish(
 ) -> None:
     """Write the rows left out, the hull, the plan and the manifest, which is the last."""
     hull = np.load(context.scratch / f"{label(done[-1].name)}-hull.npy")
-    rows = sum(part.rows for part in parts)
+    rows = sum(chunk.rows for chunk in chunks)
     arrays = {"skipped": np.sort(skipped), "hull": hull}
     counts = {name: len(array) for name, array in arrays.items()}
-    listed = _Duplicates.of(context, done, len(parts))
+    listed = _Duplicates.of(context, done, len(chunks))
     counts["duplicates"] = listed.count
     counts |= {"rows": rows, "vertices": rows - counts["duplicates"] - counts["skipped"]}
     counts["triangles"] = sum(each.triangles for each in done)
@@ -60,10 +60,10 @@ def publish(
     manifest = {
         "plan": context.plan,
         **identity,
-        **about_surface(context, identity, done, len(parts)),
+        **about_surface(context, identity, done, len(chunks)),
         **counts,
         "kind": KIND,
-        "source": _files(parts, context.out),
+        "source": _files(chunks, context.out),
         "shards": [_shard(context, each) for each in written],
         "files": files,
         "merges": _merges(done),
@@ -156,19 +156,19 @@ def _stated(path: Path) -> dict[str, Any]:
     return {"bytes": path.stat().st_size, "sha256": digest_of(path)}
 
 
-def _files(parts: Sequence[Part], out: Path) -> list[dict[str, Any]]:
+def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
     """List the files of a source with the number of their first row, two of one name apart."""
     found: list[dict[str, Any]] = []
     first, number = 0, -1
-    for part in parts:
-        if part.origin.number != number:
-            number = part.origin.number
-            entry = {"file": Path(part.origin.source).name, "first": first, "rows": 0}
-            if part.origin.is_path:
-                entry["path"] = os.path.relpath(part.origin.source, out)
+    for chunk in chunks:
+        if chunk.origin.number != number:
+            number = chunk.origin.number
+            entry = {"file": Path(chunk.origin.source).name, "first": first, "rows": 0}
+            if chunk.origin.is_path:
+                entry["path"] = os.path.relpath(chunk.origin.source, out)
             found.append(entry)
-        found[-1]["rows"] += part.rows
-        first += part.rows
+        found[-1]["rows"] += chunk.rows
+        first += chunk.rows
     return found
 
 
@@ -181,3 +181,25 @@ def _merges(done: Sequence[Done]) -> dict[str, int]:
         "rows_at_root": done[-1].rows,
         "bytes_up": sum(each.bytes_up for each in done),
     }
+
+
+def extent_in_manifest(done: Done) -> dict[str, Any]:
+    """Say how many vertices a shard has, and where they are."""
+    if not done.vertices:
+        return {}
+    return {"vertices": done.vertices, "extent": list(done.extent)}
+
+
+def about_surface(
+    context: RunContext, identity: Mapping[str, Any], done: Sequence[Done], parts: int
+) -> dict[str, Any]:
+    """Say what was found of a surface."""
+    if "surface" not in identity:
+        return {}
+    apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
+    tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
+    within = sum(each.overhangs for each in done)
+    boxes = np.array([each.extent for each in done if each.vertices])
+    extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
+    found = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
+    return {"surface": {**identity["surface"], **found}}

@@ -13,18 +13,22 @@ that are missing then are sorted again from the source (`sorted_chunks.partition
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Progress
 from liftmesh.tiles.context import Done, RunContext, Runner, label, of_rows
 from liftmesh.tiles.sorted_chunks import stem_of
+from liftmesh.tiles.sources import source_chunks
 from liftmesh.tiles.stages import earlier, node
 from liftmesh.tiles.store import names_to_disk
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
+    from liftmesh.tiles.schema import Reading
+    from liftmesh.tiles.source_chunks import SourceChunk
 
 
 SHARES = {
@@ -66,9 +70,11 @@ class Serial:
         self._threads = threads
         self._meter = Meter(progress)
 
-    def copied(self, share: float) -> None:
-        """Hear how much is copied of what cannot be read by ranges."""
-        self._meter.show("spool", share)
+    def chunks(
+        self, source: object, rows: int, scratch: Path, reading: Reading
+    ) -> list[SourceChunk]:
+        """Cut a source into chunks; progress is that of copying what cannot be read by ranges."""
+        return source_chunks(source, rows, scratch, reading, partial(self._meter.show, "spool"))
 
     def begin(self, rows: int) -> None:
         """Hear how many rows there are."""
@@ -118,8 +124,8 @@ def release(context: RunContext, group: int, done: Sequence[Done]) -> None:
     if {~each.name for each in done} != {*context.groups.tiles_of(group)}:
         raise RuntimeError(f"the rows of group {group} are still needed, which is a bug")
     names_to_disk(context.scratch)  # the records of the tiles
-    for number in range(context.runs):
-        for end in of_rows(group, with_values=bool(context.policy)):
+    for number in range(context.chunks):
+        for end in of_rows(group, with_values=context.has_values):
             Path(f"{stem_of(context, number)}{end}.npy").unlink(missing_ok=True)
 
 

@@ -19,10 +19,10 @@ from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
 from liftmesh.errors import FormatError, InputError, NonFiniteError
 from liftmesh.io.surface_rows import classes_of
-from liftmesh.tiles.clouds import read_part
 from liftmesh.tiles.context import suffix
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan, set_apart
+from liftmesh.tiles.schema import heights_of, planar_of
 from liftmesh.tiles.store import (
     fill,
     is_sound,
@@ -36,69 +36,194 @@ from liftmesh.tiles.store import (
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import RunContext
-    from liftmesh.tiles.sources import Part
+    from liftmesh.tiles.source_chunks import SourceChunk
+
+
+@dataclass(frozen=True)
+class Scanned:
+    """What a first reading of a chunk tells; of a surface, its values have a digest, too."""
+
+    rows: int
+    digest: str
+    sample: Floats
+    values: str = ""
+    classes: Mapping[int, int] = field(default_factory=dict)
+
+    @property
+    def as_chunk(self) -> dict[str, Any]:
+        """What a manifest says of the chunk."""
+        said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
+        said |= {"values": self.values} if self.values else {}
+        classes = {str(each): rows for each, rows in self.classes.items()}
+        return said | ({"classes": classes} if classes else {})
+
+
+def scan(chunk: SourceChunk, first: int, sampled: int, skips: bool) -> Scanned:
+    """Read a chunk for the first time."""
+    records = chunk.records()
+    rows = planar_of(records)
+    digest, values = digests_of(records)
+    finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
+    heights = heights_of(records)
+    if heights is not None:
+        finite &= np.isfinite(heights)
+    is_whole = bool(finite.all())
+    if not (skips or is_whole):
+        raise _non_finite(chunk, int(finite.argmin()), first, records)
+    pool = rows if is_whole else rows[finite]
+    rng = np.random.default_rng(int(digest[:16], 16))
+    drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
+    return Scanned(len(rows), digest, pool[np.sort(drawn)] + 0.0, values, classes_in(records))
+
+
+def classes_in(records: Array) -> dict[int, int]:
+    """Count the rows of each class of lidar, as a `Report` does; empty if there are none."""
+    return classes_of({name: records[name] for name in records.dtype.names or ()})
+
+
+def digests_of(records: Array) -> tuple[str, str]:
+    """Hash planar positions, and the values of a surface; without values, nothing."""
+    rows = planar_of(records)
+    digest = hashlib.sha256(rows.data).hexdigest()
+    if heights_of(records) is None:
+        return digest, ""
+    return digest, hashlib.sha256(records.view(np.uint8).data).hexdigest()
+
+
+def _non_finite(chunk: SourceChunk, row: int, first: int, records: Array) -> NonFiniteError:
+    """Name a row by its file, its number there, and its number among all."""
+    place = np.array([records[name][row] for name, _ in chunk.schema.position])
+    error = non_finite(first + row, place)
+    if chunk.place is None:
+        return error
+    within = chunk.origin.row + row
+    where = "" if within == first + row else f", its row {within}"
+    return NonFiniteError(f"{chunk.origin.source}{where}: {error}", row=first + row)
+
+
+def partition(
+    context: RunContext, chunk: SourceChunk, number: int, first: int, stated: Mapping[str, Any]
+) -> None:
+    """Sort the rows of a chunk by tile into files of the scratch folder, one for each group."""
+    stem = Path(stem_of(context, number))
+    record = stem.with_suffix(".json")
+    digests: dict[str, str] = load_record(record, context.plan) or {}
+    missing = _missing(context, stem.name, digests)
+    if not missing:
+        return
+    records = chunk.records()
+    if digests_of(records) != (stated["sha256"], stated.get("values", "")):
+        raise changed(chunk)
+    arrays = sorted_by_tile(load_plan(context), records, first, context.duplicates)
+    parts = context.groups.apart(arrays)
+    for end, name in missing.items():
+        digests[name] = save_array(context.scratch / name, parts[end])
+    save_record(record, context.plan, digests)
+
+
+def _missing(context: RunContext, stem: str, digests: Mapping[str, str]) -> dict[str, str]:
+    """List the files of a chunk that are needed and not there, by the ends of their names."""
+    ends = context.groups.names(with_values=context.has_values, without=context.released)
+    names = {end: f"{stem}{end}.npy" for end in ends}
+    return {
+        end: name
+        for end, name in names.items()
+        if name not in digests or not is_sound(context.scratch, {name: digests[name]})
+    }
+
+
+def sorted_by_tile(plan: Plan, records: Array, first: int, duplicates: str) -> dict[str, Array]:
+    """Sort rows by tile; planar records are changed."""
+    rows = planar_of(records)
+    heights = heights_of(records)
+    if heights is not None:
+        rows[~np.isfinite(heights)] = np.nan
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, duplicates)
+    tiles, begins, boxes, skipped = plan.partition(rows, first)
+    pairs = first + np.column_stack((apart, firsts[which]))
+    found = {
+        "": tiles,
+        "-begins": begins,
+        "-boxes": boxes,
+        "-skipped": np.setdiff1d(skipped, pairs[:, 0]),
+        "-duplicates": pairs,
+    }
+    if heights is not None:
+        found["-values"] = records[tiles[:, 0] - first]
+        found["-apart"] = np.column_stack((which.astype(np.float64), heights[apart]))
+    return found
+
+
+def changed(chunk: SourceChunk) -> InputError:
+    """Return the exception for rows that are not what they were."""
+    first = chunk.origin.row
+    return InputError(
+        f"{chunk.origin.source}: rows {first:,} to {first + chunk.rows - 1:,} have changed since "
+        "this triangulation was begun: restore them, or begin anew with resume=False"
+    )
 
 
 def tile_records(context: RunContext, tile: int) -> Integers:
-    """Read the rows of a tile from all runs, in their order."""
-    runs = [*_runs(context, tile)]
-    records = np.empty((_count(runs), 3), dtype=np.int64)
+    """Read the rows of a tile from all chunks, in their order."""
+    chunks = [*_holding(context, tile)]
+    records = np.empty((_count(chunks), 3), dtype=np.int64)
     at = 0
-    for stem, begin, end in runs:
+    for stem, begin, end in chunks:
         fill(records[at : at + end - begin], Path(f"{stem}.npy"), 3 * begin)
         at += end - begin
     return records
 
 
 def tile_values(context: RunContext, tile: int) -> Array:
-    """Read the values of a tile's rows from all runs, in the order of `tile_records`."""
-    runs = [*_runs(context, tile)]
+    """Read the values of a tile's rows from all chunks, in the order of `tile_records`."""
+    chunks = [*_holding(context, tile)]
     group = suffix(context.groups.of(tile))
-    kind = kind_of(Path(f"{stem_of(context, 0)}{group}-values.npy"))  # of all runs
-    values = np.empty(_count(runs), kind)
+    kind = kind_of(Path(f"{stem_of(context, 0)}{group}-values.npy"))  # of all chunks
+    values = np.empty(_count(chunks), kind)
     at = 0
-    for stem, begin, end in runs:
+    for stem, begin, end in chunks:
         fill(values[at : at + end - begin], Path(f"{stem}-values.npy"), begin)
         at += end - begin
     return values
 
 
 def tile_sample(context: RunContext, tile: int, count: int) -> Floats:
-    """Draw rows of a tile from all runs, evenly."""
-    runs = [*_runs(context, tile)]
-    step = max(1, _count(runs) // count)
+    """Draw rows of a tile from all chunks, evenly."""
+    chunks = [*_holding(context, tile)]
+    step = max(1, _count(chunks) // count)
     found = [
-        np.array(np.load(f"{stem}.npy", mmap_mode="r")[begin:end:step]) for stem, begin, end in runs
+        np.array(np.load(f"{stem}.npy", mmap_mode="r")[begin:end:step])
+        for stem, begin, end in chunks
     ]
     return np.concatenate(found).view(np.float64)[:, 1:]
 
 
 def stem_of(context: RunContext, number: int) -> str:
-    """Return how the names of the files of a part begin, with the folder."""
+    """Return how the names of the files of a chunk begin, with the folder."""
     return str(context.scratch / f"run-{number:05d}")
 
 
-def _runs(context: RunContext, tile: int) -> Iterator[tuple[str, int, int]]:
-    """Find the rows of a tile in all runs: how the names of the files begin, and which rows."""
+def _holding(context: RunContext, tile: int) -> Iterator[tuple[str, int, int]]:
+    """Find the rows of a tile in all chunks: how the names of the files begin, and which rows."""
     group = context.groups.of(tile)
     first = context.groups.tiles_of(group).start
-    for number in range(context.runs):
+    for number in range(context.chunks):
         stem = stem_of(context, number)
         begins = values_of(Path(f"{stem}-begins.npy"), first, tile + 2).tolist()
         if begins[-2] < begins[-1]:
             yield f"{stem}{suffix(group)}", begins[-2] - begins[0], begins[-1] - begins[0]
 
 
-def _count(runs: list[tuple[str, int, int]]) -> int:
-    return sum(end - begin for _, begin, end in runs)
+def _count(chunks: list[tuple[str, int, int]]) -> int:
+    return sum(end - begin for _, begin, end in chunks)
 
 
 def save_boxes(context: RunContext, plan: Plan) -> tuple[list[int], Integers]:
-    """Write the boxes of all nodes, from those of the runs; count the rows of the tiles."""
+    """Write the boxes of all nodes, from those of the chunks; count the rows of the tiles."""
     sizes = np.zeros(plan.tiles, dtype=np.int64)
     tight = np.tile([np.inf, np.inf, -np.inf, -np.inf], (plan.tiles, 1))
     skipped = [np.empty(0, dtype=np.int64)]
-    for number in range(context.runs):
+    for number in range(context.chunks):
         stem = stem_of(context, number)
         sizes += np.diff(np.load(f"{stem}-begins.npy"))
         boxes = np.load(f"{stem}-boxes.npy")
@@ -131,125 +256,3 @@ def load_plan(context: RunContext) -> Plan:
     if lists is None:
         raise FormatError(f"{context.scratch / PLAN}: not of this run: tile the source again")
     return Plan.from_dict(lists)
-
-
-@dataclass(frozen=True)
-class Scanned:
-    """What a first reading of a part tells; of a surface, its values have a digest, too."""
-
-    rows: int
-    digest: str
-    sample: Floats
-    values: str = ""
-    classes: Mapping[int, int] = field(default_factory=dict)
-
-    @property
-    def as_chunk(self) -> dict[str, Any]:
-        """What a manifest says of the part."""
-        said: dict[str, Any] = {"rows": self.rows, "sha256": self.digest}
-        said |= {"values": self.values} if self.values else {}
-        classes = {str(each): rows for each, rows in self.classes.items()}
-        return said | ({"classes": classes} if classes else {})
-
-
-def scan(part: Part, first: int, sampled: int, skips: bool) -> Scanned:
-    """Read a part for the first time."""
-    rows, values = read_part(part)
-    digest, others = digests_of(rows, values)
-    finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
-    if values is not None:
-        finite &= np.isfinite(values["z"])
-    is_whole = bool(finite.all())
-    if not (skips or is_whole):
-        row = int(finite.argmin())
-        place = rows[row] if values is None else np.append(rows[row], values["z"][row])
-        raise _non_finite(part, row, first, place)
-    pool = rows if is_whole else rows[finite]
-    rng = np.random.default_rng(int(digest[:16], 16))
-    drawn = rng.integers(0, max(1, len(pool)), min(sampled, len(pool)))
-    classes = {} if values is None else classes_in(values)
-    return Scanned(len(rows), digest, pool[np.sort(drawn)] + 0.0, others, classes)
-
-
-def classes_in(values: Array) -> dict[int, int]:
-    """Count the rows of each class of lidar, as a `Report` does; empty if there are none."""
-    return classes_of({name: values[name] for name in values.dtype.names or ()})
-
-
-def digests_of(rows: Floats, values: Array | None) -> tuple[str, str]:
-    """Hash planar positions, and the values of a surface."""
-    others = "" if values is None else hashlib.sha256(values.view(np.uint8).data).hexdigest()
-    return hashlib.sha256(rows.data).hexdigest(), others
-
-
-def _non_finite(part: Part, row: int, first: int, values: Floats) -> NonFiniteError:
-    """Name a row by its file, its number there, and its number among all."""
-    error = non_finite(first + row, values)
-    if part.place is None:
-        return error
-    within = part.origin.row + row
-    where = "" if within == first + row else f", its row {within}"
-    return NonFiniteError(f"{part.origin.source}{where}: {error}", row=first + row)
-
-
-def partition(
-    context: RunContext, part: Part, number: int, first: int, chunk: Mapping[str, Any]
-) -> None:
-    """Sort the rows of a part by tile into files of the scratch folder, one for each group."""
-    stem = Path(stem_of(context, number))
-    record = stem.with_suffix(".json")
-    digests: dict[str, str] = load_record(record, context.plan) or {}
-    missing = _missing(context, stem.name, digests)
-    if not missing:
-        return
-    rows, values = read_part(part)
-    if digests_of(rows, values) != (chunk["sha256"], chunk.get("values", "")):
-        raise changed(part)
-    arrays = sorted_by_tile(load_plan(context), rows, first, values, context.policy)
-    parts = context.groups.apart(arrays)
-    for end, name in missing.items():
-        digests[name] = save_array(context.scratch / name, parts[end])
-    save_record(record, context.plan, digests)
-
-
-def _missing(context: RunContext, stem: str, digests: Mapping[str, str]) -> dict[str, str]:
-    """List the files of a part that are needed and not there, by the ends of their names."""
-    ends = context.groups.names(with_values=bool(context.policy), without=context.released)
-    names = {end: f"{stem}{end}.npy" for end in ends}
-    return {
-        end: name
-        for end, name in names.items()
-        if name not in digests or not is_sound(context.scratch, {name: digests[name]})
-    }
-
-
-def sorted_by_tile(
-    plan: Plan, rows: Floats, first: int, values: Array | None, policy: str
-) -> dict[str, Array]:
-    """Sort rows by tile."""
-    if values is not None:
-        rows[~np.isfinite(values["z"])] = np.nan
-    heights = None if values is None else values["z"]
-    apart, which, firsts = set_apart(rows, plan.repeated, heights, policy)
-    records, begins, boxes, skipped = plan.partition(rows, first)
-    pairs = first + np.column_stack((apart, firsts[which]))
-    found = {
-        "": records,
-        "-begins": begins,
-        "-boxes": boxes,
-        "-skipped": np.setdiff1d(skipped, pairs[:, 0]),
-        "-duplicates": pairs,
-    }
-    if values is not None:
-        found["-values"] = values[records[:, 0] - first]
-        found["-apart"] = np.column_stack((which.astype(np.float64), values["z"][apart]))
-    return found
-
-
-def changed(part: Part) -> InputError:
-    """Return the exception for rows that are not what they were."""
-    first = part.origin.row
-    return InputError(
-        f"{part.origin.source}: rows {first:,} to {first + part.rows - 1:,} have changed since "
-        "this triangulation was begun: restore them, or begin anew with resume=False"
-    )

@@ -1,156 +1,91 @@
-"""Where points come from: parts that can be read at any time, by any process, again and again.
+"""Sources, cut into chunks: one way for plain points and for surfaces, whose rows have values.
 
-NPY, Parquet and LAS files are read by ranges, with plain reads: pages of a mapped file would count
-as memory of the process. What can only be read from its beginning to its end (text, PLY, LAZ,
-iterators) is written to the scratch folder first, x and y alone.
+NPY files and mapped arrays are read by ranges; of plain points also Parquet files with columns x
+and y, and LAS files. What can only be read from its beginning to its end (text, PLY, LAZ,
+iterators) is written to the scratch folder first, as records, and so are all other files of a
+surface. These copies are the source for as long as rows are sorted by tile. A run that goes on
+makes them again.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from operator import length_hint
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Progress
-from liftmesh.base.arrays import MOST_ROWS, as_coordinates, widened
-from liftmesh.errors import FormatError, InputError
-from liftmesh.io.formats.numpy_arrays import Layout
+from liftmesh._typing import Array, Progress
+from liftmesh.base.arrays import MOST_ROWS
+from liftmesh.errors import InputError
+from liftmesh.io import streams
 from liftmesh.io.read import read_chunks
 from liftmesh.io.registry import as_cloud
-from liftmesh.io.streams import remaining
-from liftmesh.tiles.copies import nth, of_file, of_iterator, unheard, written
-from liftmesh.tiles.las import las_parts
-from liftmesh.tiles.parquet import parquet_files, parquet_parts, planar_batches
-from liftmesh.tiles.store import save_array
+from liftmesh.io.surface_rows import for_chunks
+from liftmesh.tiles.parquet import parquet_chunks, parquet_clouds, parquet_files, planar_batches
+from liftmesh.tiles.schema import (
+    PLANAR,
+    Reading,
+    Schema,
+    check_alike,
+    records_from,
+    records_of_points,
+    schema_of,
+)
+from liftmesh.tiles.source_chunks import (
+    MemoryChunk,
+    Origin,
+    SourceChunk,
+    las_chunks,
+    mapped_chunks,
+    npy_chunks,
+    saved,
+)
+from liftmesh.tiles.store import concatenated
 
-_GROUP = 1 << 20  # rows that writers put together unless they are told otherwise
-BY_RANGES = (".npy", ".parquet", ".pq", ".las")
-"""Suffixes of files that are read in place, but for LAS that is compressed."""
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
 
+Item = TypeVar("Item")
 
-@dataclass(frozen=True)
-class Origin:
-    """Where rows are from: the source as the caller knows it, and the first row within that."""
-
-    source: str
-    number: int = 0
-    row: int = 0
-    is_path: bool = False
-
-
-class Part(Protocol):
-    """Consecutive rows of a source."""
-
-    @property
-    def rows(self) -> int:
-        """How many."""
-
-    @property
-    def origin(self) -> Origin:
-        """What the rows are, for messages and the manifest."""
-
-    @property
-    def place(self) -> str | None:
-        """The file that is read; without one, the rows are in memory, and can be saved."""
-
-    def read(self) -> Array:
-        """Read the rows; the result is (n, 2) or (n, 3), of real numbers."""
+_GROUP = 1 << 20  # rows that writers of Parquet put together unless they are told otherwise
+_PARQUET = (".parquet", ".pq")
+_BY_RANGES = {".npy"}
+_PLANAR_BY_RANGES = {".npy", *_PARQUET, ".las"}  # LAS unless it is compressed
 
 
-@dataclass(frozen=True)
-class NpyPart:
-    """Rows of an NPY file, or of a mapped array of NumPy."""
-
-    origin: Origin
-    place: str
-    dtype: str
-    shape: tuple[int, int]
-    by_columns: bool
-    offset: int
-    first: int
-    rows: int
-
-    def read(self) -> Array:
-        """Read x and y, and no more columns than lie between."""
-        return self.columns(2)
-
-    def columns(self, wanted: int = 3) -> Array:
-        """Read the first columns, and all of them where they are not apart."""
-        total, columns = self.shape
-        size = np.dtype(self.dtype).itemsize
-        if not self.by_columns:
-            at = self.offset + self.first * columns * size
-            return self._values(at, self.rows * columns).reshape(self.rows, columns)
-        apart = range(min(wanted, columns))
-        begins = [self.offset + (column * total + self.first) * size for column in apart]
-        return np.stack([self._values(at, self.rows) for at in begins], axis=1)
-
-    def _values(self, at: int, count: int) -> Array:
-        values = np.fromfile(self.place, self.dtype, count, offset=at)
-        if len(values) < count:
-            raise FormatError(
-                f"{self.place}: rows {self.first:,} to {self.first + self.rows:,} are missing: "
-                "the file is truncated"
-            )
-        return values
+def unheard(_: float) -> None:
+    """Take no notice of progress."""
 
 
-@dataclass(frozen=True)
-class ArrayPart:
-    """Rows of an array in memory."""
-
-    array: Array
-    origin: Origin = Origin("array")
-    place: None = None
-
-    @property
-    def rows(self) -> int:
-        """How many."""
-        return len(self.array)
-
-    def read(self) -> Array:
-        """Copy the rows, with their mask if they have one: nobody else writes to the copy."""
-        copied: Array = self.array.copy()
-        return copied
-
-    def saved(self, path: Path) -> Part:
-        """Write the rows to a file."""
-        return in_file(self.array, path, self.origin)
-
-
-def planar(part: Part) -> Floats:
-    """Read x and y of a part."""
-    try:
-        rows = widened(as_coordinates(part.read()))[:, :2]
-    except InputError as error:
-        raise type(error)(f"{part.origin.source}: {error}") from error
-    return np.ascontiguousarray(rows)
-
-
-def parts_of(source: object, rows: int, scratch: Path, show: Progress = unheard) -> list[Part]:
-    """Cut a source into parts."""
+def source_chunks(
+    source: object, rows: int, scratch: Path, reading: Reading, show: Progress = unheard
+) -> list[SourceChunk]:
+    """Cut a source into chunks."""
     files = files_of(source)
     if files is not None:
-        each = [
-            parts_of_file(file, file.source, rows, scratch, nth(show, number, len(files)))
-            for number, file in enumerate(files)
+        each = readings([file.source for file in files], reading)
+        found = [
+            file_chunks(file, file.source, rows, scratch, each[k], _nth(show, k, len(files)))
+            for k, file in enumerate(files)
         ]
-        return [part for parts in each for part in parts]
+        return alike([chunk for chunks in found for chunk in chunks])
+    check_no_options(reading)
     if isinstance(source, Iterator):
-        return _spooled(of_iterator(source, show), rows, scratch, Origin("iterator"))
-    if isinstance(source, np.memmap) and _is_plain(source):
-        name = str(source.filename)
-        layout = source.dtype, source.shape, False, source.offset
-        return [*_ranges(Origin(name), name, *layout, rows)]
-    return _of_array(source, rows)
+        items = _of_iterator(source, show)
+        return alike(_spooled(items, rows, scratch, Origin("iterator"), reading))
+    if isinstance(source, np.memmap) and reading.crs is None:
+        _check_shape(source)
+        if _is_whole(source):
+            return [*mapped_chunks(source, rows, reading.schema)]
+    return _of_memory(source, rows, reading)
 
 
 def files_of(source: object) -> list[Origin] | None:
-    """List the files of a source."""
+    """List the files of a source; None if it is something else."""
     paths: list[Any] = [*source] if isinstance(source, list | tuple) else [source]
     if not paths or not all(isinstance(path, str | os.PathLike) for path in paths):
         return None
@@ -159,91 +94,181 @@ def files_of(source: object) -> list[Origin] | None:
     return [Origin(name, number, is_path=True) for number, name in enumerate(names)]
 
 
-def parts_of_file(
-    origin: Origin, name: str, rows: int, scratch: Path, show: Progress = unheard
-) -> list[Part]:
-    """Cut a file into parts."""
+def readings(names: Sequence[str], reading: Reading) -> list[Reading]:
+    """Say how each file is read: of lidar the ground of a surface, unless the caller says more."""
+    found = [reading] * len(names)
+    if reading.is_planar:
+        return found
+    lidar = [k for k, name in enumerate(names) if name.lower().endswith((".las", ".laz"))]
+    chosen = for_chunks([names[k] for k in lidar], reading.options)
+    for k, options in zip(lidar, chosen, strict=True):
+        found[k] = replace(reading, options=options)
+    return found
+
+
+def file_chunks(
+    origin: Origin, name: str, rows: int, scratch: Path, reading: Reading, show: Progress = unheard
+) -> list[SourceChunk]:
+    """Cut a file into chunks."""
     suffix = Path(name).suffix.lower()
-    if suffix == ".npy":
-        return [*npy_parts(origin, name, rows)]
-    if suffix in (".parquet", ".pq"):
-        parts = parquet_parts(origin, name, rows)
-        if max((part.rows for part in parts), default=0) <= max(rows, _GROUP):
-            return [*parts]
-        return _spooled(planar_batches(name, rows), rows, scratch, origin)
-    ranges = las_parts(origin, name, rows) if suffix == ".las" else None
+    if suffix == ".npy" and not reading.options:
+        return [*npy_chunks(origin, name, rows, reading.schema)]
+    if suffix in _PARQUET:
+        return _of_parquet(origin, name, rows, scratch, reading, show)
+    ranges = las_chunks(origin, name, rows) if suffix == ".las" and reading.is_planar else None
     if ranges is not None:
         return [*ranges]
-    chunks = (cloud.points for cloud in of_file(read_chunks(name, rows=rows), show))
-    return _spooled(chunks, rows, scratch, origin)
+    clouds = _of_file(read_chunks(name, rows=rows, **reading.options), show)
+    return _spooled(clouds, rows, scratch, origin, reading)
 
 
-def in_file(points: Array, path: Path, origin: Origin) -> Part:
-    """Write x and y of points to a file."""
-    rows = planar(ArrayPart(points, origin))
-    save_array(path, rows)
-    offset = path.stat().st_size - rows.nbytes
-    return NpyPart(origin, str(path), rows.dtype.str, (len(rows), 2), False, offset, 0, len(rows))
+def alike(chunks: list[SourceChunk]) -> list[SourceChunk]:
+    """Return chunks whose rows all have the same values."""
+    for chunk in chunks[1:]:
+        first = chunks[0]
+        check_alike(first.schema, chunk.schema, chunk.origin.source, first.origin.source)
+    return chunks
 
 
-def _is_plain(array: np.memmap[Any, Any]) -> bool:
-    """Whether the array is its file from the offset on, and no slice of another array."""
-    if array.filename is None or array.mode == "c" or isinstance(array.base, np.memmap):
-        return False
-    return array.ndim == 2 and array.shape[1] in (2, 3) and array.flags.c_contiguous
+def check_no_options(reading: Reading) -> None:
+    """Raise if there are options of files; to be called where there is no file."""
+    if reading.options:
+        raise InputError(f"{', '.join(reading.options)}: options of files, and there is no file")
 
 
-def npy_parts(origin: Origin, name: str, rows: int) -> list[NpyPart]:
-    """Cut an NPY file into parts."""
-    with Path(name).open("rb") as stream:
-        layout = Layout.read(stream, name)
-        layout.check_size(remaining(stream), name)
-        offset = stream.tell()
-    if len(layout.shape) != 2 or layout.shape[1] not in (2, 3):
-        raise FormatError(f"{name}: {layout.what}: points need the shape (n, 2) or (n, 3)")
-    return _ranges(origin, name, layout.dtype, layout.shape, layout.by_columns, offset, rows)
+def stage_of(files: Sequence[Origin], reading: Reading) -> str:
+    """Say what it is to cut files: to copy some of them, or just to open all."""
+    suffixes = {Path(file.source).suffix.lower() for file in files}
+    by_ranges = _PLANAR_BY_RANGES if reading.is_planar else _BY_RANGES
+    return "spool" if suffixes - by_ranges else "open"
 
 
-def _ranges(
-    origin: Origin,
-    name: str,
-    dtype: Any,
-    shape: tuple[int, ...],
-    by_columns: bool,
-    offset: int,
-    rows: int,
-) -> list[NpyPart]:
-    total, columns = shape
+def records_of(piece: object, reading: Reading, source: str) -> tuple[Array, Schema]:
+    """Convert an array, a table or a cloud to records."""
+    if reading.is_planar:
+        points = piece if isinstance(piece, np.ndarray) else as_cloud(piece).points
+        return records_of_points(points, PLANAR, source), PLANAR
+    cloud = reading.changed(as_cloud(piece))
+    return records_from(cloud), schema_of(cloud)
+
+
+def _of_parquet(
+    origin: Origin, name: str, rows: int, scratch: Path, reading: Reading, show: Progress = unheard
+) -> list[SourceChunk]:
+    """Cut a Parquet file into chunks: large row groups, and values, are copied."""
+    if not reading.is_planar:
+        if reading.options:
+            given = ", ".join(reading.options)
+            raise InputError(f"{name}: rows of Parquet are read as they are: leave out {given}")
+        clouds = _of_file(parquet_clouds(name, rows), show)
+        return _spooled(clouds, rows, scratch, origin, reading)
+    groups = parquet_chunks(origin, name, rows)
+    if max((chunk.rows for chunk in groups), default=0) <= max(rows, _GROUP):
+        return [*groups]
+    return _spooled(planar_batches(name, rows), rows, scratch, origin, reading)
+
+
+def _of_memory(source: object, rows: int, reading: Reading) -> list[SourceChunk]:
+    """Cut an array, a table or a cloud into chunks."""
+    if reading.is_planar:
+        array = source if isinstance(source, np.ndarray) else as_cloud(source).points
+        _check_shape(array)
+        schema, begins = PLANAR, range(0, len(array), rows)
+        held = [array[begin : begin + rows] for begin in begins]
+    else:
+        cloud = reading.changed(as_cloud(source))
+        schema, begins = schema_of(cloud), range(0, len(cloud), rows)
+        held = [records_from(cloud.select(slice(begin, begin + rows))) for begin in begins]
     return [
-        NpyPart(
-            replace(origin, row=first),
-            os.path.abspath(name),  # noqa: PTH100 - links stay as they are
-            np.dtype(dtype).str,
-            (total, columns),
-            by_columns,
-            offset,
-            first,
-            min(rows, total - first),
-        )
-        for first in range(0, total, rows)
+        MemoryChunk(each, schema, Origin("array", row=begin))
+        for begin, each in zip(begins, held, strict=True)
     ]
 
 
-def _of_array(source: object, rows: int) -> list[Part]:
-    array = as_cloud(source).points if not isinstance(source, np.ndarray) else source
+def _check_shape(array: Array) -> None:
     if array.ndim != 2 or array.shape[1] not in (2, 3):
         raise InputError(f"points need the shape (n, 2) or (n, 3), not {array.shape}")
-    begins = range(0, len(array), rows)
-    return [ArrayPart(array[i : i + rows], Origin("array", row=i)) for i in begins]
 
 
-def _spooled(chunks: Iterable[object], rows: int, scratch: Path, origin: Origin) -> list[Part]:
-    """Write x and y of chunks, which come once, to files of so many rows."""
-    return written(_pieces(chunks, origin), rows, scratch, origin, in_file)
+def _is_whole(array: np.memmap[Any, Any]) -> bool:
+    """Whether the array is its file from the offset on, and no slice of another array."""
+    if array.filename is None or array.mode == "c" or isinstance(array.base, np.memmap):
+        return False
+    return array.flags.c_contiguous
 
 
-def _pieces(chunks: Iterable[object], origin: Origin) -> Iterator[Floats]:
+def _spooled(
+    pieces: Iterable[object], rows: int, scratch: Path, origin: Origin, reading: Reading
+) -> list[SourceChunk]:
+    """Write pieces of a source, which come once, to files of so many records."""
+    schemas: list[Schema] = []
+    chunks: list[SourceChunk] = []
+    first = 0
+    for held in _regrouped(_records(pieces, origin.source, reading, schemas), rows):
+        path = scratch / f"points-{origin.number:05d}-{len(chunks):05d}.npy"
+        chunks.append(saved(held, path, schemas[0], replace(origin, row=first)))
+        first += len(held)
+    return chunks
+
+
+def _records(
+    pieces: Iterable[object], source: str, reading: Reading, schemas: list[Schema]
+) -> Iterator[Array]:
+    """Yield the rows of pieces that all have one schema, which is noted."""
+    for piece in _small(pieces) if reading.is_planar else _clouds(pieces):
+        records, schema = records_of(piece, reading, source)
+        schemas[:] = schemas or [schema]
+        check_alike(schemas[0], schema, source, "what came before")
+        yield records
+
+
+def _small(pieces: Iterable[object]) -> Iterator[Array]:
+    """Yield points of so few rows that they can be converted."""
+    for piece in pieces:
+        points = piece if isinstance(piece, np.ndarray) else as_cloud(piece).points
+        for begin in range(0, len(points), MOST_ROWS):
+            yield points[begin : begin + MOST_ROWS]
+
+
+def _clouds(pieces: Iterable[object]) -> Iterator[Cloud]:
+    """Yield the pieces that have rows."""
+    return (cloud for cloud in map(as_cloud, pieces) if len(cloud))
+
+
+def _regrouped(arrays: Iterable[Array], rows: int) -> Iterator[Array]:
+    held: list[Array] = []
+    for array in arrays:
+        held.append(array)
+        if sum(map(len, held)) >= rows:
+            whole = concatenated(held)
+            full = len(whole) // rows * rows
+            yield from (whole[i : i + rows] for i in range(0, full, rows))
+            held = [whole[full:].copy()]
+    if sum(map(len, held)):
+        yield concatenated(held)
+
+
+def _of_file(chunks: Iterable[Item], show: Progress) -> Iterator[Item]:
+    """Report which share of the bytes of a file has been read."""
+    show(0.0)
     for chunk in chunks:
-        array = chunk if isinstance(chunk, np.ndarray) else as_cloud(chunk).points
-        for begin in range(0, len(array), MOST_ROWS):
-            yield planar(ArrayPart(array[begin : begin + MOST_ROWS], origin))
+        yield chunk
+        at, size = streams.progress() or (0, 1)  # a pipe has no size
+        show(at / max(1, size))
+    show(1.0)
+
+
+def _of_iterator(items: Iterator[Item], show: Progress) -> Iterator[Item]:
+    """Report which share of its items has come from an iterator."""
+    show(0.0)
+    count = length_hint(items)
+    for number, item in enumerate(items, 1):
+        yield item
+        if count:
+            show(min(1.0, number / count))
+    show(1.0)
+
+
+def _nth(show: Progress, number: int, count: int) -> Progress:
+    """Return what hears the share of one of several files."""
+    return lambda share: show((number + share) / count)

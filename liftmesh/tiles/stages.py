@@ -114,7 +114,7 @@ def _decided(
     part = Frontier(tile_records(context, ~name)) if name < 0 else _below(context, children)
     rows = len(part)
     corners = part.records if context.shards == "ply" else part.records[:0]
-    if context.policy:
+    if context.has_values:
         part, corners = numbered(part)
     boxes = np.load(context.scratch / "boxes.npy")[plan.others(name)]
     found = merge(
@@ -127,11 +127,11 @@ def _decided(
         scratch=str(context.scratch) if children and rows > context.held else None,
     )
     del part
-    if not context.policy:
+    if not context.has_values:
         return rows, found, None, corners
     values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = of_rows(found, corners, values, context.policy, repeated)
+    surface = of_rows(found, corners, values, context.duplicates, repeated)
     return rows, surface.merged, surface, corners
 
 

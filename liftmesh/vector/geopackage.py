@@ -28,7 +28,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import shown
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.description import look_up
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.optional import load
 
@@ -43,7 +43,7 @@ _WAITING = ("-wal", "-journal")
 
 
 def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
-    """Read the features of the first layer."""
+    """Read the features of the first layer as a collection, and its system."""
     for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
         if each.is_file() and each.stat().st_size:
             raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")
@@ -80,7 +80,7 @@ class _Package:
         self._connection, self._path = connection, path
         self._left = _BYTES_MORE + _EXPANSION * path.stat().st_size
         self._allowed = {_SCHEMA}
-        connection.set_authorizer(self._judged)
+        connection.set_authorizer(self._authorize)
         rows = self._rows(_SCHEMA, "name", "type", "sql")
         self._tables = {name.lower(): (kind, sql or "") for name, kind, sql in rows}
 
@@ -167,7 +167,7 @@ class _Package:
         self._allowed.add(known)
         return found
 
-    def _judged(self, action: int, table: str | None, *rest: str | None) -> int:
+    def _authorize(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
         is_known = {
             sqlite3.SQLITE_SELECT: True,
@@ -287,7 +287,7 @@ def write_shapes(
     """Write a layer of geometries of any kind."""
     load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
     geopandas = load("geopandas", extra="shapes")
-    system = None if crs is None else looked_up(load("pyproj", extra="shapes"), crs)
+    system = None if crs is None else look_up(crs, extra="shapes")
     frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)
     content = io.BytesIO()
     with warnings.catch_warnings():

@@ -20,7 +20,7 @@ from liftmesh.base.arrays import as_reals
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import FormatError
-from liftmesh.io.metadata import Unread
+from liftmesh.io.metadata import Unread, noted
 from liftmesh.vector.files import read_shapes, stated_system
 from liftmesh.vector.geojson import geometries
 
@@ -29,9 +29,9 @@ _COORDINATES = {"x", "y", "z"}
 
 
 def points_of(path: Path, crs: str | None) -> Cloud:
-    """Read the points of a file, which has to be in the system of a surface."""
+    """Read the points of a file, which has to be in the system of a surface, at height 0."""
     shapes = read_shapes(path, "points", crs)
-    points = _Found()
+    points = _Points()
     try:
         points.take(shapes)
     except (TypeError, AttributeError, RecursionError) as error:
@@ -39,20 +39,24 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     if not points.places:
         raise FormatError(f"{path}: there is no Point or MultiPoint in it")
     points.check_size(path)
-    planar = _planar(path, points.places)
+    planar = _planar(points.places)
+    if planar is None:
+        number = next(k for k, place in enumerate(points.places) if _planar([place]) is None)
+        wrong = shown(points.places[number])
+        raise FormatError(f"{path}: point {number} is {wrong}: give two finite numbers, or three")
     columns = points.columns()
     unread = (f"property {name}" for name in points.names() if name not in columns)
     skipped = (*unread, *(counted(count, kind) for kind, count in points.others.items()))
     return Cloud(
         np.column_stack([planar, np.zeros(len(planar))]),
         attributes=columns,
-        metadata={"skipped": Unread(skipped)} if skipped else {},
+        metadata=noted({}, skipped=Unread(skipped)),
         crs=stated_system(shapes),
     )
 
 
 @dataclass(slots=True)
-class _Found:
+class _Points:
     """The points of a tree of GeoJSON, properties and how many points have them, and the rest."""
 
     places: list[Any] = field(default_factory=list)
@@ -113,23 +117,10 @@ def _column(values: list[Any]) -> Array | None:
         return None
 
 
-def _planar(path: Path, places: list[Any]) -> Floats:
-    """Return x and y of each point; raise for the first that has none."""
+def _planar(places: list[Any]) -> Floats | None:
+    """Return x and y of points; None if one has none."""
     try:
         planar = as_reals([place[:2] for place in places])
     except (TypeError, ValueError, OverflowError, KeyError):
-        planar = np.empty(0)
-    if planar.shape == (len(places), 2) and np.isfinite(planar).all():
-        return planar
-    number = next(number for number, place in enumerate(places) if not _is_place(place))
-    raise FormatError(
-        f"{path}: point {number} is {shown(places[number])}: give two finite numbers, or three"
-    )
-
-
-def _is_place(place: Any) -> bool:
-    try:
-        planar = as_reals(place[:2])
-    except (TypeError, ValueError, OverflowError, KeyError):
-        return False
-    return planar.shape == (2,) and bool(np.isfinite(planar).all())
+        return None
+    return planar if planar.shape == (len(places), 2) and np.isfinite(planar).all() else None

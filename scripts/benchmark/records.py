@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from benchmark.contestants import Contestant
 from benchmark.results import Measurement, Timing, Trial
-from liftmesh.paper.machine import describe_machine, versions
+from liftmesh.paper.experiments import describe_machine, versions
 
 if TYPE_CHECKING:
     from benchmark.targets import Target

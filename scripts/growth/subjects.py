@@ -70,8 +70,8 @@ CHEAP = (
 among all others shows the earlier, the less there is beside it."""
 
 SLOW = (
-    "text elements", "list elements", "members", "members deflated", "members bzip2",
-    "members lzma", "skipped members", "chunks of one point", "nodes of one point",
+    "text elements", "list elements", "members", "members deflated", "skipped members",
+    "chunks of one point", "nodes of one point",
 )  # fmt: skip
 """Of parts that cost much each: they are counted at an eighth as many."""
 
@@ -82,7 +82,7 @@ IN_CHUNKS = {
         "vertices with lists", "two byte rows", "blank lines first",
     ),
     "npy": ("rows", "columns first", "fields"),
-    "npz": ("stored", "deflated", "members deflated", "members bzip2", "members lzma"),
+    "npz": ("stored", "deflated", "members deflated"),
     "text": ("table", "table with header", "columns", "blank lines", "remarks", "long word",
         "words beside", "word at the end"),
 }  # fmt: skip

@@ -94,7 +94,7 @@ def npz_lies() -> dict[str, tuple[bytes, str]]:
         found[f"{lie} bytes"] = plain.replace(size, struct.pack("<L", lie)), "cannot decompress to"
     for method in (zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA):
         bomb = zipped({"points.npy": content}, method).replace(size, struct.pack("<L", 2**31))
-        found[f"a bomb of method {method}"] = bomb, "expands to 2,147,483,648 .* max_bytes="
+        found[f"a bomb of method {method}"] = bomb, "compressed with"
     return found | {"members that overlap": (overlapping(content), "larger than the file")}
 
 

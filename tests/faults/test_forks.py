@@ -8,7 +8,7 @@ import begun_threads
 import pytest
 from faults.children import output
 
-from liftmesh.base.threads import VARIABLE
+from liftmesh.base.options import VARIABLE
 
 FORK_AMID = """
     warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads

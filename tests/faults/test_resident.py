@@ -34,7 +34,7 @@ SLOW = {
     "gltf": tuple(FILES["gltf"])[2:],  # the JSON is that of GLB
     "e57": ("many scans",),
     "las": ("equal points", "chunks of one point", "nodes of one point"),
-    "npz": ("skipped members", "foreign members", "bzip2", "lzma", "long names"),
+    "npz": ("skipped members", "foreign members", "long names"),
     "ply": ("text elements", "scalar elements", "empty elements"),
     "text": ("six digits", "remarks last", "carriage returns"),
     "obj": ("obj normals", "obj continued", "obj polygon of triples", "obj crs comments"),

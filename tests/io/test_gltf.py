@@ -17,7 +17,6 @@ from gltf_models import SQUARE, TRIANGLE, Model, faces, shape
 import liftmesh
 from liftmesh import FormatError
 from liftmesh.cli import exit_codes, main
-from liftmesh.io.formats.gltf import reader as gltf_reader
 
 QUARTER = [0.0, 0.0, 0.5**0.5, 0.5**0.5]
 
@@ -151,7 +150,7 @@ def test_meshes_stand_in_their_places() -> None:
     assert outer == 0
 
 
-def test_primitives_in_many_places_by_batches(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_primitives_in_many_places() -> None:
     model = Model()
     for count in (3, 6, 9):
         corners = np.arange(count * 3, dtype="<f4").reshape(-1, 3) + 100 * count
@@ -165,9 +164,6 @@ def test_primitives_in_many_places_by_batches(monkeypatch: pytest.MonkeyPatch) -
     joined = liftmesh.as_cloud(scene)
     assert whole.points.tobytes() == joined.points.tobytes()
     assert faces(whole) == faces(joined)
-    monkeypatch.setattr(gltf_reader, "_BATCH", 2)
-    assert model.read().points.tobytes() == whole.points.tobytes()
-    assert faces(model.read()) == faces(whole)
 
 
 @pytest.mark.parametrize(

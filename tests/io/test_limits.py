@@ -12,9 +12,10 @@ import pytest
 import typer
 
 import liftmesh
-from liftmesh import Cloud, Format, InputError
+from liftmesh import Cloud, Format, FormatError, InputError
 from liftmesh.cli import exit_codes, main, options
 from liftmesh.io import registry
+from liftmesh.io.limits import check_columns, check_expanded, most_columns
 
 GIVEN: list[int | None] = []
 
@@ -105,3 +106,13 @@ def test_every_command_that_reads_checks_the_size_first(
 ) -> None:
     assert main([*words, "--max-bytes", "many"]) == exit_codes.USAGE
     assert "--max-bytes 'many' is not a size" in capsys.readouterr().err
+
+
+def test_limits_are_the_largest_that_pass() -> None:
+    check_expanded(1000, 1000, "points.npz", "points.npy")
+    with pytest.raises(FormatError, match=r"points\.npz: points\.npy expands to 1,001 bytes, more"):
+        check_expanded(1001, 1000, "points.npz", "points.npy")
+    check_columns(10_000, None, "wide.csv", "a row of 10,000 values")
+    with pytest.raises(FormatError, match=r"expands to 6,000 .* 5,999: save only the columns you"):
+        check_columns(3, 5999, "wide.csv: line 1", "a row of 3 values")
+    assert (most_columns(None), most_columns(100_000_000)) == (10_000, 50_000)

@@ -14,7 +14,22 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.metadata import user_entries
+from liftmesh.io.metadata import (
+    LIFTED,
+    NotedColumns,
+    as_extras,
+    crs_comment,
+    found_columns,
+    is_lines,
+    is_read,
+    lifted_by,
+    of_extras,
+    others,
+    plain_lines,
+    stated_crs,
+    storable,
+    user_entries,
+)
 
 KEEPING = ("ply", "obj", "npz", "glb", "gltf")
 MESH = small_mesh()
@@ -284,3 +299,46 @@ def test_comments_that_pose_as_notes_stay_comments() -> None:
     body = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
     found = liftmesh.read(io.BytesIO((head + body + "1 2 3\n").encode()), format="ply")
     assert found.metadata["comments"] == ('metadata {"selection": {"rows": 1}}',)
+
+
+def test_entries_of_scenes_have_names_of_their_own() -> None:
+    inner = {"survey": 2024, "metadata": {"crs": 25832}}
+    assert as_extras({"survey": 2024, "crs": 25832}) == inner
+    assert of_extras(inner) == {"survey": 2024, "crs": 25832}
+    assert of_extras({"source": "Blender"}) == {"extras": {"source": "Blender"}}
+
+
+def test_what_is_stored_and_what_counts_as_lines() -> None:
+    entries = {"survey": 2024, "extent": (0, 1), "where": {1, 2}}
+    assert storable(entries) == {"extent": [0, 1], "survey": 2024}
+    assert [*map(is_lines, (["a", "b"], "ab", [], ["a", 1]))] == [True, False, False, False]
+    lines = {"obj_info": ["grid 2 2"], "more": ["# a"]}
+    assert (plain_lines(lines, "obj_info"), plain_lines(lines, "more")) == (["grid 2 2"], [])
+    assert lines == {"more": ["# a"]}
+
+
+def test_only_readers_make_notes() -> None:
+    assert not is_read({"source": "survey", "format": "paper"})
+    assert found_columns({"columns": NotedColumns(x="E")}) == {"x": "E"}
+    assert found_columns({"columns": {"x": "E"}}) == {}
+
+
+@pytest.mark.parametrize(
+    ("said", "is_known"),
+    [
+        ({"radii": "size"}, True),
+        ({"metric": [[1, 0], [0, 2.5]]}, True),
+        ({"metric": [[1, 0]]}, False),
+        ({"weights": 3}, False),
+        ("by hand", False),
+    ],
+)
+def test_by_what_a_mesh_was_lifted(said: object, is_known: bool) -> None:
+    assert lifted_by({LIFTED: said}) == (said if is_known else {})
+
+
+def test_the_coordinate_system_in_a_comment() -> None:
+    assert crs_comment("EPSG:25832") == ['crs "EPSG:25832"']
+    assert crs_comment(None) == []
+    assert stated_crs(["crs by hand", 'crs "EPSG:25832"']) == "EPSG:25832"
+    assert others(["liftmesh", 'crs "EPSG:25832"', "a"], "EPSG:25832") == ("a",)

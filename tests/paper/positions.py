@@ -7,8 +7,7 @@ from itertools import combinations, permutations
 
 from hypothesis import assume, strategies as st
 
-from liftmesh.paper.definitions import is_lower_facet
-from liftmesh.paper.geometry import Exact, Plane, exact, mu, orient
+from liftmesh.paper.geometry import Exact, Plane, exact, is_lower_facet, mu, orient
 from liftmesh.paper.region import Ellipse
 
 Planar = tuple[int, int]

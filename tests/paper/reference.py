@@ -5,7 +5,7 @@ text does on inputs that the paper does not think of, and what the compiled proc
 
 A facet (a, b, p) has n_z < 0: it lies to the right of its edges a b, b p and p a, seen from above.
 So an edge is directed, and LF looks to its right; across an edge of a facet one looks along the
-reversed edge. Points are rows of a list; ties are broken as `liftmesh.paper.first_edge` does.
+reversed edge. Points are rows of a list; ties are broken as `liftmesh.paper.propositions` does.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ from collections import Counter, deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
-from liftmesh.paper.first_edge import Edge, first_edge, tie_sign
 from liftmesh.paper.geometry import Exact, Plane, Point, orient
-from liftmesh.paper.propositions import proposition_4_3, proposition_4_4
+from liftmesh.paper.propositions import Edge, first_edge, proposition_4_3, proposition_4_4, tie_sign
 from liftmesh.paper.region import Ellipse
 
 Facet = tuple[int, int, int]

@@ -14,8 +14,7 @@ import pytest
 
 from liftmesh.paper.experiments import Measurement, Trial, measure
 from liftmesh.paper.printed import SIZES, TABLES, TableName
-from liftmesh.paper.records import from_lines
-from liftmesh.paper.results import Settings
+from liftmesh.paper.results import Settings, from_lines
 from liftmesh.paper.tables import COLUMNS
 
 ROOT = Path(__file__).parents[2]

@@ -22,8 +22,18 @@ from paper.reference import lf, lower_facets
 
 import liftmesh
 from liftmesh.errors import InputError
-from liftmesh.paper.definitions import is_lifting, is_lower_facet, lifted, planar_hull
-from liftmesh.paper.geometry import Exact, Plane, exact, mu, mu_star, orient
+from liftmesh.paper.geometry import (
+    Exact,
+    Plane,
+    exact,
+    is_lifting,
+    is_lower_facet,
+    lifted,
+    mu,
+    mu_star,
+    orient,
+    planar_hull,
+)
 
 GRID = [(x, y) for x in range(4) for y in range(3)]
 

@@ -15,10 +15,18 @@ from paper.positions import edges, lower_facets_by_definition
 from paper.reference import Tally, lf, lower_facets, printed_algorithm_2, printed_lf
 
 import liftmesh
-from liftmesh.paper.definitions import is_lifting, is_lower_facet, lifted
-from liftmesh.paper.first_edge import first_edge
-from liftmesh.paper.geometry import Exact, Plane, exact, mu, orient
+from liftmesh.paper.geometry import (
+    Exact,
+    Plane,
+    exact,
+    is_lifting,
+    is_lower_facet,
+    lifted,
+    mu,
+    orient,
+)
 from liftmesh.paper.propositions import (
+    first_edge,
     outward,
     proposition_3_1,
     proposition_3_2,

@@ -13,7 +13,7 @@ import pytest
 
 import liftmesh as lm
 from liftmesh.errors import FormatError, InputError
-from liftmesh.paper import estimate, experiments, machine, printed, records, summary, tables
+from liftmesh.paper import experiments, printed, results, tables
 from liftmesh.paper.experiments import METHODS, Trial, measure
 from liftmesh.paper.results import Results, Settings
 from liftmesh.planar.lifting import REJECTIONS
@@ -117,23 +117,23 @@ def test_the_order_of_facets_does_not_matter():
 def test_an_estimate_grows_as_printed():
     small, large = Trial("5.2", 20, seed=1), Trial("5.2", 200_000, seed=1)
     larger = Trial("5.2", 400_000, seed=9)
-    foretell = estimate.calibrate([larger, small])
+    foretell = experiments.calibrate([larger, small])
     growth = foretell(larger) / foretell(large)
-    assert growth == pytest.approx(2 ** estimate.growth("5.2"), rel=1e-3)
+    assert growth == pytest.approx(2 ** experiments.growth("5.2"), rel=1e-3)
     assert foretell(small) < 0.5
 
 
 def test_an_estimate_times_no_more_than_a_thousand_points():
     large = Trial("5.2", 1_000_000, seed=1)
-    assert estimate.calibrate([large])(large) > 3600
+    assert experiments.calibrate([large])(large) > 3600
 
 
 def test_the_machine_is_described_in_words():
-    words = machine.describe_machine()
+    words = experiments.describe_machine()
     assert platform.system() in words
     assert "/" not in words
     assert platform.node() not in words.replace(",", "").split()
-    assert machine.versions()["numpy"] == np.__version__
+    assert experiments.versions()["numpy"] == np.__version__
 
 
 # --- what is kept ---------------------------------------------------------------------------------
@@ -141,7 +141,7 @@ def test_the_machine_is_described_in_words():
 
 def test_lines_lose_no_digit(measured):
     found = [m for group in measured for m in group]
-    assert records.from_lines([records.to_line(m) for m in found], first=1) == found
+    assert results.from_lines([results.to_line(m) for m in found], first=1) == found
 
 
 def test_an_interrupted_run_goes_on(half, measured):
@@ -187,7 +187,7 @@ def test_other_settings_are_refused(half, settings, parts):
 
 
 def test_another_build_is_refused(half):
-    kernel = machine.versions()["kernel"]
+    kernel = experiments.versions()["kernel"]
     half.write_text(half.read_text().replace(kernel, "0123456789ab"))
     with pytest.raises(InputError, match=f"kernel 0123456789ab, now {kernel}"):
         Results(half.parent, SETTINGS)
@@ -197,7 +197,7 @@ def _cell(text: str, line: int, column: str, value: str) -> str:
     """The text with one cell replaced; lines count from 1."""
     lines = text.split("\n")
     cells = lines[line - 1].split(",")
-    cells[records.COLUMNS.index(column)] = value
+    cells[results.COLUMNS.index(column)] = value
     lines[line - 1] = ",".join(cells)
     return "\n".join(lines)
 
@@ -255,7 +255,7 @@ def test_bytes_that_are_no_text_are_refused(half):
 
 
 def test_rows_are_medians_beside_the_printed_numbers(measured):
-    rows = summary.summarise(m for group in measured for m in group)
+    rows = tables.summarise(m for group in measured for m in group)
     assert [(row.table, row.n) for row in rows] == [
         ("5.1", 20), ("5.1", 30), ("5.2", 20), ("5.2", 30)
     ]  # fmt: skip
@@ -275,14 +275,14 @@ def test_rows_are_medians_beside_the_printed_numbers(measured):
 
 def test_a_row_of_the_paper_holds_its_numbers(measured):
     here = [replace(m, trial=replace(m.trial, n=7_000)) for m in measured[0]]
-    (row,) = summary.summarise(here)
+    (row,) = tables.summarise(here)
     assert (row.q, row.printed_lf, row.printed_lfres) == ("origin", 10.843, 3.014)
     assert tables.seconds_cells(row)[:4] == ("7,000", "10.843", "3.014", "3.60")
 
 
 def test_the_median_point_stands_beside_the_printed_one(measured):
     groups = [[replace(m, trial=replace(m.trial, n=7_000)) for m in measured[k]] for k in (3, 1)]
-    (row,) = summary.summarise(m for group in groups for m in group)
+    (row,) = tables.summarise(m for group in groups for m in group)
     assert (row.table, row.seeds) == ("5.2", 2)
     assert row.median == tuple(np.median(Trial("5.1", 7_000, seed=1).points(), axis=0))
     told = tables.values(row)
@@ -290,7 +290,7 @@ def test_the_median_point_stands_beside_the_printed_one(measured):
     assert (told["printed_median_x"], told["printed_median_y"]) == printed.TABLES["5.2"].row(
         7_000
     ).median
-    (other,) = summary.summarise(measured[0])
+    (other,) = tables.summarise(measured[0])
     assert (other.table, other.median, other.printed_median) == ("5.1", None, None)
 
 
@@ -329,7 +329,7 @@ def test_a_table_that_is_not_complete_is_not_written(tmp_path, measured):
 
 
 def test_digits(measured):
-    (row,) = summary.summarise(measured[0])
+    (row,) = tables.summarise(measured[0])
     for seconds, text in {123.4: "123", 12.34: "12.3", 0.01234: "0.0123", 5e-5: "0.000050"}.items():
         assert (
             tables.seconds_cells(replace(row, seconds=dict.fromkeys(METHODS, seconds)))[4] == text

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from liftmesh.paper.pictures import farthest, metric, power
+from liftmesh.paper.pictures import anisotropic, farthest, weighted
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 
@@ -23,9 +23,9 @@ def sides(figure: Figure, column: int, gid: str) -> np.ndarray:
 
 
 def test_corners_of_the_power_diagram_have_three_least_powers() -> None:
-    centers, radii = power.example_circles()
+    centers, radii = weighted.example_circles()
     found = regular(centers, radii=radii)
-    corners = power.power_centers(found)
+    corners = weighted.power_centers(found)
     powers = ((corners[:, None] - centers) ** 2).sum(axis=2) - radii**2
     least = np.sort(powers, axis=1)
     np.testing.assert_allclose(least[:, 0], least[:, 2], atol=1e-9)
@@ -36,8 +36,8 @@ def test_corners_of_the_power_diagram_have_three_least_powers() -> None:
 
 
 def test_sides_of_the_power_diagram_have_two_least_powers() -> None:
-    figure = power.figure_power()
-    centers, radii = power.example_circles()
+    figure = weighted.figure_power()
+    centers, radii = weighted.example_circles()
     drawn = sides(figure, 1, "cells")
     assert len(drawn) == len(regular(centers, radii=radii).edges)
     for share in (0.3, 0.7):
@@ -48,8 +48,8 @@ def test_sides_of_the_power_diagram_have_two_least_powers() -> None:
 
 
 def test_hidden_circles_are_drawn_as_such() -> None:
-    figure = power.figure_power()
-    centers, radii = power.example_circles()
+    figure = weighted.figure_power()
+    centers, radii = weighted.example_circles()
     found = regular(centers, radii=radii)
     for axes in figure.axes:
         np.testing.assert_array_equal(points_of(axes, "hidden"), centers[found.hidden])
@@ -58,11 +58,11 @@ def test_hidden_circles_are_drawn_as_such() -> None:
 
 
 def test_circles_of_a_metric_go_through_three_points_and_are_empty() -> None:
-    figure = metric.figure_metric()
-    points = metric.example_points()
-    plane = delaunay(points, metric=metric.METRIC)
+    figure = anisotropic.figure_metric()
+    points = anisotropic.metric_points()
+    plane = delaunay(points, metric=anisotropic.METRIC)
     assert not np.array_equal(np.sort(plane.edges, axis=0), np.sort(delaunay(points).edges, axis=0))
-    for axes, form in zip(figure.axes, (np.eye(2), np.array(metric.METRIC)), strict=True):
+    for axes, form in zip(figure.axes, (np.eye(2), np.array(anisotropic.METRIC)), strict=True):
         circles = [line for line in axes.lines if str(line.get_gid()).startswith("circle")]
         assert len(circles) == 5
         for line in circles:

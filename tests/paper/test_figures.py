@@ -20,9 +20,9 @@ from PIL import Image
 from liftmesh.paper import figures
 from liftmesh.paper.experiments import METHODS, Trial, measure
 from liftmesh.paper.geometry import Plane
-from liftmesh.paper.pictures import data, first_edge, lifting, region, section
+from liftmesh.paper.pictures import cross_section, first_edge, lifting, region
 from liftmesh.paper.printed import TABLES
-from liftmesh.paper.summary import Row, summarise
+from liftmesh.paper.tables import Row, summarise
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import REJECTIONS, lift, resolve_q
 from liftmesh.predicates import incircle, orient2d
@@ -122,25 +122,27 @@ def test_3_1_full_lines_have_no_point_below(drawn: dict[str, Figure], case: int)
 def test_the_ellipse_is_where_plane_and_paraboloid_meet(
     drawn: dict[str, Figure], name: str
 ) -> None:
-    axes, cut = drawn[name].axes[0], section.SECTION
+    axes, cut = drawn[name].axes[0], cross_section.SECTION
     circle = cut.circle()
     ellipse = cut.on_plane(circle)
     np.testing.assert_allclose(ellipse[:, 2], lift(circle, cut.q)[:, 2], atol=1e-12)
-    plane = Plane.through(*lift(section.CORNERS, cut.q).tolist())
+    plane = Plane.through(*lift(cross_section.CORNERS, cut.q).tolist())
     heights = [float(plane.height(*point)) for point in circle.tolist()]
     np.testing.assert_allclose(ellipse[:, 2], heights, atol=1e-12)
-    np.testing.assert_array_equal(points_of(axes, "E"), section.VIEW.flat(ellipse))
-    np.testing.assert_array_equal(points_of(axes, "C"), section.VIEW.flat(ellipse * (1, 1, 0)))
-    lifted = lift(section.CORNERS, cut.q)
-    np.testing.assert_array_equal(points_of(axes, "abp"), section.VIEW.flat(lifted))
+    np.testing.assert_array_equal(points_of(axes, "E"), cross_section.VIEW.flat(ellipse))
+    np.testing.assert_array_equal(
+        points_of(axes, "C"), cross_section.VIEW.flat(ellipse * (1, 1, 0))
+    )
+    lifted = lift(cross_section.CORNERS, cut.q)
+    np.testing.assert_array_equal(points_of(axes, "abp"), cross_section.VIEW.flat(lifted))
 
 
 def test_the_box_is_the_extent_of_the_ellipse() -> None:
-    cut = section.SECTION
+    cut = cross_section.SECTION
     fine = cut.on_plane(cut.circle(20_001))
     np.testing.assert_allclose(fine.min(axis=0), cut.box[:, 0], atol=1e-6)
     np.testing.assert_allclose(fine.max(axis=0), cut.box[:, 1], atol=1e-6)
-    on_circle = np.hypot(*(section.CORNERS - cut.center).T)
+    on_circle = np.hypot(*(cross_section.CORNERS - cut.center).T)
     np.testing.assert_allclose(on_circle, cut.radius, rtol=1e-14)
 
 
@@ -153,8 +155,10 @@ def test_4_2_nearest_and_farthest_points(drawn: dict[str, Figure], column: int) 
     assert near - 1e-12 < from_q.min()
     assert far + 1e-12 > from_q.max()
     for name in ("s", "w_1'", "w_2'"):
-        assert np.hypot(*(at[name] - at["c"])) == pytest.approx(section.SECTION.radius, rel=1e-12)
-    side = incircle(*counter_clockwise(section.CORNERS), at["q"])
+        assert np.hypot(*(at[name] - at["c"])) == pytest.approx(
+            cross_section.SECTION.radius, rel=1e-12
+        )
+    side = incircle(*counter_clockwise(cross_section.CORNERS), at["q"])
     assert side == (-1, 1)[column]
 
 
@@ -164,7 +168,7 @@ def counter_clockwise(corners: Array) -> Array:
 
 def test_4_3_points_are_decided_rightly(drawn: dict[str, Figure]) -> None:
     axes = drawn["figure_4_3"].axes[1]
-    circle = counter_clockwise(section.CORNERS)
+    circle = counter_clockwise(cross_section.CORNERS)
     shown = {kind: points_of(axes, kind) for kind in region.KINDS}
     assert sum(map(len, shown.values())) == len(region.plan_points())
     for kind, points in shown.items():
@@ -174,7 +178,7 @@ def test_4_3_points_are_decided_rightly(drawn: dict[str, Figure]) -> None:
 
 
 def test_4_3_the_bounds_are_those_of_the_ellipse(drawn: dict[str, Figure]) -> None:
-    axes, cut = drawn["figure_4_3"].axes[1], section.SECTION
+    axes, cut = drawn["figure_4_3"].axes[1], cross_section.SECTION
     box = points_of(axes, "box")
     np.testing.assert_array_equal(box.min(axis=0), cut.box[:2, 0])
     np.testing.assert_array_equal(box.max(axis=0), cut.box[:2, 1])
@@ -187,7 +191,7 @@ def test_5_the_data_lie_on_the_paraboloid(drawn: dict[str, Figure], name: str, q
     first, second = drawn[name].axes
     x, y, z = first.collections[0]._offsets3d
     qx, qy = resolve_q(q, np.column_stack([np.asarray(x), np.asarray(y)]))
-    assert len(z) == data.COUNT == 1_000
+    assert len(z) == lifting.COUNT == 1_000
     assert min(x.min(), y.min()) >= 0
     assert max(x.max(), y.max()) <= 200
     np.testing.assert_array_equal(z, (x - qx) ** 2 + (y - qy) ** 2)

@@ -26,9 +26,9 @@ from paper.positions import (
 )
 
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.paper.first_edge import first_edge, tie_sign
 from liftmesh.paper.geometry import Exact, Plane, exact, mu, mu_star, orient
 from liftmesh.paper.propositions import (
+    first_edge,
     lemma_4_1,
     lemma_4_2,
     outward,
@@ -36,6 +36,7 @@ from liftmesh.paper.propositions import (
     proposition_3_2,
     proposition_4_3,
     proposition_4_4,
+    tie_sign,
 )
 from liftmesh.paper.region import Circle, Ellipse, Surd
 from liftmesh.predicates import incircle

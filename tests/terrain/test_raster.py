@@ -8,7 +8,7 @@ from liftmesh.raster.pixels import centres_of
 from liftmesh.terrain.ground import bare_warning
 from liftmesh.terrain.raster import shade_of
 from liftmesh.terrain.sampling import aspect_degrees, slope_degrees
-from liftmesh.terrain.simplification import of_rows
+from liftmesh.terrain.simplification import merged_deviation
 
 
 def test_aspects_are_where_faces_descend() -> None:
@@ -35,8 +35,8 @@ def test_centres_are_half_a_pixel_from_the_corner() -> None:
 
 def test_merged_rows_deviate_by_their_heights() -> None:
     heights = np.array([1.0, 4.0, 9.0])
-    assert of_rows(heights, np.array([1, 2]), np.array([0, -1])) == 3
-    assert of_rows(heights, np.array([], int), np.array([], int)) == 0
+    assert merged_deviation(heights, np.array([1, 2]), np.array([0, -1])) == 3
+    assert merged_deviation(heights, np.array([], int), np.array([], int)) == 0
 
 
 def test_a_cloth_that_lost_few_cells_is_no_warning() -> None:

@@ -199,7 +199,7 @@ FORMATS = (
         description="rasters of heights: GeoTIFF, ASCII grids of Esri",
         expands=True,
         selects=True,
-        options=_code("raster.reader", "checked"),
+        options=_code("raster.reader", "validate_raster_options"),
     ),
     Format(
         name="e57",

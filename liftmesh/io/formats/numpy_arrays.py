@@ -1,39 +1,32 @@
-"""One array in NumPy's NPY layout: a short header, then the values.
+"""Arrays in NumPy's NPY layout: alone in a file, or as members of an NPZ archive.
 
 ``numpy.load`` allocates the memory that a header asks for before it reads the file. Here the
 header is compared with the size of the file first. NumPy parses the header itself, a short text:
 so memory that its parser runs out of is the file's fault, not the machine's. While the stream is
 read, it is not, and neither is a failing disk: these errors are passed on.
 
-The arrays of an NPZ file: the members of a ZIP archive, each in NumPy's NPY layout.
-
-zipfile reads the directory of the archive, `zip_member` the members.
-
-The content of a member of a ZIP archive, read no further than the archive's directory states.
-
-The directory states the size of every member, but the compressed data may go on: a few kilobytes
-can decompress to gigabytes. `Content` asks its decompressor for the bytes that are still due, and
-for one more at the end, which must not come. The layout of a member, its header in front of the
-data and the methods of compression, are those of PKWARE's APPNOTE.TXT, sections 4.3.7 to 4.4.
+An NPZ file is a ZIP archive. zipfile reads its directory, which states the size of every member,
+but the compressed data may go on: a few kilobytes can decompress to megabytes. So a `Member` is
+decompressed here: `Content` asks for the bytes that are still due, and for one more at the end,
+which must not come. Members are stored or deflated, as NumPy writes them; bzip2 and LZMA, which
+compress without bound, are refused. The layout of a member, with its header in front of the data,
+is that of PKWARE's APPNOTE.TXT, sections 4.3.7 to 4.4.
 """
 
 from __future__ import annotations
 
-import bz2
 import errno
 import io
-import lzma
 import math
 import re
 import struct
 import sys
-import zipfile
 import zlib
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO, Protocol
-from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile
+from typing import TYPE_CHECKING, BinaryIO
+from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile, ZipFile
 
 import numpy as np
 from numpy.lib import format as npy
@@ -46,7 +39,6 @@ from liftmesh.io.streams import Source, read_into, read_most, remaining
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from zipfile import ZipInfo
 
 
@@ -70,12 +62,59 @@ _VERSIONS = {
     (2, 0): (struct.Struct("<I"), npy.read_array_header_2_0),
 }
 
+_DENSEST = 1100  # Deflate compresses at most 1,032-fold
+_BOUNDED = (ZIP_STORED, ZIP_DEFLATED)
+_REFUSED = {ZIP_BZIP2: "bzip2", ZIP_LZMA: "LZMA"}
+
+_HEADER = 1 << 17  # bytes of an array's header, at most
+
+_SMALL = 1 << 16  # bytes of content that take no more memory than what decompresses them
+
+# Exceptions of zipfile and of the decompressors for files that are damaged.
+_BROKEN = (
+    BadZipFile, zlib.error, EOFError, ValueError, OSError,
+    NotImplementedError, RuntimeError, OverflowError,
+)  # fmt: skip
+
+_LOCAL_HEADER = struct.Struct("<4s5H3L2H")
+_ZIP64 = struct.Struct("<2Q")
+_IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
+
+_ENCRYPTED, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 3, 5, 11))
+
+_PIECE = 1 << 16  # compressed bytes at a time
+_MOST = 1 << 20  # bytes decompressed at a time
+_NO_MEMORY = "Error -4 "  # begins what zlib says if it cannot allocate memory
+
 
 def read_array(stream: BinaryIO, name: str) -> Array:
     """Read one array from a file; its values are never unpickled."""
     layout = Layout.read(stream, name)
     layout.check_size(remaining(stream), name)
     return array_of(stream, layout, name)
+
+
+def array_of(stream: Source, layout: Layout, name: str) -> Array:
+    """Read the values of an array, once their size has been checked."""
+    return layout.array(_read_values(stream, layout.size, name, layout.what), layout.shape, name)
+
+
+def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterator[Array]:
+    """Read an array some rows at a time; read it whole, then split it, if not stored by rows."""
+    if not layout.is_by_rows:
+        yield from split(array_of(stream, layout, name), rows)
+        return
+    total, *rest = layout.shape
+    row = math.prod(rest) * layout.dtype.itemsize
+    for start in range(0, total, rows):
+        count = min(rows, total - start)
+        data = _read_values(stream, count * row, name, layout.what)
+        yield layout.array(data, (count, *rest), name)
+
+
+def split(array: Array, rows: int) -> Iterator[Array]:
+    """Split an array into parts of some rows."""
+    return (array[start : start + rows] for start in range(0, len(array), rows))
 
 
 @dataclass(frozen=True, slots=True)
@@ -175,29 +214,6 @@ def _plain_text(text: str) -> str:
     return " ".join(parts)
 
 
-def array_of(stream: Source, layout: Layout, name: str) -> Array:
-    """Read the values of an array, once their size has been checked."""
-    return layout.array(_read_values(stream, layout.size, name, layout.what), layout.shape, name)
-
-
-def split(array: Array, rows: int) -> Iterator[Array]:
-    """Split an array into parts of some rows."""
-    return (array[start : start + rows] for start in range(0, len(array), rows))
-
-
-def array_parts(stream: Source, layout: Layout, name: str, rows: int) -> Iterator[Array]:
-    """Read an array some rows at a time; read it whole, then split it, if not stored by rows."""
-    if not layout.is_by_rows:
-        yield from split(array_of(stream, layout, name), rows)
-        return
-    total, *rest = layout.shape
-    row = math.prod(rest) * layout.dtype.itemsize
-    for start in range(0, total, rows):
-        count = min(rows, total - start)
-        data = _read_values(stream, count * row, name, layout.what)
-        yield layout.array(data, (count, *rest), name)
-
-
 def _read_values(stream: Source, size: int, name: str, what: str) -> Array:
     """Read bytes into memory that the array will own: there is no second copy of the values."""
     values = np.empty(size, np.uint8)
@@ -210,31 +226,13 @@ def _read_values(stream: Source, size: int, name: str, what: str) -> Array:
     return values
 
 
-# Deflate compresses at most 1,032-fold. bz2 and LZMA have no such bound.
-_DENSEST = 1100
-_BOUNDED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-
-_HEADER = 1 << 17  # bytes of an array's header, at most
-
-# Bytes of content that take no more memory than what decompresses them: bz2 alone makes room for
-# 900,000 symbols of four bytes, however short the data.
-_SMALL = 1 << 16
-_SMALL_BZIP2 = 1 << 22
-
-# Exceptions of zipfile and of the decompressors for files that are damaged.
-_BROKEN = (
-    zipfile.BadZipFile, zlib.error, lzma.LZMAError, EOFError, ValueError, OSError,
-    NotImplementedError, RuntimeError, OverflowError,
-)  # fmt: skip
-
-
 @contextmanager
-def opened(stream: BinaryIO, name: str) -> Iterator[dict[str, Member]]:
+def open_archive(stream: BinaryIO, name: str) -> Iterator[dict[str, Member]]:
     """Open an archive: its arrays by name; whatever is wrong with it becomes a `FormatError`."""
     with _complained(f"{name}: not a valid NPZ file"):
         size = remaining(stream)
         infos = [each for each in _directory(stream) if each.filename.endswith(".npy")]
-        _check_sizes(infos, size, name)
+        _check_members(infos, size, name)
         yield {each.filename.removesuffix(".npy"): Member(stream, each, name) for each in infos}
 
 
@@ -251,28 +249,33 @@ def _complained(what: str) -> Iterator[None]:
 
 
 def _is_of_the_stream(error: BaseException | None) -> bool:
-    """Whether reading failed. bz2's errors have no number, and invalid positions have EINVAL."""
+    """Whether reading failed; invalid positions have the number EINVAL."""
     return isinstance(error, OSError) and error.errno not in (None, errno.EINVAL)
 
 
-def _directory(stream: BinaryIO) -> list[zipfile.ZipInfo]:
+def _directory(stream: BinaryIO) -> list[ZipInfo]:
     """Read the directory; zipfile calls an archive whose end is unreadable invalid."""
     handled = sys.exc_info()[1]
     try:
-        with zipfile.ZipFile(stream) as archive:
+        with ZipFile(stream) as archive:
             return archive.infolist()
-    except zipfile.BadZipFile as error:
+    except BadZipFile as error:
         cause = error.__context__
         if cause is None or cause is handled or not _is_of_the_stream(cause):
             raise
         raise cause from None
 
 
-def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
+def _check_members(members: list[ZipInfo], size: int, name: str) -> None:
     """Raise for impossible sizes, and for members that share bytes (decompression bombs)."""
     names: set[str] = set()
     for each in members:
         where = f"{name}: {shortened(each.filename)}"
+        if each.compress_type in _REFUSED:
+            raise FormatError(
+                f"{where}: it is compressed with {_REFUSED[each.compress_type]}, which is not "
+                "read: save the arrays with numpy.savez_compressed"
+            )
         dense = each.file_size > _DENSEST * (each.compress_size + 1)
         if dense and each.compress_type in _BOUNDED:
             raise FormatError(
@@ -289,7 +292,7 @@ def _check_sizes(members: list[zipfile.ZipInfo], size: int, name: str) -> None:
 class Member:
     """One array of an archive, read on demand."""
 
-    def __init__(self, stream: BinaryIO, info: zipfile.ZipInfo, name: str) -> None:
+    def __init__(self, stream: BinaryIO, info: ZipInfo, name: str) -> None:
         self.size = info.file_size
         self.packed = info.compress_size
         self._stream = stream
@@ -312,8 +315,7 @@ class Member:
 
     def parts(self, rows: int) -> Iterator[Array]:
         """Read the array some rows at a time, or whole at once if it is small."""
-        small = _SMALL_BZIP2 if self._info.compress_type == zipfile.ZIP_BZIP2 else _SMALL
-        return split(self.whole(), rows) if self.size <= small else self._streamed(rows)
+        return split(self.whole(), rows) if self.size <= _SMALL else self._streamed(rows)
 
     def _streamed(self, rows: int) -> Iterator[Array]:
         with _complained(self._where):
@@ -333,19 +335,6 @@ def check_content(members: Collection[Member], max_bytes: int | None, name: str)
     """Raise if arrays take more than the limit."""
     limit = limit_of(max_bytes, _DENSEST * sum(each.packed for each in members))
     check_expanded(sum(each.size for each in members), limit, name, "its content")
-
-
-_LOCAL_HEADER = struct.Struct("<4s5H3L2H")
-_ZIP64 = struct.Struct("<2Q")
-_ALONE = struct.Struct("<BLQ")  # properties, size of the dictionary and of the content
-_IN_EXTRA = 0xFFFFFFFF  # as a size: it stands in the extra field
-
-_ENCRYPTED, _END_MARKER, _SIZES_FOLLOW, _PATCH, _UTF8 = (1 << bit for bit in (0, 1, 3, 5, 11))
-
-_PIECE = 1 << 16  # compressed bytes at a time
-_MOST = 1 << 20  # bytes decompressed at a time
-_SMALLEST_DICTIONARY = 1 << 12
-_NO_MEMORY = "Error -4 "  # begins what zlib says if it cannot allocate memory
 
 
 class Content:
@@ -393,7 +382,7 @@ class Content:
         """Whether data follow those that make up the content."""
         if self._decoder is None:
             return self._packed > 0
-        more = self._some(self._decoder, 1) or getattr(self._decoder, "unused_data", b"")
+        more = self._some(self._decoder, 1) or self._decoder.unused_data
         return bool(more) or self._packed > 0
 
     def _fill(self, memory: memoryview) -> int:
@@ -404,11 +393,11 @@ class Content:
         memory[: len(part)] = part
         return len(part)
 
-    def _some(self, decoder: _Decoder, most: int) -> bytes:
+    def _some(self, decoder: zlib._Decompress, most: int) -> bytes:
         """Decompress at most ``most`` bytes, none only at the end."""
         while not decoder.eof:
             found = _decompressed(decoder, self._input, most)
-            self._input = getattr(decoder, "unconsumed_tail", b"")
+            self._input = decoder.unconsumed_tail
             if found:
                 return found
             if not self._input:
@@ -434,46 +423,17 @@ class Content:
         self._position += count
         self._packed -= count
 
-    def _decoder_of(self, info: ZipInfo) -> _Decoder | None:
+    def _decoder_of(self, info: ZipInfo) -> zlib._Decompress | None:
         """Make the decompressor of a member; None if it is stored as it is."""
         if info.flag_bits & _ENCRYPTED:
             raise BadZipFile("it is encrypted")
-        makers: dict[int, Callable[[], _Decoder | None]] = {
-            ZIP_STORED: lambda: None,
-            ZIP_DEFLATED: lambda: zlib.decompressobj(-15),
-            ZIP_BZIP2: bz2.BZ2Decompressor,
-            ZIP_LZMA: self._lzma,
-        }
-        if info.compress_type not in makers or info.flag_bits & _PATCH:
+        if info.compress_type not in _BOUNDED or info.flag_bits & _PATCH:
             raise BadZipFile(f"its compression method, {info.compress_type}, is not supported")
-        return makers[info.compress_type]()
-
-    def _lzma(self) -> _Decoder:
-        """Read the properties in front of LZMA data; no dictionary exceeds the content."""
-        head = self._raw(9)
-        if len(head) < 9 or head[2:4] != b"\5\0" or head[4] >= 9 * 5 * 5:
-            raise BadZipFile("its LZMA properties are invalid")
-        rest, lc = divmod(head[4], 9)
-        pb, lp = divmod(rest, 5)
-        size = min(int.from_bytes(head[5:], "little"), self.left)
-        size = max(size, _SMALLEST_DICTIONARY)
-        if not self._info.flag_bits & _END_MARKER:
-            self._input = _ALONE.pack(head[4], size, self._info.file_size)
-            return lzma.LZMADecompressor(lzma.FORMAT_ALONE)
-        model = {"id": lzma.FILTER_LZMA1, "lc": lc, "lp": lp, "pb": pb, "dict_size": size}
-        return lzma.LZMADecompressor(lzma.FORMAT_RAW, filters=[model])
+        return None if info.compress_type == ZIP_STORED else zlib.decompressobj(-15)
 
 
-class _Decoder(Protocol):
-    """The part of Python's decompressors that all of them have."""
-
-    @property
-    def eof(self) -> bool: ...
-    def decompress(self, data: bytes, max_length: int, /) -> bytes: ...
-
-
-def _decompressed(decoder: _Decoder, data: bytes, most: int) -> bytes:
-    """Decompress at most ``most`` bytes; raise what zlib lacks memory for as the others do."""
+def _decompressed(decoder: zlib._Decompress, data: bytes, most: int) -> bytes:
+    """Decompress at most ``most`` bytes; raise a MemoryError where zlib lacks memory."""
     try:
         return decoder.decompress(data, most)
     except zlib.error as error:

@@ -22,7 +22,13 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
 from liftmesh.io.columns import CloudBuilder
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.formats.numpy_arrays import Layout, array_parts, check_content, opened, read_array
+from liftmesh.io.formats.numpy_arrays import (
+    Layout,
+    array_parts,
+    check_content,
+    open_archive,
+    read_array,
+)
 from liftmesh.io.streams import remaining
 from liftmesh.io.text_tables import shortened
 
@@ -50,7 +56,7 @@ def read_npy_chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
 
 def read_npz(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
     """Read a cloud or mesh from an NPZ file."""
-    with opened(stream, name) as members:
+    with open_archive(stream, name) as members:
         check_content(members.values(), max_bytes, name)
         arrays = {key: member.whole() for key, member in members.items()}
     return _Roles(arrays, name).cloud(arrays)
@@ -60,7 +66,7 @@ def read_npz_chunks(
     stream: BinaryIO, name: str, rows: int, *, max_bytes: int | None = None
 ) -> Iterator[Cloud]:
     """Read the points of an NPZ file, with all their data, in chunks."""
-    with opened(stream, name) as members:
+    with open_archive(stream, name) as members:
         roles = _Roles({key: member.layout for key, member in members.items()}, name)
         needed = roles.row_arrays
         check_content([members[key] for key in (*needed, *roles.scalars)], max_bytes, name)
@@ -228,7 +234,7 @@ class _Roles:
         entries = None if self.metadata is None else metadata.parsed(str(arrays[self.metadata]))
         is_other = self.metadata is not None and entries is None
         skipped = (*self._skipped, *([f"{_METADATA} ()"] if is_other else []))
-        return (entries or {}) | ({"skipped": skipped} if skipped else {})
+        return metadata.noted(entries or {}, skipped=skipped)
 
     def _stated_depth(self, arrays: Mapping[str, Array]) -> int | None:
         stated = None if self.depth is None else int(arrays[self.depth])

@@ -22,7 +22,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Integers
 from liftmesh.base.colors import as_float, as_uint8
-from liftmesh.base.threads import as_threads
+from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import Ragged
 from liftmesh.io.lines import BLOCK, Lines

@@ -1,7 +1,7 @@
 """3MF, the models of printers: a zip archive with a mesh in XML; written, not read.
 
 Most programs read coordinates in single precision, so an origin is subtracted where that would move
-a vertex (`io.origin`), and stated in the metadata. Rows in no face are left out. Triangles that
+a vertex (`io.precision`), and stated in the metadata. Rows in no face are left out. Triangles that
 close a solid are a model; others are a surface, which printers cannot fill. The unit is that of the
 coordinate system, and millimetres, the format's own, where there is none.
 
@@ -20,8 +20,7 @@ import numpy as np
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.options import Unit3MF as Unit, check_option
-from liftmesh.crs.description import length_unit
-from liftmesh.crs.units import band_unit
+from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
 from liftmesh.io.precision import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows

@@ -13,8 +13,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.optional import load
-from liftmesh.paper.pictures.metric import circle_through
-from liftmesh.paper.pictures.power import cell_sides
+from liftmesh.paper.pictures.anisotropic import circle_through
 from liftmesh.paper.pictures.style import (
     BLUE,
     FAINT,
@@ -30,6 +29,7 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.paper.pictures.weighted import cell_sides
 from liftmesh.planar.delaunay import solve_farthest
 from liftmesh.planar.triangulation import Triangulation
 

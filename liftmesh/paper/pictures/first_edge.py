@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.paper.first_edge import FirstEdge, first_edge
 from liftmesh.paper.pictures.style import (
     BLUE,
     FAINT,
@@ -19,6 +18,7 @@ from liftmesh.paper.pictures.style import (
     new_figure,
     styled,
 )
+from liftmesh.paper.propositions import FirstEdge, first_edge
 from liftmesh.planar.delaunay import delaunay
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.paper.pictures.section import CORNERS, SECTION, VIEW, draw_section
-from liftmesh.paper.pictures.space import Space
+from liftmesh.paper.pictures.cross_section import CORNERS, SECTION, VIEW, draw_section
 from liftmesh.paper.pictures.style import (
     BLUE,
     GREEN,
@@ -17,6 +16,7 @@ from liftmesh.paper.pictures.style import (
     PURPLE,
     SOFT,
     VERMILION,
+    Space,
     blank_axes,
     label,
     new_figure,

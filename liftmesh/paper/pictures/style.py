@@ -1,15 +1,24 @@
-"""Common style of all figures: fonts, colours and sizes, independent of the user's settings.
+"""The drawing of all figures: their style, independent of the user's settings, and common parts.
 
 Colours are those of Okabe and Ito (2008), which colour-blind readers can distinguish too. Figures
 are made without pyplot, so there is no global state and no window opens.
+
+Space is drawn in 2-D axes, by parallel projection, far objects first. The projection is computed
+here rather than by matplotlib's 3-D axes, so that lines, labels and translucent planes overlap in
+the order in which they are drawn.
 """
 
 from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liftmesh._typing import Floats
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -18,7 +27,6 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 R = TypeVar("R")
-
 INK, SOFT, FAINT, GRID = "#1a1a1a", "#6e6e6e", "#c9c9c9", "#dddddd"
 BLUE, SKY, GREEN, ORANGE = "#0072b2", "#56b4e9", "#009e73", "#e69f00"
 VERMILION, PURPLE, YELLOW = "#d55e00", "#cc79a7", "#f0e442"
@@ -101,3 +109,92 @@ def label(
         path_effects=[effects.withStroke(linewidth=3.0, foreground="white")],
         **{**settings, **options},
     )
+
+
+@dataclass(frozen=True, slots=True)
+class View:
+    """A direction of view."""
+
+    azimuth: float
+    elevation: float
+    rise: float = 1.0
+
+    def _frame(self) -> Floats:
+        """Columns: to the right, up, and towards the viewer."""
+        a, e = np.radians([self.azimuth, self.elevation])
+        right = (-np.sin(a), np.cos(a), 0.0)
+        up = (-np.sin(e) * np.cos(a), -np.sin(e) * np.sin(a), np.cos(e))
+        towards = (np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e))
+        frame: Floats = np.array([right, up, towards]).T
+        return frame
+
+    def flat(self, points: ArrayLike) -> Floats:
+        """Project points to the drawing plane."""
+        projected: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()
+        return projected[..., :2]
+
+    def nearness(self, points: ArrayLike) -> Floats:
+        """Compute how near points are to the viewer."""
+        nearness: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
+        return nearness
+
+    @property
+    def towards(self) -> Floats:
+        """The direction to the viewer in the units of the data, (3,) float64."""
+        direction: Floats = self._frame()[:, 2] / (1, 1, self.rise)
+        return direction
+
+
+@dataclass(frozen=True, slots=True)
+class Space:
+    """Axes that project points in space along a direction of view."""
+
+    axes: Axes
+    view: View
+
+    def line(self, points: ArrayLike, **options: Any) -> None:
+        """Draw a line through points."""
+        self.axes.plot(*self.view.flat(points).T, **{"color": INK, "lw": 1.0, **options})
+
+    def dots(self, points: ArrayLike, **options: Any) -> None:
+        """Draw points."""
+        look = {"ls": "none", "marker": "o", "ms": 4.5, "zorder": 6, "mew": 0.0}
+        self.line(np.atleast_2d(points), **{**look, **options})
+
+    def faces(self, corners: ArrayLike, **options: Any) -> None:
+        """Draw flat faces, far ones first."""
+        corners = np.asarray(corners, dtype=np.float64)
+        order = np.argsort(self.view.nearness(corners.mean(axis=1)), kind="stable")
+        colors = options.pop("facecolors", "none")
+        if not isinstance(colors, str):
+            colors = np.asarray(colors)[order]
+        polygons = load("matplotlib.collections", extra="plot").PolyCollection(
+            self.view.flat(corners[order]), facecolors=colors, **{"lw": 0.0, **options}
+        )
+        self.axes.add_collection(polygons)
+        self.axes.autoscale_view()
+
+    def name(self, point: ArrayLike, text: str, away: tuple[float, float], **options: Any) -> None:
+        """Write a label next to a point."""
+        label(self.axes, self.view.flat(point), text, away, **options)
+
+    def coordinate_axes(self, lengths: tuple[float, float, float]) -> None:
+        """Draw the axes Ox, Oy, Oz as arrows from O."""
+        self.name((0, 0, 0), "$O$", (-10, 6))
+        for axis, length in enumerate(lengths):
+            tip = np.zeros(3)
+            tip[axis] = length
+            self.arrow(np.zeros(3), tip)
+            x, y = self.view.flat(tip) / np.linalg.norm(self.view.flat(tip))
+            self.name(tip, f"${'xyz'[axis]}$", (9 * x, 9 * y))
+
+    def arrow(self, start: ArrayLike, tip: ArrayLike, **options: Any) -> None:
+        """Draw an arrow."""
+        ends = self.view.flat(np.array([start, tip]))
+        look = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
+        patch = load("matplotlib.patches", extra="plot").FancyArrowPatch(
+            *map(tuple, ends), mutation_scale=9, **{**look, **options}
+        )
+        self.axes.add_patch(patch)
+        self.axes.update_datalim(ends)
+        self.axes.autoscale_view()

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import bz2
 import functools
-import lzma
-import struct
 import zlib
 from dataclasses import dataclass
 
@@ -20,8 +17,7 @@ NPY_WORDS = [b"<f8", b"|O", b"|V0", b"<U0", b">c16", b"|b1", b"<M8[s]", b"(4, 3)
 ZIP_WORDS = [b"PK\x03\x04", b"PK\x01\x02", b"PK\x05\x06", b"PK\x06\x06", b"PK\x06\x07",
              b"faces.npy", b"points.npy", b"colors.npy", b"../a.npy", b"/a.npy",
              b"crs.npy"]  # fmt: skip
-STORED, DEFLATED, BZIP2, LZMA = 0, 8, 12, 14
-LZMA_FILTER = {"id": lzma.FILTER_LZMA1, "dict_size": 1 << 16}
+STORED, DEFLATED = 0, 8
 SURPLUS = (0, 0, 0, 0, 0, 0, 1, 100, 1 << 16, 1 << 24)
 
 
@@ -87,11 +83,6 @@ def _packed(content: bytes, surplus: int, method: int) -> bytes:
     data = content + bytes(surplus)
     if method == DEFLATED:
         return zlib.compress(data, wbits=-15)
-    if method == BZIP2:
-        return bz2.compress(data)
-    if method == LZMA:
-        packed = lzma.compress(data, lzma.FORMAT_RAW, filters=[LZMA_FILTER])
-        return struct.pack("<BBHBI", 9, 4, 5, 93, 1 << 16) + packed
     return data
 
 
@@ -126,7 +117,7 @@ def _members(chance: Chance) -> tuple[list[Member], Points]:
         b"a b": np.zeros((rows, 2), ">i4"), b"flag": np.zeros(rows, bool), b"c": np.zeros(7),
     }  # fmt: skip
     arrays |= {key: others[key] for key in chance.some([*others])}
-    method = chance.choice((STORED, DEFLATED, BZIP2, LZMA))
+    method = chance.choice((STORED, DEFLATED))
     members = [
         Member(key + b".npy", encoded(array_parts(values, chance)), method)
         for key, values in arrays.items()
@@ -142,7 +133,7 @@ def archive(members: list[Member], chance: Chance) -> list[Part]:
     for each in members:
         packed = each.packed()
         shared = [
-            Part(20, "<H"), Part(2 if each.method == LZMA else 0, "<H"), Part(each.method, "<H"),
+            Part(20, "<H"), Part(0, "<H"), Part(each.method, "<H"),
             Part(0, "<H"), Part(33, "<H"), Part(zlib.crc32(each.content), "<I"),
             Part(len(packed), "<I"), Part(len(each.content), "<I"), Part(len(each.name), "<H"),
             Part(0, "<H"),

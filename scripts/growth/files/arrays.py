@@ -116,16 +116,6 @@ def deflated(n: int) -> bytes:
     return npz(mesh(n), zipfile.ZIP_DEFLATED)
 
 
-def bzip2(n: int) -> bytes:
-    """Compressed in another way."""
-    return npz(mesh(n), zipfile.ZIP_BZIP2)
-
-
-def lzma(n: int) -> bytes:
-    """Compressed in yet another way."""
-    return npz(mesh(n), zipfile.ZIP_LZMA)
-
-
 def zeros(n: int) -> bytes:
     """Zeros, which a thousandth of their size describes."""
     return npz({"points": npy(np.zeros((n, 3)))}, zipfile.ZIP_DEFLATED)
@@ -138,7 +128,7 @@ def members(n: int) -> bytes:
 
 
 def alike(n: int, method: int) -> bytes:
-    """Write an archive of n members that are compressed once, since LZMA takes long to begin."""
+    """Write an archive of n members that are compressed once."""
     one = npz({"0000000": npy(np.zeros(2))}, method)
     points = npz({"points": npy(np.eye(2))}, method)
     (body, entries, end), (again, entry, _) = map(parts_of, (points, one))
@@ -160,16 +150,6 @@ def parts_of(archive: bytes) -> tuple[bytes, bytes, bytes]:
 def members_deflated(n: int) -> bytes:
     """Very many compressed members: each decompressor takes more than what it reads."""
     return alike(min(n, 65_000), zipfile.ZIP_DEFLATED)
-
-
-def members_bzip2(n: int) -> bytes:
-    """The same for the method whose decompressor is the largest."""
-    return alike(min(n, 65_000), zipfile.ZIP_BZIP2)
-
-
-def members_lzma(n: int) -> bytes:
-    """The same for the method that has a dictionary beside its models."""
-    return alike(min(n, 65_000), zipfile.ZIP_LZMA)
 
 
 def skipped_members(n: int) -> bytes:
@@ -201,16 +181,6 @@ def deflate_that_goes_on(n: int) -> bytes:
     return going_on(zipfile.ZIP_DEFLATED) + bytes(n)
 
 
-def bzip2_that_goes_on(n: int) -> bytes:
-    """The same for the method that packs zeros the most densely."""
-    return going_on(zipfile.ZIP_BZIP2) + bytes(n)
-
-
-def lzma_that_goes_on(n: int) -> bytes:
-    """The same for the method whose end zipfile does not look for."""
-    return going_on(zipfile.ZIP_LZMA) + bytes(n)
-
-
 def long_names(n: int) -> bytes:
     """Members with names of sixty thousand letters."""
     tiny = npy(np.zeros(3))
@@ -226,18 +196,14 @@ def bytes_in_members(n: int) -> bytes:
 NPZ = named(
     stored,
     deflated,
-    bzip2,
-    lzma,
     zeros,
     members,
     members_deflated,
-    members_bzip2,
-    members_lzma,
     skipped_members,
     foreign_members,
     long_names,
     bytes_in_members,
 )
 
-LIES = named(deflate_that_goes_on, bzip2_that_goes_on, lzma_that_goes_on)
+LIES = named(deflate_that_goes_on)
 """Their size is not what they expand to, so they are for the memory tests alone."""

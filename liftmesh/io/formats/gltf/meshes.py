@@ -1,43 +1,24 @@
 """The primitives of glTF meshes: points, triangles, strips and fans of them, and lines.
 
-Lines have no place in a cloud: they are counted. What is read of the others is checked here, and
-decoded in `io.gltf.decoding`.
-
-Decoding of glTF primitives: points and normals with trimesh, faces, colours and values here.
-
-trimesh is given a small file of its own: each primitive is a mesh, and there are no nodes, cameras,
-materials or lines. So it reads every primitive once, wherever its mesh stands and however often.
-Faces are made of the indices directly: trimesh knows no fans, and makes 64-bit numbers of bytes.
-Colours too: of 16-bit ones, as Blender writes them, trimesh keeps the lower eight bits.
+Lines have no place in a cloud: they are counted. What is read of the others is checked first, then
+decoded: each primitive once, wherever its mesh stands and however often.
 """
 
 from __future__ import annotations
 
-import io
-import json
-import warnings
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.cloud import is_crs
+from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, fits_eight_bits, with_alpha
-from liftmesh.base.interruption import kept
-from liftmesh.errors import FormatError
 from liftmesh.io.formats.gltf.validation import Accessor, Document, Tree, is_harmless
+from liftmesh.io.json_text import shown
 from liftmesh.io.limits import check_columns
-from liftmesh.io.markup import shown
-from liftmesh.io.objects.trimesh import to_cloud
-from liftmesh.optional import load
-
-if TYPE_CHECKING:
-    from liftmesh.base.cloud import Cloud
-    from liftmesh.io.formats.gltf.validation import Accessor, Document, Tree
-
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _LINES = {1: "lines", 2: "line loop(s)", 3: "line strip(s)"}
@@ -57,6 +38,15 @@ _NAMED = (("SCALAR", "VEC2", "VEC3", "VEC4"), (5120, 5121, 5122, 5123, 5125, 512
 _ROW_BYTES = {"POSITION": 24, "NORMAL": 24, "COLOR_0": 4}
 _FACE_BYTES = 12
 _VALUE_BYTES = 8
+
+ROUNDED = "rounded"  # in the metadata of a primitive: whether its colours are
+
+_UNSIGNED = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
+
+_NUMBERS = {**_UNSIGNED, 5120: "<i1", 5122: "<i2", 5126: "<f4"}
+
+# The largest value of a normalised integer, which stands for 1.
+_ONE = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,25 +92,6 @@ def primitives(
             yield replace(found, crs=crs)
 
 
-def _skipped(part: Tree, attributes: Tree, mode: int) -> list[str]:
-    """Name what is not read of a primitive."""
-    if mode in _LINES:
-        return [_LINES[mode]]
-    if "POSITION" not in attributes:
-        return ["primitive(s) without positions"]
-    extensions = part.get("extensions")
-    named = extensions if isinstance(extensions, dict) else {}
-    return [
-        *(
-            f"primitive(s) with {key[:60]}"
-            for key in attributes
-            if key not in _READ and not key.startswith("_")
-        ),
-        *(f"primitive(s) with {key[:60]}" for key in named if not is_harmless(key)),
-        *(["primitive(s) with morph targets"] if part.get("targets") else []),
-    ]
-
-
 def _primitive(document: Document, part: Tree, attributes: Tree, mode: int, what: str) -> Primitive:
     named = [key for key in attributes if key.startswith("_")]
     check_columns(len(named), None, document.name, f"{what}: a primitive of {len(named):,} values")
@@ -152,109 +123,35 @@ def _check_type(document: Document, accessor: Accessor, key: str, what: str) -> 
         )
 
 
-ROUNDED = "rounded"  # in the metadata of a primitive: whether its colours are
-
-_UNSIGNED = {5121: "<u1", 5123: "<u2", 5125: "<u4"}
-
-_NUMBERS = {**_UNSIGNED, 5120: "<i1", 5122: "<i2", 5126: "<f4"}
-
-# The largest value of a normalised integer, which stands for 1.
-_ONE = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
-
-
-def decoded(document: Document, parts: Sequence[Primitive]) -> list[Cloud]:
-    """Decode some primitives."""
-    plain = _Plain(document, parts)
-    try:
-        scene = _load_scene(plain.stream(), plain)
-        clouds = [to_cloud(scene.geometry[str(number)]) for number in range(len(parts))]
-    except (FormatError, MemoryError):  # pragma: no cover - memory that ends
-        raise
-    except Exception as error:  # pragma: no cover - another trimesh may refuse
-        raise document.error(f"{type(error).__name__}: {error}"[:300]) from error
+def _skipped(part: Tree, attributes: Tree, mode: int) -> list[str]:
+    """Name what is not read of a primitive."""
+    if mode in _LINES:
+        return [_LINES[mode]]
+    if "POSITION" not in attributes:
+        return ["primitive(s) without positions"]
+    extensions = part.get("extensions")
+    named = extensions if isinstance(extensions, dict) else {}
     return [
-        replace(
-            _scaled(cloud, part),
-            attributes={key: _values(document, part.used[key]) for key in part.named},
-            faces=_faces(document, part),
-            **_colors(document, part),
-        )
-        for cloud, part in zip(clouds, parts, strict=True)
+        *(
+            f"primitive(s) with {key[:60]}"
+            for key in attributes
+            if key not in _READ and not key.startswith("_")
+        ),
+        *(f"primitive(s) with {key[:60]}" for key in named if not is_harmless(key)),
+        *(["primitive(s) with morph targets"] if part.get("targets") else []),
     ]
 
 
-def _load_scene(stream: BinaryIO, resolver: object) -> Any:
-    # Without materials no image is opened, and vertex colours are kept unchanged.
-    options = {"file_type": "gltf", "process": False, "skip_materials": True}
-    trimesh = load("trimesh")
-    with warnings.catch_warnings():
-        # At text that is not a number NumPy only warns, and trimesh uses what came before.
-        warnings.simplefilter("error", DeprecationWarning)
-        with kept():
-            return trimesh.load_scene(stream, resolver=resolver, **options)
-
-
-class _Plain:
-    """A glTF file of some primitives, and the resolver for its buffers."""
-
-    def __init__(self, document: Document, parts: Sequence[Primitive]) -> None:
-        self._document = document
-        self._contents: list[memoryview | bytes] = []
-        self._numbers: dict[Accessor, int] = {}
-        self._views: list[Tree] = []
-        self._accessors: list[Tree] = []
-        self._meshes = [self._mesh(str(number), part) for number, part in enumerate(parts)]
-
-    def __getitem__(self, wanted: str) -> memoryview | bytes:
-        return self._contents[int(wanted)]
-
-    def stream(self) -> BinaryIO:
-        """Return the file."""
-        buffers = [
-            {"uri": str(number), "byteLength": len(content)}
-            for number, content in enumerate(self._contents)
-        ]
-        tree = {
-            "asset": {"version": "2.0"},
-            "buffers": buffers,
-            "bufferViews": self._views,
-            "accessors": self._accessors,
-            "meshes": self._meshes,
-        }
-        return io.BytesIO(json.dumps(tree).encode())
-
-    def _mesh(self, name: str, part: Primitive) -> Tree:
-        attributes = {
-            key: self._number(accessor)
-            for key, accessor in part.used.items()
-            if key in ("POSITION", "NORMAL")
-        }
-        primitive = {"attributes": attributes, "indices": self._triangle()}
-        return {"name": name, "primitives": [primitive]}
-
-    def _triangle(self) -> int:
-        """Add a triangle: trimesh has normals of meshes only."""
-        return self._added(bytes(3), {}, 5121, "SCALAR", 3)
-
-    def _number(self, accessor: Accessor) -> int:
-        if accessor not in self._numbers:
-            content = _content(self._document, accessor)
-            stride = {"byteStride": accessor.stride} if accessor.stride > accessor.item else {}
-            self._numbers[accessor] = self._added(
-                content, stride, accessor.component, accessor.kind, accessor.count
-            )
-        return self._numbers[accessor]
-
-    def _added(
-        self, content: memoryview | bytes, stride: Tree, component: int, kind: str, count: int
-    ) -> int:
-        number = len(self._contents)
-        self._contents.append(content)
-        self._views.append({"buffer": number, "byteLength": len(content), **stride})
-        self._accessors.append(
-            {"bufferView": number, "componentType": component, "type": kind, "count": count}
-        )
-        return number
+def decoded(document: Document, part: Primitive) -> Cloud:
+    """Decode a primitive."""
+    normals = part.used.get("NORMAL")
+    return Cloud(
+        _doubles(document, part.used["POSITION"]),
+        normals=None if normals is None else _doubles(document, normals),
+        attributes={key: _values(document, part.used[key]) for key in part.named},
+        faces=_faces(document, part),
+        **_colors(document, part),
+    )
 
 
 def _content(document: Document, accessor: Accessor) -> memoryview:
@@ -265,8 +162,17 @@ def _content(document: Document, accessor: Accessor) -> memoryview:
 
 def _values(document: Document, accessor: Accessor) -> Floats:
     """Return named values as doubles."""
-    values = _normalized(_rows(document, accessor).astype(np.float64), accessor)
+    values = _doubles(document, accessor)
     return values[:, 0] if accessor.width == 1 else values
+
+
+def _doubles(document: Document, accessor: Accessor) -> Floats:
+    """Return the rows of an accessor as doubles: whole numbers may stand for shares of one."""
+    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs in single precision
+        values = _rows(document, accessor).astype(np.float64)
+    if not accessor.normalized or accessor.component not in _ONE:
+        return values
+    return np.maximum(values / _ONE[accessor.component], -1.0)
 
 
 def _rows(document: Document, accessor: Accessor) -> Array:
@@ -331,22 +237,3 @@ def _check_range(document: Document, corners: Integers, rows: int) -> None:
             f"index {place} refers to vertex {corners[place]} (counted from 0), but there are "
             f"{rows} vertices"
         )
-
-
-def _scaled(cloud: Cloud, part: Primitive) -> Cloud:
-    """Give normalised integers, which trimesh takes as they are, their meaning."""
-    normal = part.used.get("NORMAL")
-    return replace(
-        cloud,
-        points=_normalized(cloud.points, part.used["POSITION"]),
-        normals=None
-        if cloud.normals is None or normal is None
-        else _normalized(cloud.normals, normal),
-    )
-
-
-def _normalized(values: Array, accessor: Accessor) -> Floats:
-    if not accessor.normalized or accessor.component not in _ONE:
-        return values
-    scaled: Floats = np.maximum(values / _ONE[accessor.component], -1.0)
-    return scaled

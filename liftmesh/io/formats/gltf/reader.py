@@ -20,16 +20,12 @@ from liftmesh.io.formats.gltf.meshes import ROUNDED, Primitive, decoded, primiti
 from liftmesh.io.formats.gltf.nodes import Scene, default_scene, put_exactly
 from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
-from liftmesh.io.metadata import NOTE, of_extras
+from liftmesh.io.metadata import NOTE, noted, of_extras
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.precision import checked_origin, with_origin
 
 # By default content may take so many times the file and what it uses of files beside it.
 _GROWTH = 20
-
-# trimesh decodes so many primitives or bytes at a time.
-_BATCH = 64
-_BATCH_BYTES = 1 << 26
 
 _MOST = int(np.iinfo(np.int32).max)
 
@@ -56,7 +52,7 @@ def _scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Clo
     cloud = content.cloud()
     cloud = replace(cloud, attributes=restored(cloud.attributes, note.get("attributes")))
     if is_there:
-        return replace(cloud, metadata={**cloud.metadata, "origin": placed})
+        return replace(cloud, metadata=noted(cloud.metadata, origin=placed))
     stated = scene.extras.get("origin")  # of older versions, whose nodes are at zero
     return with_origin(cloud, None if stated is None else checked_origin(stated, name))
 
@@ -148,18 +144,17 @@ class _Content:
     def _alone(self) -> Cloud:
         """Return the only primitive, without a copy."""
         (each,) = self._parts()
-        (cloud,) = decoded(self._document, [each.part])
+        cloud = decoded(self._document, each.part)
         self._note_rounded(cloud, 1)
         place = self._scene.places[self._scene.meshes.index(each.mesh)]
         return cloud if place is None else transformed(cloud, place)
 
     def _joined(self) -> Cloud:
         arrays = _Arrays(self._scene, self._counts, self._having, self._common())
-        for batch in _batches(self._parts()):
-            clouds = decoded(self._document, [each.part for each in batch])
-            for each, cloud in zip(batch, clouds, strict=True):
-                arrays.put(cloud, each)
-                self._note_rounded(cloud, self._uses[each.mesh])
+        for each in self._parts():
+            cloud = decoded(self._document, each.part)
+            arrays.put(cloud, each)
+            self._note_rounded(cloud, self._uses[each.mesh])
         arrays.place()
         return arrays.cloud()
 
@@ -183,9 +178,7 @@ class _Content:
         metadata = of_extras(extras)
         if isinstance(self._document.tree.get("extensions"), dict):
             metadata["gltf_extensions"] = self._document.tree["extensions"]
-        if self._named():
-            metadata["skipped"] = self._named()
-        return {"metadata": metadata, "crs": stated}
+        return {"metadata": noted(metadata, skipped=self._named()), "crs": stated}
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,20 +189,6 @@ class _Part:
     mesh: int
     rows: int
     faces: int
-
-
-def _batches(parts: Iterator[_Part]) -> Iterator[list[_Part]]:
-    """Group primitives: few calls of trimesh, and few of its objects at a time."""
-    batch: list[_Part] = []
-    size = 0
-    for each in parts:
-        batch.append(each)
-        size += each.part.size
-        if len(batch) == _BATCH or size > _BATCH_BYTES:
-            yield batch
-            batch, size = [], 0
-    if batch:
-        yield batch
 
 
 class _Arrays:

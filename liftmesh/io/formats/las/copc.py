@@ -3,7 +3,7 @@
 A record tells the cube of the octree, the distance between the points of its root, and where the
 pages are that list the nodes. Each level halves the distance. A node must be a chunk of the table
 that LAZ has anyway, with the same place, length and number of points: that table is checked
-already (`io.las.laz`), so no page can make anyone read anything else. The first point of each
+already (`laz`), so no page can make anyone read anything else. The first point of each
 chunk, which is not compressed, and all points that are decoded must lie in the cubes of their
 nodes: else the index is not used.
 

@@ -1,0 +1,238 @@
+"""Circles and disks: a power diagram, and the graph and cells of disks.
+
+The slopes of a lower facet of the lifted circles are twice the point of equal power of its three
+corners: where three cells of the power diagram meet.
+
+By Lemma 4.2 a plane that supports the lifted disks from below, and touches three of them, is a
+circle that touches three disks from outside and that no disk enters: `liftmesh.paper.region`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Floats, Indices
+from liftmesh.disks.apollonius import apollonius
+from liftmesh.optional import load
+from liftmesh.paper.pictures.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    SKY,
+    VERMILION,
+    blank_axes,
+    legend_below,
+    new_figure,
+    styled,
+)
+from liftmesh.planar.regular import regular
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from liftmesh.disks.apollonius import ApolloniusGraph
+    from liftmesh.planar.regular import RegularTriangulation
+    from liftmesh.planar.triangulation import Triangulation
+
+
+COUNT = 34
+_LIMITS = (-1.7, 11.7)
+_FAR = 40.0
+
+
+def example_circles() -> tuple[Floats, Floats]:
+    """Return the circles of the picture."""
+    rng = np.random.default_rng(9)
+    return rng.uniform(0.0, 10.0, (COUNT, 2)), rng.gamma(2.0, 0.45, COUNT)
+
+
+def power_centers(triangulation: Triangulation) -> Floats:
+    """Compute the points of equal power of the corners of each triangle."""
+    planes = triangulation.equations
+    centers: Floats = planes[:, :2] / (-2 * planes[:, 2:3])
+    return centers
+
+
+@styled
+def figure_power() -> Figure:
+    """Draw circles, the regular triangulation of their centres, and their power diagram."""
+    figure = new_figure(6.6, 3.85)
+    centers, radii = example_circles()
+    found = regular(centers, radii=radii)
+    for column, draw in enumerate((_edges, _sides)):
+        axes = blank_axes(figure, (0.5 * column, 0.165, 0.5, 0.83))
+        axes.set(xlim=_LIMITS, ylim=_LIMITS)
+        _circles(axes, found, radii)
+        draw(axes, found)
+    figure.text(0.25, 0.12, "(a) regular triangulation", ha="center")
+    figure.text(0.75, 0.12, "(b) power diagram", ha="center")
+    _power_legend(figure)
+    return figure
+
+
+def _circles(axes: Axes, found: RegularTriangulation, radii: Floats) -> None:
+    patches = load("matplotlib.patches", extra="plot")
+    is_hidden = np.isin(np.arange(found.npoints), found.hidden)
+    for center, radius, hidden in zip(found.points, radii, is_hidden, strict=True):
+        line: dict[str, Any] = {"ec": VERMILION, "ls": (0, (3, 2))} if hidden else {"ec": SKY}
+        fill = "none" if hidden else (*_shade(SKY), 0.13)
+        axes.add_patch(patches.Circle(center, radius, fc=fill, lw=1.1, **line))
+    marks: dict[str, Any] = {"marker": "o", "ls": "", "ms": 3.0, "mew": 0.0, "zorder": 6}
+    axes.plot(*found.points[~is_hidden].T, color=INK, gid="vertices", **marks)
+    axes.plot(*found.points[is_hidden].T, color=VERMILION, gid="hidden", **marks)
+
+
+def _shade(color: str) -> tuple[float, float, float]:
+    red, green, blue = load("matplotlib.colors", extra="plot").to_rgb(color)
+    return red, green, blue
+
+
+def _edges(axes: Axes, found: RegularTriangulation) -> None:
+    lines = load("matplotlib.collections", extra="plot").LineCollection
+    edges = found.points[found.edges]
+    axes.add_collection(lines(list(edges), colors=BLUE, linewidths=1.0, gid="edges"))
+
+
+def _sides(axes: Axes, found: RegularTriangulation) -> None:
+    lines = load("matplotlib.collections", extra="plot").LineCollection
+    axes.add_collection(lines(list(cell_sides(found)), colors=INK, linewidths=1.1, gid="cells"))
+
+
+def cell_sides(found: Triangulation, *, inward: bool = False) -> Floats:
+    """Compute the sides of the power cells; those without end are cut off far away."""
+    centers = power_centers(found)
+    far = -_FAR if inward else _FAR
+    triangle, corner = np.nonzero(found.neighbors < np.arange(found.nsimplex)[:, None])
+    beyond = found.neighbors[triangle, corner]
+    ends = np.where(
+        (beyond >= 0)[:, None],
+        centers[beyond],
+        centers[triangle] + far * _outward(found, triangle, corner),
+    )
+    return np.stack([centers[triangle], ends], axis=1)
+
+
+def _outward(found: Triangulation, triangle: Indices, corner: Indices) -> Floats:
+    """Unit vectors to the right of the edges opposite to corners."""
+    start = found.points[found.simplices[triangle, (corner + 1) % 3]]
+    end = found.points[found.simplices[triangle, (corner + 2) % 3]]
+    right = (end - start)[:, ::-1] * (1.0, -1.0)
+    unit: Floats = right / np.hypot(*right.T)[:, None]
+    return unit
+
+
+def _power_legend(figure: Figure) -> None:
+    line = load("matplotlib.lines", extra="plot").Line2D
+    handles = [
+        line([], [], color=SKY, lw=1.1, label="circle"),
+        line([], [], color=VERMILION, lw=1.1, ls=(0, (3, 2)), label="hidden circle"),
+        line([], [], color=BLUE, lw=1.0, label="edge"),
+        line([], [], color=INK, lw=1.1, label="side of a cell"),
+    ]
+    legend_below(figure, handles)
+
+
+_DISK_LIMITS = (-1.2, 9.0)
+_DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]
+
+
+def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
+    """Return the disks of the picture."""
+    rng = np.random.default_rng(6)
+    cells = np.stack(np.meshgrid(np.arange(4.0), np.arange(4.0)), -1).reshape(-1, 2) * 2.2
+    centers = cells + rng.uniform(0.0, 1.0, cells.shape)
+    radii = 0.12 + 0.45 * rng.random(len(cells)) ** 1.5
+    if not overlapping:
+        return centers, radii
+    inner = centers[radii > 0.4] + 0.35
+    return np.vstack([centers, inner]), np.append(3.4 * radii, np.full(len(inner), 0.3))
+
+
+@styled
+def figure_disks() -> Figure:
+    """Draw disjoint and overlapping disks with graph and cells, and lifted disks with a plane."""
+    load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
+    figure = new_figure(7.4, 3.1)
+    for column, overlapping in enumerate((False, True)):
+        axes = blank_axes(figure, (0.33 * column, 0.18, 0.33, 0.81))
+        axes.set(xlim=_DISK_LIMITS, ylim=_DISK_LIMITS)
+        _graph(axes, apollonius(*example_disks(overlapping=overlapping)))
+    solid: Any = figure.add_axes((0.66, 0.16, 0.34, 0.86), projection="3d", computed_zorder=False)
+    _lifted(solid, np.array(_DISJOINT))
+    for x, text in (
+        (0.165, "(a) disjoint disks"),
+        (0.495, "(b) overlapping disks"),
+        (0.83, "(c) a supporting plane"),
+    ):
+        figure.text(x, 0.12, text, ha="center")
+    _disks_legend(figure)
+    return figure
+
+
+def _disks_legend(figure: Figure) -> None:
+    line = load("matplotlib.lines", extra="plot").Line2D
+    named = (
+        (SKY, "disk"),
+        (VERMILION, "hidden disk, or one apart"),
+        (BLUE, "edge, or lifted disk"),
+        (INK, "side of a cell"),
+        (GREEN, "no supporting plane"),
+        (ORANGE, "plane and its circle"),
+    )
+    handles = [line([], [], color=color, lw=1.2, label=label) for color, label in named]
+    legend_below(figure, handles, fontsize=7.5, columnspacing=1.0)
+
+
+def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
+    patches = load("matplotlib.patches", extra="plot")
+    lines = load("matplotlib.collections", extra="plot").LineCollection
+    hidden = set(graph.hidden.tolist())
+    for row, (center, radius) in enumerate(zip(graph.centers, graph.radii, strict=True)):
+        color = VERMILION if row in hidden else SKY
+        axes.add_patch(patches.Circle(center, radius, fc=color, alpha=0.18, lw=0))
+        axes.add_patch(patches.Circle(center, radius, fc="none", ec=color, lw=1.0))
+    for triangle in graph.simplices[graph.circles[:, 2] < 0]:
+        corners = graph.centers[triangle]
+        axes.add_patch(patches.Polygon(corners, fc=GREEN, alpha=0.45, lw=0, gid="unsupported"))
+    edges = graph.centers[graph.edges]
+    axes.add_collection(lines(list(edges), colors=BLUE, linewidths=0.6, gid="edges"))
+    sides = [
+        line for _, line in graph.cell_sides((*_DISK_LIMITS[:1] * 2, *_DISK_LIMITS[1:] * 2), 0.01)
+    ]
+    axes.add_collection(lines(sides, colors=INK, linewidths=1.2, gid="cells"))
+
+
+def _lifted(axes: Any, disks: Floats) -> None:
+    graph = apollonius(disks[:, :2], disks[:, 2])
+    x, y, radius = graph.circles[0]
+    angles = np.linspace(0, 2 * np.pi, 181)
+    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    _paraboloid(axes)
+    for row, (*center, size) in enumerate(disks.tolist()):
+        points = center + size * around
+        color = BLUE if row in graph.simplices[0] else VERMILION
+        axes.plot(*points.T, (points**2).sum(1), color=color, lw=1.8, gid="lifted")
+        axes.plot(*points.T, 0 * angles - 1.4, color=color, lw=1.2)
+    plane = np.array([2 * x, 2 * y, radius**2 - x**2 - y**2])
+    circle = np.array([x, y]) + radius * around
+    axes.plot(*circle.T, (circle**2).sum(1), color=ORANGE, lw=1.6, gid="section")
+    axes.plot(*circle.T, 0 * angles - 1.4, color=ORANGE, lw=1.2)
+    corners = np.array([[-1.5, -1.5], [1.7, -1.5], [1.7, 1.6], [-1.5, 1.6]])
+    heights = corners @ plane[:2] + plane[2]
+    solid = load("mpl_toolkits.mplot3d.art3d", extra="plot").Poly3DCollection
+    sheet = np.column_stack([corners, heights])
+    axes.add_collection3d(solid([sheet], facecolors=ORANGE, alpha=0.22, edgecolors=ORANGE))
+    axes.view_init(elev=14, azim=-62)
+    axes.set_axis_off()
+    axes.set_box_aspect((1, 1, 1.1), zoom=1.25)
+
+
+def _paraboloid(axes: Any) -> None:
+    angles = np.linspace(0, 2 * np.pi, 61)
+    reach = np.linspace(0, 2.0, 11)
+    x, y = np.outer(reach, np.cos(angles)), np.outer(reach, np.sin(angles))
+    axes.plot_wireframe(x, y, x**2 + y**2, color="#cccccc", lw=0.4, rcount=9, ccount=25)

@@ -1,0 +1,266 @@
+"""Chunks of a source: consecutive rows that any process can read at any time, again and again.
+
+NPY and LAS files are read by ranges, with plain reads: pages of a mapped file would count as memory
+of the process. Chunks of Parquet are in `parquet.py`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from liftmesh._typing import Array
+from liftmesh.errors import FormatError
+from liftmesh.io.formats.las.header import read_header
+from liftmesh.io.formats.numpy_arrays import Layout
+from liftmesh.io.streams import remaining
+from liftmesh.tiles.schema import PLANAR, Schema, planar_of, records_of_points
+from liftmesh.tiles.store import save_array, values_of
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where rows are from: the source as the caller knows it, and the first row within that."""
+
+    source: str
+    number: int = 0
+    row: int = 0
+    is_path: bool = False
+
+
+class SourceChunk(Protocol):
+    """Consecutive rows of a source."""
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+
+    @property
+    def origin(self) -> Origin:
+        """What the rows are, for messages and the manifest."""
+
+    @property
+    def place(self) -> str | None:
+        """The file that is read; None for rows in memory."""
+
+    @property
+    def schema(self) -> Schema:
+        """What a row has."""
+
+    def records(self) -> Array:
+        """Read the rows as records; nobody else writes to the result."""
+
+
+@dataclass(frozen=True)
+class MemoryChunk:
+    """Rows in memory: planar points, perhaps with a mask or a third column, or records."""
+
+    held: Array
+    schema: Schema
+    origin: Origin
+    place: None = None
+
+    @property
+    def rows(self) -> int:
+        """How many."""
+        return len(self.held)
+
+    def records(self) -> Array:
+        """Copy the rows."""
+        copied: Array = self.held.copy()
+        if not self.schema.is_planar:
+            return copied
+        return records_of_points(copied, PLANAR, self.origin.source)
+
+
+@dataclass(frozen=True)
+class SavedChunk:
+    """Records in a file that `saved` has written."""
+
+    place: str
+    rows: int
+    schema: Schema
+    origin: Origin
+
+    def records(self) -> Array:
+        """Read all of the file."""
+        return values_of(Path(self.place), 0, self.rows, self.schema.dtype)
+
+
+def saved(records: Array, path: Path, schema: Schema, origin: Origin) -> SavedChunk:
+    """Write records to a file; planar ones as rows of two numbers."""
+    save_array(path, planar_of(records) if schema.is_planar else records)
+    return SavedChunk(str(path), len(records), schema, origin)
+
+
+def in_files(chunks: Sequence[SourceChunk], folder: Path) -> list[SourceChunk]:
+    """Write the chunks in memory to files, for other processes."""
+    return [
+        saved(chunk.records(), folder / f"points-{number:05d}.npy", chunk.schema, chunk.origin)
+        if chunk.place is None
+        else chunk
+        for number, chunk in enumerate(chunks)
+    ]
+
+
+def numbered(chunks: Sequence[SavedChunk]) -> list[SavedChunk]:
+    """Tell each chunk which row of all is its first."""
+    firsts = accumulate((chunk.rows for chunk in chunks), initial=0)
+    return [
+        replace(chunk, origin=replace(chunk.origin, row=first))
+        for chunk, first in zip(chunks, firsts, strict=False)
+    ]
+
+
+@dataclass(frozen=True)
+class NpyChunk:
+    """Rows of an NPY file, or of a mapped array of NumPy."""
+
+    origin: Origin
+    schema: Schema
+    place: str
+    dtype: str
+    shape: tuple[int, int]
+    by_columns: bool
+    offset: int  # of the values, in bytes
+    first: int
+    rows: int
+
+    def records(self) -> Array:
+        """Read x and y, and of a surface the third column, if there is one, as heights."""
+        return records_of_points(self._columns(), self.schema, self.origin.source)
+
+    def _columns(self) -> Array:
+        """Read the columns that are needed, and all of them where they are not apart."""
+        total, columns = self.shape
+        size = np.dtype(self.dtype).itemsize
+        if not self.by_columns:
+            at = self.offset + self.first * columns * size
+            return self._values(at, self.rows * columns).reshape(self.rows, columns)
+        apart = range(min(2 if self.schema.is_planar else 3, columns))
+        begins = [self.offset + (column * total + self.first) * size for column in apart]
+        return np.stack([self._values(at, self.rows) for at in begins], axis=1)
+
+    def _values(self, at: int, count: int) -> Array:
+        values = np.fromfile(self.place, self.dtype, count, offset=at)
+        if len(values) < count:
+            raise FormatError(
+                f"{self.place}: rows {self.first:,} to {self.first + self.rows:,} are missing: "
+                "the file is truncated"
+            )
+        return values
+
+
+def npy_chunks(origin: Origin, name: str, rows: int, schema: Schema) -> list[NpyChunk]:
+    """Cut an NPY file into chunks."""
+    with Path(name).open("rb") as stream:
+        layout = Layout.read(stream, name)
+        layout.check_size(remaining(stream), name)
+        offset = stream.tell()
+    if len(layout.shape) != 2 or layout.shape[1] not in (2, 3):
+        raise FormatError(f"{name}: {layout.what}: points need the shape (n, 2) or (n, 3)")
+    whole = NpyChunk(
+        origin=origin,
+        schema=schema,
+        place=_absolute(name),
+        dtype=np.dtype(layout.dtype).str,
+        shape=(layout.shape[0], layout.shape[1]),
+        by_columns=layout.by_columns,
+        offset=offset,
+        first=0,
+        rows=layout.shape[0],
+    )
+    return _cut(whole, rows)
+
+
+def mapped_chunks(array: np.memmap[Any, Any], rows: int, schema: Schema) -> list[NpyChunk]:
+    """Cut a mapped array, which is its file from the offset on, into chunks."""
+    name = str(array.filename)
+    whole = NpyChunk(
+        origin=Origin(name),
+        schema=schema,
+        place=_absolute(name),
+        dtype=array.dtype.str,
+        shape=(array.shape[0], array.shape[1]),
+        by_columns=False,
+        offset=array.offset,
+        first=0,
+        rows=array.shape[0],
+    )
+    return _cut(whole, rows)
+
+
+def _cut(whole: NpyChunk, rows: int) -> list[NpyChunk]:
+    return [
+        replace(
+            whole,
+            origin=replace(whole.origin, row=first),
+            first=first,
+            rows=min(rows, whole.rows - first),
+        )
+        for first in range(0, whole.rows, rows)
+    ]
+
+
+@dataclass(frozen=True)
+class LasChunk:
+    """Planar points of a LAS file that is not compressed."""
+
+    origin: Origin
+    place: str
+    begin: int
+    point_size: int
+    scales: tuple[float, ...]
+    offsets: tuple[float, ...]
+    rows: int
+    schema: Schema = PLANAR
+
+    def records(self) -> Array:
+        """Read x and y, with the arithmetic of `liftmesh.read`."""
+        kind = np.dtype(
+            {"names": ["x", "y"], "formats": ["<i4", "<i4"], "offsets": [0, 4],
+             "itemsize": self.point_size}
+        )  # fmt: skip
+        steps = np.fromfile(self.place, kind, self.rows, offset=self.begin)
+        if len(steps) < self.rows:
+            raise FormatError(
+                f"{self.place}: points from {self.origin.row:,} on are missing: the file is "
+                "truncated"
+            )
+        points = np.empty((self.rows, 2))
+        for k, name in enumerate(("x", "y")):
+            np.multiply(steps[name], self.scales[k], out=points[:, k])
+            points[:, k] += self.offsets[k]
+        return records_of_points(points, PLANAR, self.origin.source)
+
+
+def las_chunks(origin: Origin, name: str, rows: int) -> list[LasChunk] | None:
+    """Cut a LAS file into chunks; None for LAZ and COPC, which are decoded once."""
+    if not Path(name).is_file():
+        return None
+    with Path(name).open("rb") as stream:
+        header = read_header(stream, name)
+    if header.compressed:
+        return None
+    return [
+        LasChunk(
+            replace(origin, row=first),
+            _absolute(name),
+            header.start + first * header.point_size,
+            header.point_size,
+            header.scales,
+            header.offsets,
+            min(rows, header.points - first),
+        )
+        for first in range(0, header.points, rows)
+    ]
+
+
+def _absolute(name: str) -> str:
+    return os.path.abspath(name)  # noqa: PTH100 - links stay as they are

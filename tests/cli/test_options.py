@@ -1,0 +1,108 @@
+"""Values of options, and groups of options in place of one parameter."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, TypeAlias
+
+import pytest
+
+from liftmesh.cli import options
+
+
+@pytest.mark.parametrize(
+    ("parse", "text", "value"),
+    [
+        (options.color_depth, "16", 16),
+        (options.threads, "2", 2),
+        (options.positive, "0.5", 0.5),
+        (options.number, "-2", -2.0),
+        (options.distance, "0", 0.0),
+        (options.whole(0), "4", 4),
+        (options.numbers, "1,2.5", [1.0, 2.5]),
+        (options.ends, "-inf,10", [-math.inf, 10.0]),
+        (options.classes, "2,9", [2, 9]),
+        (options.metric, "2,0.5,1", ((2.0, 0.5), (0.5, 1.0))),
+        (options.vertex, "1.5,-2", (1.5, -2.0)),
+        (options.box, "0,0,2,1", (0.0, 0.0, 2.0, 1.0)),
+        (options.box, "city.geojson", None),
+        (options.plane, "0,0,1", ((0.0, 0.0, 1.0), None)),
+        (options.plane, "fit", ("fit", None)),
+    ],
+)
+def test_values_are_parsed(parse: Callable[[str], Any], text: str, value: object) -> None:
+    assert parse(text) == value
+
+
+@pytest.mark.parametrize(
+    ("parse", "text", "reason"),
+    [
+        (options.positive, "0", "'0' is not a positive number"),
+        (options.number, "inf", "'inf' is not a number"),
+        (options.distance, "nan", "'nan' is not a distance: 0, or more"),
+        (options.numbers, "1,x", "'x' is not a number"),
+        (options.whole(3), "2", "is 2: give a whole number from 3"),
+        (options.whole(3), "2.5", "is '2.5': give a whole number from 3"),
+        (options.threads, "0", "is 0: give a whole number from 1 to 1024"),
+        (options.metric, "1,5,1", "[[1.0, 5.0], [5.0, 1.0]] is not positive definite: "),
+    ],
+)
+def test_what_is_wrong_follows_the_name_of_the_option(
+    parse: Callable[[str], Any], text: str, reason: str
+) -> None:
+    with pytest.raises(options.WrongValue) as raised:
+        parse(text)
+    assert raised.value.message.startswith(reason)
+
+
+def test_one_way_to_lift_is_taken() -> None:
+    metric = options.metric("2,0.5,1")
+    assert options.lifting(None, None, metric) == {"metric": metric}
+    assert options.lifting("w", None, None) == {"weights": "w"}
+    with pytest.raises(options.typer.BadParameter, match="--weights and --radii are given"):
+        options.lifting("w", "r", None)
+
+
+def test_given_keeps_zero() -> None:
+    assert options.given(a=None, b=False, c=0, d=True) == {"c": 0, "d": True}
+
+
+def _inner(words: str = "", count: int = 0) -> dict[str, Any]:
+    return {"words": words, "count": count}
+
+
+Inner: TypeAlias = Annotated[dict[str, Any], options.Group(_inner)]
+
+
+def _outer(size: int = 1, *, inner: Inner, last: bool = False) -> tuple[int, dict[str, Any], bool]:
+    return size, inner, last
+
+
+Outer: TypeAlias = Annotated[Any, options.Group(_outer)]
+
+
+def test_options_of_groups_stand_where_the_group_stands() -> None:
+    def run(path: str, *, outer: Outer, json: bool = False) -> object:
+        return path, outer, json
+
+    command = options.with_single_options(run)
+    names = [*inspect.signature(command).parameters]
+    assert names == ["path", "size", "words", "count", "last", "json"]
+    given = {"path": "a", "size": 3, "words": "w", "count": 2, "last": True, "json": True}
+    assert command(**given) == ("a", (3, {"words": "w", "count": 2}, True), True)
+
+
+def test_an_option_of_the_command_takes_the_place_of_one_of_a_group() -> None:
+    def run(count: str, *, outer: Outer) -> object:
+        return count, outer
+
+    command = options.with_single_options(run)
+    assert [*inspect.signature(command).parameters] == ["count", "size", "words", "last"]
+    made = command(count="own", size=1, words="w", last=False)
+    assert made == ("own", (1, {"words": "w", "count": 0}, False))
+
+
+def test_a_function_without_groups_stays_as_it_is() -> None:
+    assert options.with_single_options(_inner) is _inner
