@@ -14,7 +14,7 @@ import typer
 
 from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
 from liftmesh.errors import (
     DataWarning,
@@ -40,7 +40,7 @@ _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 def table(
     columns: Annotated[
         str | None,
-        options.option(
+        option(
             "NAMES",
             "Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
             "of all in order, as id,x,y,z; - leaves one out.",
@@ -50,32 +50,23 @@ def table(
         bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
     ] = False,
     delimiter: Annotated[
-        str | None,
-        options.option("MARK", "Tables: what separates values, as ';', tab or space."),
+        str | None, option("MARK", "Tables: what separates values, as ';', tab or space.")
     ] = None,
-    decimal: Annotated[
-        str | None, options.option("MARK", "Tables: the decimal mark, . or ,")
-    ] = None,
-    skip_rows: Annotated[
-        int,
-        options.option("N", "Tables: skip the first N lines.", options.whole(0)),
-    ] = 0,
+    decimal: Annotated[str | None, option("MARK", "Tables: the decimal mark, . or ,")] = None,
+    skip_rows: Annotated[int, option("N", "Tables: skip the first N lines.", whole(0))] = 0,
     no_header: Annotated[
         bool, typer.Option("--no-header", help="Tables: the first line is a row.")
     ] = False,
     nodata: Annotated[
         str | None,
-        options.option(
+        option(
             "VALUE",
             "Tables and rasters: what stands for a missing value, as -9999; none if nothing does.",
         ),
     ] = None,
-    end: Annotated[
-        str | None, options.option("LINE", "Tables: the line that ends them, as END.")
-    ] = None,
+    end: Annotated[str | None, option("LINE", "Tables: the line that ends them, as END.")] = None,
     encoding: Annotated[
-        str | None,
-        options.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
+        str | None, option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF.")
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of tables, and return those given, as `liftmesh.read` has them."""
@@ -94,7 +85,7 @@ def table(
 def _selection(
     classes: Annotated[
         Any,
-        options.option(
+        option(
             "CLASSES",
             "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
             options.classes,
@@ -105,41 +96,30 @@ def _selection(
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
     bbox: Annotated[
-        Any,
-        options.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends),
+        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
     ] = None,
-    z_range: Annotated[
-        Any,
-        options.option("Z0,Z1", "Rows of these heights.", options.ends),
-    ] = None,
-    every: Annotated[
-        int,
-        options.option("N", "Every n-th of the rows that are left.", options.whole(1)),
-    ] = 1,
+    z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
+    every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
     resolution: Annotated[
-        float | None,
-        options.option("D", "Of a COPC file, points at about this distance.", options.positive),
+        float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
-        options.option(
-            "N", "Rasters: the band that holds the heights; the first is 1.", options.whole(1)
-        ),
+        option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
     ] = None,
     from_crs: Annotated[
         str | None,
-        options.option(
+        option(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
         ),
     ] = None,
     to_crs: Annotated[
-        str | None,
-        options.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
+        str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""

@@ -320,12 +320,10 @@ Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
+    str | None, option("FORMAT", "Format of the input, instead of its suffix.", name="--from")
 ]
 TargetFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
+    str | None, option("FORMAT", "Format of OUT, instead of its suffix.", name="--format")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -338,8 +336,7 @@ Plane: TypeAlias = Annotated[
     ),
 ]
 Duplicates: TypeAlias = Annotated[
-    Policy,
-    typer.Option(help="Which of several rows at one planar position is used as the vertex."),
+    Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
@@ -379,15 +376,12 @@ Weights: TypeAlias = Annotated[
     ),
 ]
 Radii: TypeAlias = Annotated[
-    str | None,
-    option("COLUMN", "The same with radii, whose squares are weights."),
+    str | None, option("COLUMN", "The same with radii, whose squares are weights.")
 ]
 Metric: TypeAlias = Annotated[
     Any,
     option(
-        "A,B,C",
-        "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
-        metric,
+        "A,B,C", "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.", metric
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

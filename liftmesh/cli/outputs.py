@@ -2,8 +2,8 @@
 
 What is not replaced: the inputs, and without ``--overwrite`` any file with content. An output that
 is an input, by whatever name, option or link, is refused always, also where it would be read wholly
-before: the output may hold less. So is a file in a folder that is an input, and one that is read
-beside an input.
+before: the output may hold less. So is a file in a folder that is an input, one that is read beside
+an input, and a buffer or an image of a glTF file that is an input.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import typer
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
 from liftmesh.cli import options, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.signals import Closed
 from liftmesh.errors import FormatError
 
@@ -82,6 +82,10 @@ def check_lost(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bo
         for each in read:
             if _is_part(target, each):
                 raise _same(each, target)
+            if _is_named(target, each):
+                raise typer.BadParameter(
+                    f"{target} is a part of {each}, and would be lost: give another name"
+                )
         if not overwrite and holds_data(target):
             raise typer.BadParameter(
                 f"{target} exists, and would be lost: give another name for what is written, or "
@@ -119,6 +123,16 @@ def _is_part(target: Path, source: Path) -> bool:
     return place == where
 
 
+def _is_named(target: Path, source: Path) -> bool:
+    """Whether a file is a buffer or an image of a glTF file that is an input."""
+    is_model = source.suffix.lower() in (".gltf", ".glb") and source.is_file()
+    if not is_model or not target.is_file():
+        return False
+    from liftmesh.io.formats.gltf.beside import named_in
+
+    return any(_is_part(target, each) for each in named_in(source))
+
+
 def _same(one: Path, other: Path) -> typer.BadParameter:
     if is_stream(one) or Path(one).is_dir():
         return typer.BadParameter(f"{other} is read as {one}, and would be lost: give another name")
@@ -129,14 +143,10 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 
 def _writing(
     scale: Annotated[
-        float | None,
-        options.option(
-            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
-        ),
+        float | None, option("STEP", "Of LAS: the step that coordinates are rounded to.", positive)
     ] = None,
     point_format: Annotated[
-        int | None,
-        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
+        int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
@@ -168,8 +178,8 @@ def check_target(
         for each in writing:
             writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
-        option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
+        name = each.replace("_", "-")
+        raise typer.BadParameter(f"--{name}: {kind.name} files have none") from error
 
 
 def check_place(path: Path | None) -> None:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import options, outputs, terminal
+from liftmesh.cli import outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -77,7 +78,7 @@ class _Choice:
 def run(
     out: Annotated[
         Path | None,
-        options.option(
+        option(
             "DIR",
             "Folder for all files, created if missing; by default out/paper, or "
             "out/paper-quick with --quick.",
@@ -88,10 +89,8 @@ def run(
     ] = False,
     seeds: Annotated[
         int | None,
-        options.option(
-            "N",
-            "Number of random sets of each size; by default 3, or 1 with --quick.",
-            options.whole(1),
+        option(
+            "N", "Number of random sets of each size; by default 3, or 1 with --quick.", whole(1)
         ),
     ] = None,
     table: Annotated[
@@ -100,15 +99,10 @@ def run(
     ] = "both",
     sizes: Annotated[
         list[int] | None,
-        options.option(
-            "N",
-            "Number of points, instead of the paper's; repeatable.",
-            options.whole(3),
-            name="--n",
-        ),
+        option("N", "Number of points, instead of the paper's; repeatable.", whole(3), name="--n"),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
-    machine: Annotated[str | None, options.option("TEXT", "Description of the machine.")] = None,
+    machine: Annotated[str | None, option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
     from liftmesh.paper.results import Results

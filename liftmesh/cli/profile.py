@@ -10,6 +10,7 @@ import typer
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def run(
     ],
     along: Annotated[
         list[str],
-        options.option(
+        option(
             "FILE|X,Y",
             "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",

@@ -10,7 +10,7 @@ import typer
 
 from liftmesh.base.options import SampleMethod
 from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -38,8 +38,7 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
-        Path,
-        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
+        Path, option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage.")
     ],
     *,
     points: Points,

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.io.write import Written
@@ -37,17 +38,13 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
-        options.option(
-            "Z", "The largest distance along z, in the units of the heights.", options.distance
-        ),
+        option("Z", "The largest distance along z, in the units of the heights.", options.distance),
     ] = None,
     tolerance: Annotated[
-        float | None,
-        options.option("Z", "Another name of --max-error.", options.distance),
+        float | None, option("Z", "Another name of --max-error.", options.distance)
     ] = None,
     max_points: Annotated[
-        int | None,
-        options.option("N", "The most vertices of the mesh.", options.whole(3)),
+        int | None, option("N", "The most vertices of the mesh.", whole(3))
     ] = None,
     prune: Annotated[
         bool,

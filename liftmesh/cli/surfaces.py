@@ -10,13 +10,14 @@ import typer
 
 from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import inputs, options, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
     from liftmesh.terrain.surface import Surface
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import TiledSurface
 
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides
@@ -31,8 +32,7 @@ Source: TypeAlias = Annotated[
 
 def _trimming(
     max_edge: Annotated[
-        float | None,
-        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
+        float | None, option("LENGTH", "Leave out faces with a side that is longer.", positive)
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -43,15 +43,13 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        options.option(
-            "RADIUS",
-            "Leave out faces whose circumcircle is larger: the alpha shape.",
-            options.positive,
+        option(
+            "RADIUS", "Leave out faces whose circumcircle is larger: the alpha shape.", positive
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
+        option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""

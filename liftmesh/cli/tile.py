@@ -13,6 +13,7 @@ import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
@@ -37,8 +38,7 @@ SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text."),
+        list[Path], typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text.")
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
     surface: Annotated[
@@ -53,25 +53,20 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        options.option(
-            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
-        ),
+        option("SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size),
     ] = None,
     tile_rows: Annotated[
-        int | None,
-        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
+        int | None, option("N", "Rows of a tile, in place of --memory.", whole(16))
     ] = None,
     workers: Annotated[
-        int | None,
-        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
+        int | None, option("N", "Processes, run by Dask; by default this one alone.", whole(1))
     ] = None,
     scheduler: Annotated[
-        str | None,
-        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
+        str | None, option("ADDRESS", "Scheduler of Dask whose workers do the work.")
     ] = None,
     scratch: Annotated[
         Path | None,
-        options.option(
+        option(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,

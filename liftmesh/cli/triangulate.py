@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.base.options import GroundMethod, Method
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
 from liftmesh.errors import InputError
 
@@ -55,13 +56,11 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        options.option(
-            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
-        ),
+        option("METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", positive),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        options.option(
+        option(
             "N",
             "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
             _rigidness,
@@ -69,10 +68,8 @@ def _ground(
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        options.option(
-            "METRES",
-            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
-            options.positive,
+        option(
+            "METRES", "Of --ground: rows nearer to the cloth are ground; default: 0.5.", positive
         ),
     ] = None,
 ) -> dict[str, Any]:
@@ -98,12 +95,11 @@ def run(
     duplicates: options.Duplicates = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
-        Method,
-        typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow."),
+        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
     ] = "auto",
     q: Annotated[
         Any,
-        options.option(
+        option(
             "Q",
             "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
             options.vertex,

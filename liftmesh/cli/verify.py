@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,28 +44,21 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
+        option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     source_format: options.SourceFormat = None,
     weights: Annotated[
-        str | None,
-        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
+        str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
-    radii: Annotated[
-        str | None, options.option("COLUMN", "The same with radii, not squared.")
-    ] = None,
+    radii: Annotated[str | None, option("COLUMN", "The same with radii, not squared.")] = None,
     metric: Annotated[
-        Any,
-        options.option(
-            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
-        ),
+        Any, option("A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric)
     ] = None,
     points: Annotated[
-        list[Path] | None,
-        options.option("FILE", "The points of a folder, if its source has moved."),
+        list[Path] | None, option("FILE", "The points of a folder, if its source has moved.")
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,

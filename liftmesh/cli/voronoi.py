@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 import typer
 
 from liftmesh.cli import inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 from liftmesh.cli.places import is_table
 
 if TYPE_CHECKING:
@@ -39,20 +39,19 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        options.option(
+        option(
             "DOMAIN",
             "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
-        str | None,
-        options.option("COLUMN", "Values of IN that are weights: makes power cells."),
+        str | None, option("COLUMN", "Values of IN that are weights: makes power cells.")
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        options.option(
+        option(
             "COLUMN",
             "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
@@ -60,7 +59,7 @@ def run(
     ] = None,
     tolerance: Annotated[
         float | None,
-        options.option(
+        option(
             "LENGTH",
             "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
@@ -69,8 +68,7 @@ def run(
     ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
-        str | None,
-        options.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format")
     ] = None,
     *,
     table: inputs.Table,
@@ -141,7 +139,7 @@ def _cells(
     tolerance: float | None,
 ) -> ClippedCells:
     import liftmesh
-    from liftmesh.planar.kinds import chosen, named_values
+    from liftmesh.planar.kinds import named_values, weights_or_radii
 
     planar = cloud.points[:, :2]
     if disks is not None:
@@ -149,7 +147,7 @@ def _cells(
         return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
-    kind, name = chosen(weights, radii)
+    kind, name = weights_or_radii(weights, radii)
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
 
 
