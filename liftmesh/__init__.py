@@ -14,7 +14,6 @@ from typing import Any
 import lazy_loader
 
 from liftmesh.base.interruption import deferred
-from liftmesh.signatures import make_readable
 
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
@@ -26,9 +25,7 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
         with deferred():  # NumPy cannot be imported again where Ctrl-C broke its import off
-            value = _load(name)
-            make_readable(value)
-            return value
+            return _load(name)
     from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 
     globals()[name] = version("liftmesh")

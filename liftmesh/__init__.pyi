@@ -47,8 +47,7 @@ from .planar.lifting import (
     project as project,
 )
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
-from .planar.scipy_delaunay import Delaunay as Delaunay
-from .planar.scipy_voronoi import Voronoi as Voronoi
+from .planar.scipy_classes import Delaunay as Delaunay, Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
@@ -67,7 +66,6 @@ from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
-from .tiles.tiled import Tiled as Tiled, open_tiled as open_tiled
-from .tiles.tiled_surface import TiledSurface as TiledSurface
+from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
 
 __version__: str

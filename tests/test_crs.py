@@ -16,8 +16,8 @@ from lidar import encoded, record, records, tile, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, FormatError, InputError
-from liftmesh.crs.description import described, warnings_of
-from liftmesh.crs.wkt import tree
+from liftmesh.crs.description import parse_crs, parse_wkt
+from liftmesh.crs.units import coordinate_warnings
 
 METRE, FOOT, SURVEY_FOOT = ("metre", 1.0), ("foot", 0.3048), ("US survey foot", 1200 / 3937)
 DEGREE = ("degree", None)
@@ -51,7 +51,7 @@ def test_kinds_and_units_of_every_way_to_write_a_system(code: str, version: str)
         if text is None:
             assert (version, code) in {("WKT1_ESRI", "4978"), ("WKT1_GDAL", "4979")}
             return
-    found = described(text)
+    found = parse_crs(text)
     assert found is not None
     kind, plane, height = CODES[code]
     units = [each and (each.name.lower(), each.metres) for each in found.units]
@@ -63,15 +63,17 @@ def test_kinds_and_units_of_every_way_to_write_a_system(code: str, version: str)
 
 
 def test_the_two_feet_are_not_one() -> None:
-    found = described("EPSG:2992+6360")
+    found = parse_crs("EPSG:2992+6360")
     assert found is not None
     assert found.is_mixed
-    assert warnings_of(found) == ("the units differ: x is in foot, y in foot, z in US survey foot",)
+    assert coordinate_warnings(found) == (
+        "the units differ: x is in foot, y in foot, z in US survey foot",
+    )
 
 
 def test_feet_by_other_names() -> None:
     for factor, name in ((0.3048006096012192, "US survey foot"), (0.3048, "foot"), (0.5, "ell")):
-        found = described(f'PROJCS["a",GEOGCS["b"],UNIT["ell",{factor!r}]]')
+        found = parse_crs(f'PROJCS["a",GEOGCS["b"],UNIT["ell",{factor!r}]]')
         assert found is not None
         assert found.units[0] is not None
         assert found.units[0].name == name
@@ -87,19 +89,19 @@ NOTHING = (
 
 @pytest.mark.parametrize("text", NOTHING)
 def test_texts_that_say_nothing(text: str | None) -> None:
-    assert described(text) is None
-    assert warnings_of(described(text)) == ()
+    assert parse_crs(text) is None
+    assert coordinate_warnings(parse_crs(text)) == ()
 
 
 @pytest.mark.parametrize("unit", ["UNIT[]", 'UNIT["metre"]', 'UNIT["metre",abc]', ""])
 def test_units_that_are_none(unit: str) -> None:
-    found = described(f'PROJCS["a",{unit}]')
+    found = parse_crs(f'PROJCS["a",{unit}]')
     assert found is not None
     assert found.units == (None, None, None)
 
 
 def test_brackets_may_be_round_and_names_hold_brackets() -> None:
-    found = tree('PROJCS("a ""[(b",UNIT("metre",1))')
+    found = parse_wkt('PROJCS("a ""[(b",UNIT("metre",1))')
     assert found is not None
     assert found.title == 'a ""[(b'
     assert [each.values for each in found.parts] == [['"metre"', "1"]]
@@ -209,16 +211,16 @@ def test_a_geocentric_tile_is_refused_in_one_line(tmp_path: Path) -> None:
 def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     lm.write(tmp_path / "a.ply", lm.Cloud(np.eye(3), crs="EPSG:25832"))
     monkeypatch.setitem(sys.modules, "pyproj", None)
-    described.cache_clear()
+    parse_crs.cache_clear()
     try:
-        assert described("EPSG:25832") is None
-        assert described('PROJCS["a",UNIT["metre",1]]') is not None
+        assert parse_crs("EPSG:25832") is None
+        assert parse_crs('PROJCS["a",UNIT["metre",1]]') is not None
         with pytest.raises(lm.MissingDependencyError, match=r"pip install 'liftmesh\[terrain\]'"):
             lm.read(io.BytesIO(lidar_text()), format="las", to_crs="EPSG:25832")
         said = liftmesh("info", "a.ply", cwd=tmp_path).stderr
         assert "not known (pip install 'liftmesh[terrain]' looks up numbers)\n" in said
     finally:
-        described.cache_clear()
+        parse_crs.cache_clear()
 
 
 def lidar_text() -> bytes:

@@ -12,8 +12,8 @@ from lidar import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, InputError
-from liftmesh.crs.description import described
-from liftmesh.crs.transformation import transformed
+from liftmesh.crs.description import parse_crs
+from liftmesh.crs.transformation import transform
 
 FEET = np.array([[6_000_000.0, 2_000_000.0, 1000.0], [6_000_100.0, 2_000_000.0, 1001.0]])
 HEIGHTS = np.arange(12.0).reshape(3, 4) / 7 + 100
@@ -26,7 +26,7 @@ def read(points: np.ndarray, to_crs: str, **keys: int) -> Cloud:
 
 
 def names(crs: str | None) -> tuple[str | None, ...]:
-    system = described(crs)
+    system = parse_crs(crs)
     assert system is not None
     return tuple(each.name if each else None for each in system.units)
 
@@ -35,7 +35,7 @@ def test_feet_of_height_over_metres_are_said() -> None:
     found = read(FEET, "EPSG:26910", k1024=1, k3072=2225, k4096=6360)
     assert found.crs == "EPSG:26910+6360"
     assert found.points[:, 2].tolist() == [1000.0, 1001.0]
-    plane, _ = transformed(FEET, "EPSG:2225", "EPSG:26910")
+    plane, _ = transform(FEET, "EPSG:2225", "EPSG:26910")
     assert np.array_equal(found.points[:, :2], plane[:, :2])
     three = Cloud(np.vstack([found.points, found.points[:1] + 1]), crs=found.crs)
     with pytest.warns(DataWarning, match="x is in metre, y in metre, z in US survey foot"):
@@ -61,16 +61,16 @@ def test_heights_above_the_ellipsoid(number: int, model: int) -> None:
     points = np.array([[9.0, 48.0, 5.0]] if model == 2 else geocentric)
     found = read(points, "EPSG:25832", k1024=model, k2048=number)
     assert names(found.crs) == ("metre", "metre", "metre")
-    system = described(found.crs)
+    system = parse_crs(found.crs)
     assert system is not None
     assert (system.kind, system.name) == ("projected", "ETRS89 / UTM zone 32N")
 
 
 def test_a_system_of_heights_that_both_have_needs_no_grid() -> None:
     points = np.array([[155000.0, 463000.0, 5.5]])
-    found, _ = transformed(points, "EPSG:28992+5709", "EPSG:25832+5709")
+    found, _ = transform(points, "EPSG:28992+5709", "EPSG:25832+5709")
     assert found[0, 2] == 5.5
-    assert np.array_equal(found[:, :2], transformed(points, "EPSG:28992", "EPSG:25832")[0][:, :2])
+    assert np.array_equal(found[:, :2], transform(points, "EPSG:28992", "EPSG:25832")[0][:, :2])
 
 
 def band_in(unit: str) -> bytes:

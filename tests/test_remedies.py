@@ -13,7 +13,7 @@ from commands import liftmesh as command
 
 import liftmesh
 from liftmesh import InputError, UnsupportedTypeError
-from liftmesh.crs.transformation import transformed
+from liftmesh.crs.transformation import transform
 
 XYZ = np.array([[0.0, 0.0, 5.0], [4, 0, 6], [0, 3, 7], [4.5, 3, 9]])
 
@@ -68,7 +68,7 @@ def test_heights_of_a_grid_become_rows() -> None:
 def test_a_system_without_heights_is_not_asked_for_one_without() -> None:
     cause = r"where the rows are, .*: give another one of the file with crs=$"
     with pytest.raises(InputError, match=cause):
-        transformed(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
+        transform(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
 
 
 def test_overhangs_that_a_surface_leaves_out_are_said(tmp_path: Path) -> None:

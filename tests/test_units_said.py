@@ -16,7 +16,12 @@ from lidar import encoded, records
 import liftmesh as lm
 from liftmesh import Cloud, InputError
 from liftmesh.crs.comparison import plane_of
-from liftmesh.crs.transformation import common, sentence, told_of, transformed
+from liftmesh.crs.transformation import (
+    common_transformation,
+    transform,
+    transformation_of,
+    transformation_text,
+)
 
 UTM = np.array([[500000.0, 5400000.0, 100.0], [500100, 5400000, 110], [500000, 5400100, 120]])
 GAUSS = np.array([[3500000.0, 5400000.0, 100.0], [3500100, 5400000, 1], [3500000, 5400100, 2]])
@@ -88,11 +93,13 @@ def test_the_command_refuses_cubic_metres_that_nobody_knows(tmp_path: Path) -> N
 
 
 def test_the_best_operation_is_taken_and_said() -> None:
-    found, told = transformed(GAUSS, "EPSG:31467", "EPSG:25832")
+    found, told = transform(GAUSS, "EPSG:31467", "EPSG:25832")
     assert "DHDN to ETRS89 (3)" in told["operation"]  # of the south, not the one of all Germany
     assert told["accuracy"] == 1.0
     assert told["grid"] == "de_lgl_bw_BWTA2017.tif"
-    assert sentence(told).endswith("needs the grid de_lgl_bw_BWTA2017.tif, which is not installed")
+    assert transformation_text(told).endswith(
+        "needs the grid de_lgl_bw_BWTA2017.tif, which is not installed"
+    )
     assert np.abs(found[:, :2] - GAUSS[:, :2] + (3000000, 0)).max() < 2000
 
 
@@ -106,14 +113,14 @@ def test_all_rows_of_a_file_are_transformed_alike_also_in_chunks() -> None:
     assert all(
         each.metadata["transformation"] == whole.metadata["transformation"] for each in parts
     )
-    north, told = transformed(far[3:], "EPSG:31467", "EPSG:25832")
+    north, told = transform(far[3:], "EPSG:31467", "EPSG:25832")
     assert told["operation"] != whole.metadata["transformation"]["operation"]
     assert not np.array_equal(north, whole.points[3:])
 
 
 def test_a_missing_grid_is_named() -> None:
     with pytest.raises(InputError, match=r"a grid that is not installed \(.*us_noaa_conus\.tif"):
-        transformed(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
+        transform(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
 
 
 def test_reports_say_the_transformation(tmp_path: Path) -> None:
@@ -142,9 +149,11 @@ def test_clouds_that_were_transformed_by_several_operations_say_so() -> None:
     told = lm.triangulate(lm.merge(parts)).report.transformation
     assert ", others by " in told["operation"]
     assert lm.merge(parts[:1]).metadata["transformation"] == parts[0].metadata["transformation"]
-    unknown = common([{"operation": "a", "accuracy": None}, {"operation": "b", "accuracy": 1.0}])
-    assert sentence(unknown) == "transformed by a, others by b (accuracy not known)"
-    assert told_of({"transformation": {"operation": "by hand"}}) == {}
+    unknown = common_transformation(
+        [{"operation": "a", "accuracy": None}, {"operation": "b", "accuracy": 1.0}]
+    )
+    assert transformation_text(unknown) == "transformed by a, others by b (accuracy not known)"
+    assert transformation_of({"transformation": {"operation": "by hand"}}) == {}
 
 
 @pytest.mark.parametrize(

@@ -18,12 +18,14 @@ from liftmesh import Cloud, InputError
 from liftmesh.crs.comparison import given_system, is_same
 from liftmesh.crs.description import (
     check_system,
-    described,
+    has_grids,
     is_system,
-    looked_up,
+    look_up,
+    parse_crs,
+    parse_wkt,
+    plain_wkt,
     without_files,
 )
-from liftmesh.crs.wkt import has_grids, plain, tree
 from liftmesh.raster.writer import validate_geotiff_options
 
 UTM1 = pyproj.CRS(25832).to_wkt("WKT1_GDAL")
@@ -71,12 +73,12 @@ def test_texts_that_name_files_reach_nobody(
     seen: list[object] = []
     monkeypatch.setattr(pyproj.CRS, "from_user_input", seen.append)
     assert not is_system(text)
-    assert plain(text) is None
+    assert plain_wkt(text) is None
     assert without_files(text) is None
-    described(text)
+    parse_crs(text)
     assert not is_same(text, "EPSG:25832")
     for refused in (
-        lambda: looked_up(pyproj, text),
+        lambda: look_up(text),
         lambda: check_system(text),
         lambda: validate_geotiff_options(text, None),
         lambda: lm.read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=text),
@@ -96,14 +98,14 @@ def test_the_doors_are_there() -> None:
 
 def test_remarks_and_grids_are_left_out() -> None:
     remark = UTM2[:-1] + ',REMARK["my PROJ CRS string: +proj=utm +zone=33"]]'
-    text = plain(remark)
+    text = plain_wkt(remark)
     assert text == UTM2
     kept = UTM2[:-1] + ',REMARK["measured twice"]]'
-    assert plain(kept) == kept
+    assert plain_wkt(kept) == kept
     grids = 'EXTENSION["PROJ4_GRIDS","/a/grid.gtx"]'
     heights = f'VERT_CS["NAVD88 height",VERT_DATUM["NAVD88",2005,{grids}],UNIT["metre",1]]'
     assert has_grids(heights)
-    text = plain(heights)
+    text = plain_wkt(heights)
     assert text == heights.replace(f",{grids}", "")
     assert not has_grids(text)
 
@@ -139,15 +141,15 @@ def test_what_proj_writes_is_given_back_as_it_is(code: str, version: str) -> Non
     except pyproj.exceptions.CRSError:
         assert (code, version) == ("EPSG:4979", "WKT1_GDAL")
         return
-    assert plain(text) == text
-    assert plain(pyproj.CRS(code).to_wkt(version, pretty=True)) == text
+    assert plain_wkt(text) == text
+    assert plain_wkt(pyproj.CRS(code).to_wkt(version, pretty=True)) == text
 
 
 def test_mercator_of_the_web_in_older_words() -> None:
     text = pyproj.CRS(3857).to_wkt("WKT1_GDAL")
     older = text.replace("+lat_ts=0 +lon_0=0 +x_0=0", "+lat_ts=0.0 +lon_0=0.0  +x_0=0.0")
     assert older != text
-    assert looked_up(pyproj, older).equals(pyproj.CRS(3857))
+    assert look_up(older).equals(pyproj.CRS(3857))
 
 
 @pytest.mark.parametrize(
@@ -159,7 +161,7 @@ def test_authorities_are_those_that_have_numbers(code: str) -> None:
 
 def test_authorities_that_have_numbers() -> None:
     for code in ("EPSG:25832", "epsg:25832+7837", "ESRI:102008", "urn:ogc:def:crs:EPSG::25832"):
-        assert looked_up(pyproj, code) is not None
+        assert look_up(code) is not None
 
 
 WRONG = (
@@ -170,8 +172,8 @@ WRONG = (
 
 @pytest.mark.parametrize("text", WRONG)
 def test_what_is_no_text_of_nodes(text: str) -> None:
-    assert tree(text) is None
-    assert plain(text) is None
+    assert parse_wkt(text) is None
+    assert plain_wkt(text) is None
 
 
 PARTS = st.sampled_from(
@@ -198,10 +200,10 @@ PARTS = st.sampled_from(
 @given(st.lists(PARTS, max_size=40).map("".join) | st.text(max_size=60))
 @settings(derandomize=True, database=None)
 def test_a_plain_text_is_its_own(text: str) -> None:
-    found = plain(text)
+    found = plain_wkt(text)
     if found is not None:
-        assert plain(found) == found
-        first, second = tree(found), tree(text)
+        assert plain_wkt(found) == found
+        first, second = parse_wkt(found), parse_wkt(text)
         assert first is not None
         assert second is not None
         assert first.title == second.title

@@ -107,8 +107,9 @@ def as_number(
 
 
 def as_positive(name: str, value: Any, wanted: str) -> float:
-    """Convert an option that is a positive, finite number."""
-    return as_number(name, value, wanted, lambda number: 0 < number < math.inf)
+    """Convert an option that is a positive, finite number; True does not count as 1."""
+    is_truth = isinstance(value, bool | np.bool_)
+    return as_number(name, value, wanted, lambda number: not is_truth and 0 < number < math.inf)
 
 
 def as_decimal(value: ArrayLike) -> Fraction:

@@ -17,8 +17,8 @@ from liftmesh.base.arrays import read_only
 from liftmesh.base.options import counted, shown
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
-from liftmesh.crs.comparison import common_system, given_system, system_of
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.comparison import common_system, crs_of, given_system
+from liftmesh.crs.description import look_up
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 from liftmesh.optional import load
@@ -228,7 +228,7 @@ class ClippedCells:
         frame = frame_of(data, len(self.points))
         frame[free_name("area", frame)] = self.areas
         text = common_crs(data, crs, self.crs)
-        system = None if text is None else looked_up(load("pyproj", extra="shapes"), text)
+        system = None if text is None else look_up(text, extra="shapes")
         shapes = geopandas.GeoSeries(self.to_shapely(), frame.index, crs=system)
         name = free_name("geometry", frame)
         frame[name] = shapes
@@ -302,6 +302,6 @@ def free_name(name: str, taken: Iterable[Any]) -> str:
 def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
     """Return the coordinate system that is given, or that of a table or of cells with one."""
     wanted = None if crs is None else given_system(crs)
-    own = system_of(data) if _geometry_of(data) else None
+    own = crs_of(data) if _geometry_of(data) else None
     common = common_system(own, wanted, ("data", "crs"))
     return common_system(common, cells, ("data or crs", "the cells"))

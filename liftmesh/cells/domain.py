@@ -15,7 +15,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import as_numbers
-from liftmesh.crs.comparison import common_system, system_of
+from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
@@ -54,7 +54,7 @@ def following_corners(starts: Rows | Integers) -> Integers:
 
 def as_domain(given: Any, points: Floats, crs: str | None = None) -> Domain:
     """Convert the option ``domain``."""
-    return replace(_rings_of(given, points), crs=common_system(crs, system_of(given)))
+    return replace(_rings_of(given, points), crs=common_system(crs, crs_of(given)))
 
 
 def _rings_of(given: Any, points: Floats) -> Domain:
@@ -136,7 +136,7 @@ def _converted(given: Any) -> Any:
         raise InputError(
             f"domain cannot be converted to a polygon ({error}): {_LEADING}"
         ) from error
-    return shapes[0] if len(shapes) == 1 and shapes[0] is not None else united(shapes)
+    return shapes[0] if len(shapes) == 1 and shapes[0] is not None else unite(shapes)
 
 
 def shapes_of(given: Any) -> Sequence[Any]:
@@ -148,7 +148,7 @@ def shapes_of(given: Any) -> Sequence[Any]:
     return [None if each is None else shapely.geometry.shape(each) for each in held]
 
 
-def united(shapes: Sequence[Any]) -> Any:
+def unite(shapes: Sequence[Any]) -> Any:
     """Join polygons, which may touch or overlap, to one domain."""
     shapely = load("shapely", extra="shapes")
     if not len(shapes):

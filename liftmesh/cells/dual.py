@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.base.cloud import Cloud
-from liftmesh.crs.comparison import common_system, system_of
+from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
@@ -26,7 +26,7 @@ from liftmesh.planar.diagram import (
     regions_of,
     rows_without_area,
 )
-from liftmesh.planar.kinds import as_weights, named_values, non_finite_value
+from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values
 from liftmesh.planar.points import rows_of
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
@@ -36,7 +36,7 @@ _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
 
 def sites_of(points: Any, domain: Any = None) -> Any:
     """Return the points of anything, for arrays to be made of."""
-    common_system(system_of(points), system_of(domain))
+    common_system(crs_of(points), crs_of(domain))
     if _is_geometric(points):
         return _coordinates(points)
     if is_table(points):
@@ -166,7 +166,7 @@ def _own(given: Reals) -> Floats:
 def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
     row = error.row
     if np.isfinite(planar[row]).all():
-        return non_finite_value(kind, row, values, skippable=False)
+        return TriangulationKind(kind, values).non_finite(row, skippable=False)
     return non_finite(row, planar[row], skippable=False)
 
 

@@ -23,12 +23,11 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.cells.clipped import free_name
-from liftmesh.cells.domain import shapes_of, united
+from liftmesh.cells.domain import shapes_of, unite
 from liftmesh.cells.ply import write_ply
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.text_tables import write_rows
-from liftmesh.optional import load
 from liftmesh.vector.files import own_system, read_features
 from liftmesh.vector.geojson import crs_member
 from liftmesh.vector.geopackage import write_shapes
@@ -220,7 +219,7 @@ def _signed(name: str, values: Array) -> Array:
 
 def _known(crs: str | None) -> str | None:
     try:
-        return crs if crs is None or looked_up(load("pyproj", extra="shapes"), crs) else None
+        return crs if crs is None or look_up(crs, extra="shapes") else None
     except InputError:
         return None
 
@@ -271,7 +270,7 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     except Exception as error:  # of whatever kind shapely makes
         raise FormatError(f"{path}: cannot be read as a domain: {error}") from error
     try:
-        shape = united(shapes)
+        shape = unite(shapes)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     return shape, own_system(tree, shape.bounds)

@@ -21,7 +21,7 @@ from liftmesh.cells.domain import as_domain
 from liftmesh.cells.dual import dual_of, sites_of
 from liftmesh.cells.measure import Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -114,7 +114,7 @@ def lloyd(
     most = as_count("steps", steps, 0)
     relative = as_share(tolerance, np.inf)
     dual = dual_of(sites_of(points, domain))
-    inside = as_domain(domain, dual.points, system_of(points))
+    inside = as_domain(domain, dual.points, crs_of(points))
     check_extent(inside, dual.points)
     image = None if density is None else as_density(density, inside)
     here = Measure(Cells(dual, inside), image)

@@ -30,7 +30,7 @@ from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of
 from liftmesh.cells.measure import Density, Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 
@@ -165,7 +165,7 @@ def transport(
     most = as_count("steps", steps, 0)
     share = as_share(tolerance, 1)
     dual = dual_of(sites_of(points, domain))
-    inside = as_domain(domain, dual.points, system_of(points))
+    inside = as_domain(domain, dual.points, crs_of(points))
     _check_apart(dual)
     _check_connected(inside)
     check_extent(inside, dual.points)

@@ -21,10 +21,10 @@ from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact
 from liftmesh.cells.tie_resolution import resolve_ties
-from liftmesh.crs.comparison import system_of
+from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
-from liftmesh.planar.kinds import chosen
+from liftmesh.planar.kinds import weights_or_radii
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
@@ -79,7 +79,7 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
            [2., 2.]])
     """
     dual = dual_of(sites_of(points, domain))
-    return Cells(dual, as_domain(domain, dual.points, system_of(points)))
+    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 
 
 def power_diagram(
@@ -127,9 +127,9 @@ def power_diagram(
     >>> cells.areas, cells.hidden
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
-    return Cells(dual, as_domain(domain, dual.points, system_of(points)))
+    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 
 
 class Cells(ClippedCells):

@@ -129,7 +129,7 @@ def _fail(error: BaseException, *, debug: bool) -> int:
     """Print one line about an exception; return the exit code."""
     _name_stdout(error)
     if debug:
-        import traceback  # noqa: PLC0415 - slow, and rarely needed
+        import traceback
 
         with suppress(OSError):  # a full disk, as below
             traceback.print_exc()

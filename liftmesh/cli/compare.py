@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,23 +32,17 @@ def run(
     source: options.Source,
     q: Annotated[
         Any,
-        options.option(
+        option(
             "Q",
             "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
             options.vertex,
         ),
     ] = "median",
     lower: Annotated[
-        Path | None,
-        options.option("FILE", "Write liftmesh's lower hull of the lifted points."),
+        Path | None, option("FILE", "Write liftmesh's lower hull of the lifted points.")
     ] = None,
-    hull: Annotated[
-        Path | None, options.option("FILE", "Write trimesh's convex hull of them.")
-    ] = None,
-    proofs: Annotated[
-        int,
-        options.option("N", "Maximum number of proofs to print.", options.whole(0)),
-    ] = 4,
+    hull: Annotated[Path | None, option("FILE", "Write trimesh's convex hull of them.")] = None,
+    proofs: Annotated[int, option("N", "Maximum number of proofs to print.", whole(0))] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
@@ -78,7 +73,7 @@ def run(
 
 
 def _compare(cloud: Cloud, **choices: Any) -> Comparison:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     with terminal.stage(f"comparing {len(cloud):,} rows with trimesh's convex hull"):
         return liftmesh.compare(cloud, **choices)

@@ -9,6 +9,7 @@ import typer
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import number, numbers, option, positive, whole
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -28,31 +29,18 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
     interval: Annotated[
-        float | None,
-        options.option("HEIGHT", "Lines at all multiples of this height.", options.positive),
+        float | None, option("HEIGHT", "Lines at all multiples of this height.", positive)
     ] = None,
-    levels: Annotated[
-        Any,
-        options.option("HEIGHTS", "Lines at these heights, as 1,2.5.", options.numbers),
-    ] = None,
-    base: Annotated[
-        float,
-        options.option("HEIGHT", "Height that multiples are counted from.", options.number),
-    ] = 0,
-    index_every: Annotated[
-        int,
-        options.option("N", "Every n-th is an index contour.", options.whole(1)),
-    ] = 5,
-    min_length: Annotated[
-        float,
-        options.option("LENGTH", "Leave out shorter lines.", options.number),
-    ] = 0,
+    levels: Annotated[Any, option("HEIGHTS", "Lines at these heights, as 1,2.5.", numbers)] = None,
+    base: Annotated[float, option("HEIGHT", "Height that multiples are counted from.", number)] = 0,
+    index_every: Annotated[int, option("N", "Every n-th is an index contour.", whole(1))] = 5,
+    min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, find its contours, write them, and say how many there are."""
-    from liftmesh.terrain.contours import check_name, length_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.contours import check_name, length_of
 
     outputs.check_stdout()
     check_name(target)

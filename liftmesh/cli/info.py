@@ -40,7 +40,7 @@ def run(
     outputs.check_stdout()
     reading = {**rows, "format": source_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
-    from liftmesh.cli.summary import summarise  # noqa: PLC0415 - help and --version do without
+    from liftmesh.cli.summary import summarise
 
     with terminal.stage(f"summarising {len(cloud):,} rows"):
         summary = summarise(cloud)
@@ -77,9 +77,9 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
 
 def _system(crs: str) -> str:
     """Name a coordinate system that is WKT; --json has the text."""
-    from liftmesh.crs.description import described  # noqa: PLC0415 - help and --version do without
+    from liftmesh.crs.description import parse_crs
 
-    system = described(crs)
+    system = parse_crs(crs)
     if system is None:
         return crs
     number = f"{crs}, " if len(crs) < len(system.name) + _SHORT else ""

@@ -14,7 +14,7 @@ import typer
 
 from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
 from liftmesh.errors import (
     DataWarning,
@@ -40,7 +40,7 @@ _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 def table(
     columns: Annotated[
         str | None,
-        options.option(
+        option(
             "NAMES",
             "Tables: the columns, as x=East,y=North,z=H (z=-Depth for depths), or the names "
             "of all in order, as id,x,y,z; - leaves one out.",
@@ -50,32 +50,23 @@ def table(
         bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
     ] = False,
     delimiter: Annotated[
-        str | None,
-        options.option("MARK", "Tables: what separates values, as ';', tab or space."),
+        str | None, option("MARK", "Tables: what separates values, as ';', tab or space.")
     ] = None,
-    decimal: Annotated[
-        str | None, options.option("MARK", "Tables: the decimal mark, . or ,")
-    ] = None,
-    skip_rows: Annotated[
-        int,
-        options.option("N", "Tables: skip the first N lines.", options.whole(0)),
-    ] = 0,
+    decimal: Annotated[str | None, option("MARK", "Tables: the decimal mark, . or ,")] = None,
+    skip_rows: Annotated[int, option("N", "Tables: skip the first N lines.", whole(0))] = 0,
     no_header: Annotated[
         bool, typer.Option("--no-header", help="Tables: the first line is a row.")
     ] = False,
     nodata: Annotated[
         str | None,
-        options.option(
+        option(
             "VALUE",
             "Tables and rasters: what stands for a missing value, as -9999; none if nothing does.",
         ),
     ] = None,
-    end: Annotated[
-        str | None, options.option("LINE", "Tables: the line that ends them, as END.")
-    ] = None,
+    end: Annotated[str | None, option("LINE", "Tables: the line that ends them, as END.")] = None,
     encoding: Annotated[
-        str | None,
-        options.option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF."),
+        str | None, option("NAME", "Tables: the encoding of the text, as cp1252, if not UTF.")
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of tables, and return those given, as `liftmesh.read` has them."""
@@ -84,7 +75,7 @@ def table(
     given |= {"header": False} if no_header else {}
     given |= options.given(skip_rows=skip_rows or None)
     if given:
-        from liftmesh.io.formats.text.options import validate_table_options  # noqa: PLC0415 - as below
+        from liftmesh.io.formats.text.options import validate_table_options
 
         with options.as_option():
             validate_table_options(**given)
@@ -94,7 +85,7 @@ def table(
 def _selection(
     classes: Annotated[
         Any,
-        options.option(
+        option(
             "CLASSES",
             "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
             options.classes,
@@ -105,41 +96,30 @@ def _selection(
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
     bbox: Annotated[
-        Any,
-        options.option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends),
+        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
     ] = None,
-    z_range: Annotated[
-        Any,
-        options.option("Z0,Z1", "Rows of these heights.", options.ends),
-    ] = None,
-    every: Annotated[
-        int,
-        options.option("N", "Every n-th of the rows that are left.", options.whole(1)),
-    ] = 1,
+    z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
+    every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
     resolution: Annotated[
-        float | None,
-        options.option("D", "Of a COPC file, points at about this distance.", options.positive),
+        float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
-        options.option(
-            "N", "Rasters: the band that holds the heights; the first is 1.", options.whole(1)
-        ),
+        option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
     ] = None,
     from_crs: Annotated[
         str | None,
-        options.option(
+        option(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
         ),
     ] = None,
     to_crs: Annotated[
-        str | None,
-        options.option("CRS", "Transform the coordinates to this system, as EPSG:25832."),
+        str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
@@ -148,7 +128,7 @@ def _selection(
         every=every if every > 1 else None, withheld=withheld, resolution=resolution
     )
     if conditions:
-        from liftmesh.io.selection import validate_selection  # noqa: PLC0415 - most runs do without
+        from liftmesh.io.selection import validate_selection
 
         with options.as_option():
             validate_selection(**conditions)
@@ -176,13 +156,13 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
         raise typer.BadParameter("stdin has no suffix: give its format with --from")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
-    from liftmesh.io.streams import progress  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.streams import progress
 
     text = f"reading {name if is_stream(path) else path.name}"
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -198,7 +178,7 @@ def _check_file(path: Path) -> None:
     """Raise if a folder of triangles in tiles is given."""
     if not path.is_dir():
         return
-    from liftmesh.tiles.manifest import MANIFEST  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.manifest import MANIFEST
 
     if (path / MANIFEST).is_file():
         raise FormatError(
@@ -220,9 +200,9 @@ def _about_reading(name: str) -> Iterator[None]:
 
 def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.crs.comparison import adds_heights  # noqa: PLC0415 - help and --version do without
-    from liftmesh.crs.description import check_system  # noqa: PLC0415 - as above
-    from liftmesh.io import read as io  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import adds_heights
+    from liftmesh.crs.description import check_system
+    from liftmesh.io import read as io
 
     with without_warnings():
         if _CRS_OF_OTHERS not in reading:
@@ -249,7 +229,7 @@ def read_rows(
 
     Of lidar a surface takes the ground, and no rows that are withheld, unless options say so.
     """
-    from liftmesh.io.surface_rows import check_some, for_surface  # noqa: PLC0415 - help does without
+    from liftmesh.io.surface_rows import check_some, for_surface
 
     def read_one(path: Path) -> Cloud:
         file_format = reading.get("format")
@@ -271,7 +251,7 @@ def read_rows(
 
 def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
     """Merge clouds, and say what each adds; their list is empty then."""
-    from liftmesh.terrain.merging import merge  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import merge
 
     lacking = [str(path) for path, each in zip(sources, clouds, strict=True) if each.crs is None]
     before = {name for each in clouds for name in notes.parts_not_read(each)}
@@ -289,7 +269,7 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import parts_of
 
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
@@ -346,7 +326,7 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.merging import parts_of
 
     starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
     try:

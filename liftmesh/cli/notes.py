@@ -31,9 +31,9 @@ _GPS, _ADJUSTED = datetime(1980, 1, 6), 1e9
 _OVERLAP = 12  # the class of overlap, in files without a flag for it
 
 
-def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
+def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read."""
-    from liftmesh.io.metadata import found_columns  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.metadata import found_columns
 
     first = (*_about_rows(cloud), *_about_system(cloud, is_transformed=is_transformed))
     names = found_columns(cloud.metadata)
@@ -41,7 +41,7 @@ def notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
         is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
         said = cloud.metadata.get("notes") if is_told else ()
         return (*first, *said) if isinstance(said, tuple) else first
-    from liftmesh.io.formats.text.columns import coordinates_sentence  # noqa: PLC0415 - few do
+    from liftmesh.io.formats.text.columns import coordinates_sentence
 
     said = coordinates_sentence(names)
     told = map(as_on_command_line, cloud.metadata.get("notes", ()))
@@ -53,7 +53,7 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
     counts = counts_of(cloud)
     if counts is None:
         return ()
-    from liftmesh.io.selection import selection_sentence  # noqa: PLC0415 - most files are read whole
+    from liftmesh.io.selection import selection_sentence
 
     said = selection_sentence(counts).replace("by every=", "by --every")
     return tuple(filter(None, (said, _flagged(cloud))))
@@ -63,27 +63,27 @@ def counts_of(cloud: Cloud) -> dict[str, int] | None:
     """Return the counts of rows that were selected and left out; None if all were read."""
     if "selection" not in cloud.metadata:
         return None
-    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - most files are read whole
+    from liftmesh.io.selection import found_selection
 
     return found_selection(cloud.metadata) or None
 
 
 def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
-    from liftmesh.crs.description import is_system, named, warnings_of  # noqa: PLC0415 - help does without
-    from liftmesh.crs.transformation import sentence, told_of  # noqa: PLC0415 - as above
-    from liftmesh.crs.units import system_of  # noqa: PLC0415 - as above
+    from liftmesh.crs.description import crs_name, is_system
+    from liftmesh.crs.transformation import transformation_of, transformation_text
+    from liftmesh.crs.units import coordinate_warnings, system_of
 
     crs, system = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
-    told = told_of(cloud.metadata)
-    instead = "--from-crs says another system" if told else f"taken as {named(crs)}"
-    taken = [f"states {named(stated)}; {instead}"] if isinstance(stated, str) else []
-    taken += [sentence(told)] if told else []
+    told = transformation_of(cloud.metadata)
+    instead = "--from-crs says another system" if told else f"taken as {crs_name(crs)}"
+    taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
+    taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
         words = "name a projected system with" if is_transformed else "transform them with"
         change = "transform them with to_crs=", f"{words} --to-crs"
-        return (*taken, *(each.replace(*change) for each in warnings_of(system)))
+        return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
@@ -93,12 +93,12 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
     """Return the parts of a file that its reader named as not read, with their counts."""
     skipped = cloud.metadata.get("skipped")
-    return skipped if isinstance(skipped, tuple) else ()
+    return skipped if isinstance(skipped, tuple) else ()  # what a file itself says is no tuple
 
 
 def listed(names: Sequence[str]) -> str:
     """List names for a message; a file can hold any number of them."""
-    from liftmesh.io.text_tables import shortened  # noqa: PLC0415 - help does without
+    from liftmesh.io.text_tables import shortened
 
     shown = ", ".join(shortened(each, _LONGEST) for each in names[:_MOST_LISTED])
     rest = len(names) - _MOST_LISTED
@@ -107,18 +107,18 @@ def listed(names: Sequence[str]) -> str:
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
     """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
-    from liftmesh.crs.transformation import told_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.surface_rows import classes_of  # noqa: PLC0415 - as above
+    from liftmesh.crs.transformation import transformation_of
+    from liftmesh.io.surface_rows import classes_of
 
-    told = told_of(held.metadata) or None
+    told = transformation_of(held.metadata) or None
     return {"classes": classes_of(held.attributes), "transformation": told}
 
 
 def lidar_counts(cloud: Cloud) -> dict[str, Any]:
     """Count the classes, returns and flags of lidar; say when and by what the file was made."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
-    from liftmesh.io.surface_rows import bytes_of, classes_of  # noqa: PLC0415 - as above
+    from liftmesh.io.surface_rows import bytes_of, classes_of
 
     returns = cloud.attributes.get("return_number")
     counts = {"classes": classes_of(cloud.attributes)}
@@ -137,7 +137,7 @@ def lidar_counts(cloud: Cloud) -> dict[str, Any]:
 
 def _about_file(cloud: Cloud) -> dict[str, Any]:
     """Return by which program and when a LAS file was made, and the times of its points."""
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     records = cloud.metadata.get("las_records")
     header = records.get("header", b"") if isinstance(records, Mapping) else b""

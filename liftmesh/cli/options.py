@@ -209,7 +209,7 @@ def checked_threads(value: int | None) -> int | None:
 
 
 def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
-    from liftmesh.base.arrays import MOST_ROWS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.arrays import MOST_ROWS
 
     with _refusing(name, hint):
         as_threads(value, MOST_ROWS)
@@ -217,7 +217,7 @@ def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
 
 def color_depth(text: str) -> int:
     """Parse a number of bits of a channel."""
-    from liftmesh.base.colors import DEPTHS  # noqa: PLC0415 - help and --version do without
+    from liftmesh.base.colors import DEPTHS
 
     depth = _digits(text)
     if depth not in DEPTHS:
@@ -230,7 +230,7 @@ def metric(text: str) -> Any:
     values = _exactly(3, text)
     if values is None:
         raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
-    from liftmesh.planar.kinds import as_metric  # noqa: PLC0415 - help and --version do without
+    from liftmesh.planar.kinds import as_metric
 
     a, b, c = values
     with _refusing("metric"):
@@ -267,7 +267,7 @@ def plane(text: str) -> ProjectionPlane:
 
 def _matrix(path: Path, text: str) -> Any:
     """Read a 4x4 matrix from a text or .npy file."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
     if not path.is_file():
         raise WrongValue(
@@ -284,7 +284,7 @@ def _matrix(path: Path, text: str) -> Any:
 
 
 def _read_npy(path: Path) -> Any:
-    from liftmesh.io.formats.numpy_arrays import read_array  # noqa: PLC0415 - as above
+    from liftmesh.io.formats.numpy_arrays import read_array
 
     with path.open("rb") as stream:
         return read_array(stream, path.name)
@@ -320,12 +320,10 @@ Source: TypeAlias = Annotated[
     Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
 ]
 SourceFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of the input, instead of its suffix.", name="--from"),
+    str | None, option("FORMAT", "Format of the input, instead of its suffix.", name="--from")
 ]
 TargetFormat: TypeAlias = Annotated[
-    str | None,
-    option("FORMAT", "Format of OUT, instead of its suffix.", name="--format"),
+    str | None, option("FORMAT", "Format of OUT, instead of its suffix.", name="--format")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -338,8 +336,7 @@ Plane: TypeAlias = Annotated[
     ),
 ]
 Duplicates: TypeAlias = Annotated[
-    Policy,
-    typer.Option(help="Which of several rows at one planar position is used as the vertex."),
+    Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[
     NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
@@ -379,15 +376,12 @@ Weights: TypeAlias = Annotated[
     ),
 ]
 Radii: TypeAlias = Annotated[
-    str | None,
-    option("COLUMN", "The same with radii, whose squares are weights."),
+    str | None, option("COLUMN", "The same with radii, whose squares are weights.")
 ]
 Metric: TypeAlias = Annotated[
     Any,
     option(
-        "A,B,C",
-        "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.",
-        metric,
+        "A,B,C", "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.", metric
     ),
 ]
 Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]

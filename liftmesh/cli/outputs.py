@@ -25,7 +25,7 @@ import typer
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
 from liftmesh.cli import options, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.signals import Closed
 from liftmesh.errors import FormatError
 
@@ -49,7 +49,9 @@ _OVERWRITE = inspect.Parameter(
 )
 
 
-def guards(*outputs: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+def guards(
+    *outputs: str,  # parameters that are files to write: all others that name a file are inputs
+) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
 
     def decorate(run: Callable[..., Any]) -> Callable[..., Any]:
@@ -73,7 +75,7 @@ def check_lost(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bo
     for one, other in combinations(files, 2):
         if os.path.realpath(one) == os.path.realpath(other):
             raise _same(one, other)
-    from liftmesh.io.atomic import holds_data  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import holds_data
 
     read = [*inputs]
     for target in files:
@@ -127,14 +129,10 @@ def _same(one: Path, other: Path) -> typer.BadParameter:
 
 def _writing(
     scale: Annotated[
-        float | None,
-        options.option(
-            "STEP", "Of LAS: the step that coordinates are rounded to.", options.positive
-        ),
+        float | None, option("STEP", "Of LAS: the step that coordinates are rounded to.", positive)
     ] = None,
     point_format: Annotated[
-        int | None,
-        options.option("N", "Of LAS: the point format, 0 to 10.", options.whole(0)),
+        int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
     ] = None,
     unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
 ) -> dict[str, Any]:
@@ -148,9 +146,9 @@ def check_target(
     path: Path | None, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
 ) -> None:
     """Raise before the work starts if a file cannot be written, or has no such options."""
-    from liftmesh.io.registry import find_written  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
-    from liftmesh.io.write import writer_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_written
+    from liftmesh.io.streams import suffix_of
+    from liftmesh.io.write import writer_of
 
     if path is None:
         return
@@ -166,13 +164,13 @@ def check_target(
         for each in writing:
             writer_of(kind, str(path), {each: writing[each]})
     except FormatError as error:
-        option = each.replace("_", "-")
-        raise typer.BadParameter(f"--{option}: {kind.name} files have none") from error
+        name = each.replace("_", "-")
+        raise typer.BadParameter(f"--{name}: {kind.name} files have none") from error
 
 
 def check_place(path: Path | None) -> None:
     """Raise before the work starts if nothing can be written at a path."""
-    from liftmesh.io.atomic import check_writable  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import check_writable
 
     if path is not None and not is_stream(path):
         check_writable(path)
@@ -182,9 +180,9 @@ def check_content(
     path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
 ) -> None:
     """Raise before the work starts if a file cannot hold what a mesh of these rows would have."""
-    from liftmesh.crs.units import system_of  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.format import check_before  # noqa: PLC0415 - as above
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - as above
+    from liftmesh.crs.units import system_of
+    from liftmesh.io.format import check_before
+    from liftmesh.io.registry import find_format
 
     kind = find_format(file_format or path.suffix, str(path))
     check_before(replace(kind, check=None) if "unit" in writing else kind, cloud)
@@ -204,7 +202,7 @@ def write(
     path: Path, mesh: Any, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
 ) -> Written:
     """Write a mesh, or to stdout if the path is ``-``."""
-    from liftmesh.io import streams, write as io  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io import streams, write as io
 
     if not is_stream(path):
         with terminal.writing(f"writing {path.name}", streams.written):
@@ -217,7 +215,7 @@ def write(
 @contextmanager
 def opened(path: Path) -> Iterator[BinaryIO]:
     """Open a file that is put in place when it is whole, or stdout, unless a signal came."""
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import replacing
 
     if not is_stream(path):
         with terminal.stage(f"writing {path.name}"), replacing(path) as stream:

@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
-from liftmesh.cli import options, outputs, terminal
+from liftmesh.cli import outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -56,9 +57,9 @@ class _Choice:
         return ("5.1", "5.2") if self.table == "both" else (self.table,)
 
     def settings(self) -> Settings:
-        from liftmesh.paper.experiments import describe_machine  # noqa: PLC0415 - not for --help
-        from liftmesh.paper.printed import SIZES  # noqa: PLC0415 - as above
-        from liftmesh.paper.results import Settings  # noqa: PLC0415 - as above
+        from liftmesh.paper.experiments import describe_machine
+        from liftmesh.paper.printed import SIZES
+        from liftmesh.paper.results import Settings
 
         sizes = tuple(sorted(set(self.sizes))) or (QUICK_SIZES if self.quick else SIZES)
         seeds = self.seeds or (1 if self.quick else 3)
@@ -77,7 +78,7 @@ class _Choice:
 def run(
     out: Annotated[
         Path | None,
-        options.option(
+        option(
             "DIR",
             "Folder for all files, created if missing; by default out/paper, or "
             "out/paper-quick with --quick.",
@@ -88,10 +89,8 @@ def run(
     ] = False,
     seeds: Annotated[
         int | None,
-        options.option(
-            "N",
-            "Number of random sets of each size; by default 3, or 1 with --quick.",
-            options.whole(1),
+        option(
+            "N", "Number of random sets of each size; by default 3, or 1 with --quick.", whole(1)
         ),
     ] = None,
     table: Annotated[
@@ -100,18 +99,13 @@ def run(
     ] = "both",
     sizes: Annotated[
         list[int] | None,
-        options.option(
-            "N",
-            "Number of points, instead of the paper's; repeatable.",
-            options.whole(3),
-            name="--n",
-        ),
+        option("N", "Number of points, instead of the paper's; repeatable.", whole(3), name="--n"),
     ] = None,
     figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
-    machine: Annotated[str | None, options.option("TEXT", "Description of the machine.")] = None,
+    machine: Annotated[str | None, option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
-    from liftmesh.paper.results import Results  # noqa: PLC0415 - help and --version do without
+    from liftmesh.paper.results import Results
 
     if figures:
         _check_drawing()
@@ -127,8 +121,8 @@ def run(
 
 def _check_drawing() -> None:
     """Raise before the long run if the figures cannot be drawn."""
-    from liftmesh.errors import MissingDependencyError  # noqa: PLC0415 - not for --help
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.errors import MissingDependencyError
+    from liftmesh.optional import load
 
     try:
         load("matplotlib", extra="plot")
@@ -138,7 +132,7 @@ def _check_drawing() -> None:
 
 def _measure(results: Results, trials: Sequence[Trial]) -> None:
     """Measure the missing sets of points; write each to disk before the next."""
-    from liftmesh.paper.experiments import (  # noqa: PLC0415 - as above
+    from liftmesh.paper.experiments import (
         calibrate,
         measure,
         warm_up,
@@ -196,7 +190,7 @@ def _duration(seconds: float) -> str:
 def _finish(
     out: Path, results: Results, settings: Settings, choice: _Choice, *, figures: bool
 ) -> None:
-    from liftmesh.paper.tables import complete_tables, write_all  # noqa: PLC0415 - not for --help
+    from liftmesh.paper.tables import complete_tables, write_all
 
     tables = complete_tables(results, settings)
     files = write_all(out, results, settings, choice.command(tables))
@@ -210,7 +204,7 @@ def _finish(
 
 
 def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
-    from liftmesh.paper import figures  # noqa: PLC0415 - help and --version do without
+    from liftmesh.paper import figures
 
     count = len(figures.FIXED) + len(figures.TIMED) + len(figures.MEASURED)
     drawn = chain([0.0], repeat(1.0))
@@ -222,7 +216,7 @@ def _draw(folder: Path, rows: Sequence[Row]) -> list[Path]:
 
 def _show(rows: Sequence[Row]) -> None:
     """Print one table: seconds, operations, and the conclusion."""
-    from liftmesh.paper import tables  # noqa: PLC0415 - help and --version do without
+    from liftmesh.paper import tables
 
     title = f"Table {rows[0].table}, q = {rows[0].q}"
     terminal.blank()

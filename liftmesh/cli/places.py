@@ -49,7 +49,7 @@ class Places:
         flat: bool | None = True,  # as of `liftmesh.read`, for a table without named columns
     ) -> Cloud:
         """Read points over a surface of this source and system, in which they have to be."""
-        from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - help does without
+        from liftmesh.crs.comparison import are_different
 
         kind: dict[str, Any] = {} if self.file_format is None else {"format": self.file_format}
         if (self.file_format or path.suffix) and is_table(path, self.file_format):
@@ -117,8 +117,8 @@ def _table_options() -> dict[str, inspect.Parameter]:
 
 def is_shapes(path: Path) -> bool:
     """Whether a file holds shapes, by its suffix, and neither a table nor a cloud."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
 
     if path.suffix.lower() in SHAPES or not path.suffix:
         return True
@@ -130,8 +130,8 @@ def is_shapes(path: Path) -> bool:
 
 def is_table(path: Path, file_format: str | None = None) -> bool:
     """Whether a file is a table, by its format or its suffix."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
 
     kind = file_format or suffix_of(path.name)
     return bool(kind) and find_format(kind, str(path)).name == "text"

@@ -10,6 +10,7 @@ import typer
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def run(
     ],
     along: Annotated[
         list[str],
-        options.option(
+        option(
             "FILE|X,Y",
             "Lines (GeoJSON, GeoPackage), a table of the corners of one line, or one corner "
             "after the other.",
@@ -108,7 +109,7 @@ def _pair(word: str) -> list[float] | None:
 def _check_shapes(target: Path) -> None:
     """Raise before the work starts if a file of lines cannot be written."""
     if target.suffix.lower() == ".gpkg":
-        from liftmesh.optional import load  # noqa: PLC0415 - help and --version do without
+        from liftmesh.optional import load
 
         load("geopandas", extra="shapes")
     outputs.check_place(target)
@@ -118,8 +119,8 @@ def _lines(
     path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
 ) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
-    from liftmesh.terrain.surface_data import plane_system  # noqa: PLC0415 - help and --version do without
-    from liftmesh.vector.lines import lines_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.surface_data import plane_system
+    from liftmesh.vector.lines import lines_of
 
     crs = plane_system(surface)
     if table.are_shapes(path):
@@ -131,7 +132,7 @@ def _lines(
 
 
 def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
-    from liftmesh.terrain.profile import drape  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.profile import drape
 
     try:
         return drape(surface, lines)
@@ -150,7 +151,7 @@ def _say(
     path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import unit_names  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.units import unit_names
 
     plane, upright = unit_names(surface)
     length, heights = float(draped.lengths.sum()), draped.points[:, 2]

@@ -9,6 +9,7 @@ import typer
 
 from liftmesh.base.options import RasterQuantity, SampleMethod, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import numbers, option, positive
 from liftmesh.errors import InputError
 
 _ANGLES = ("slope", "hillshade")
@@ -30,13 +31,9 @@ EXAMPLES = [
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
-    resolution: Annotated[
-        Any,
-        options.option("SIZE", "Width and height of a pixel, or X,Y.", options.numbers),
-    ],
+    resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
     bounds: Annotated[
-        Any,
-        options.option("X0,Y0,X1,Y1", "What to cover, by default the surface.", options.numbers),
+        Any, option("X0,Y0,X1,Y1", "What to cover, by default the surface.", numbers)
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
@@ -44,29 +41,28 @@ def run(
     method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
-        options.option(
+        option(
             "FACTOR",
             "Multiply heights by this before slopes and shades are computed; by default they "
             "get the unit of x and y, if the coordinate system says all three.",
-            options.positive,
+            positive,
         ),
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, options.option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    compress: Annotated[str, option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
     crs: Annotated[
-        str | None,
-        options.option("CRS", "Coordinate system, as EPSG:25832; IN states no other."),
+        str | None, option("CRS", "Coordinate system, as EPSG:25832; IN states no other.")
     ] = None,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, compute a raster, write it, and say what it holds."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
-    from liftmesh.raster.raster import check_name  # noqa: PLC0415 - as above
+    from liftmesh.optional import load
+    from liftmesh.raster.raster import check_name
 
     outputs.check_stdout()
     check_name(target)
@@ -111,9 +107,9 @@ def _check(
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
-    from liftmesh.raster import writer  # noqa: PLC0415 - as above
-    from liftmesh.raster.pixels import bounds_of, steps_of  # noqa: PLC0415 - as above
-    from liftmesh.terrain.raster import check_method  # noqa: PLC0415 - as above
+    from liftmesh.raster import writer
+    from liftmesh.raster.pixels import bounds_of, steps_of
+    from liftmesh.terrain.raster import check_method
 
     with options.as_usage():
         steps_of(steps)
@@ -125,7 +121,7 @@ def _check(
 
 def _system(source: Path, stated: str | None, given: str) -> str:
     """Return the system of an option; raise if the file states another."""
-    from liftmesh.crs.comparison import are_different  # noqa: PLC0415 - as above
+    from liftmesh.crs.comparison import are_different
 
     if are_different(stated, given):
         raise InputError(f"{source} is in {shown(stated)}, not in --crs {given}: leave --crs out")

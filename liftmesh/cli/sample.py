@@ -10,7 +10,7 @@ import typer
 
 from liftmesh.base.options import SampleMethod
 from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -38,8 +38,7 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
     at: Annotated[
-        Path,
-        options.option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage."),
+        Path, option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage.")
     ],
     *,
     points: Points,
@@ -79,7 +78,7 @@ def _asked(
     """Read the points, which have to be in the system of the surface."""
     if is_stream(at) or not points.are_shapes(at):
         return points.read(at, source, own, max_bytes, flat=None)
-    from liftmesh.vector.points import points_of  # noqa: PLC0415 - help and --version do without
+    from liftmesh.vector.points import points_of
 
     with terminal.stage(f"reading {at.name}"):
         asked = points_of(at, own)
@@ -92,9 +91,9 @@ def _sampled(
     surface: Any, asked: Any, method: SampleMethod, threads: int | None
 ) -> tuple[Any, int]:
     """Return the points with heights as z, and how many have one."""
-    from dataclasses import replace  # noqa: PLC0415 - help and --version do without
+    from dataclasses import replace
 
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     heights = surface.sample(asked.points[:, :2], method, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
@@ -127,8 +126,8 @@ class _EmptyFields:
 
 def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
     """Write the points; return the file, or None for stdout."""
-    from liftmesh.io import write  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - as above
+    from liftmesh.io import write
+    from liftmesh.io.streams import suffix_of
 
     kind = file_format or suffix_of(target.name)
     if kind.lower().lstrip(".") not in _CSV:

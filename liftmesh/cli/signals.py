@@ -56,8 +56,8 @@ class Ending:
     """The signal that ends a command, if any."""
 
     def __init__(self, *, is_final: bool) -> None:
-        self.number: int | None = None
-        self.decided = False
+        self.number: int | None = None  # of the first signal
+        self.decided = False  # the command is over: handlers no longer raise
         self._is_final = is_final
         self._telling = threading.Lock()
         self._told: int | None = None
@@ -163,6 +163,8 @@ class Watchdog:
 
     def end(self, code: int) -> None:
         """End the process at once, after a signal."""
+        # Threads may still run compiled code, such as Qhull. Where Python goes down in order, it
+        # ends them as soon as they ask for the interpreter, which C++ takes for a fatal error.
         atomic = sys.modules.get("liftmesh.io.atomic")  # no import: the main thread may be in one
         if atomic is not None:
             atomic.remove_unfinished()

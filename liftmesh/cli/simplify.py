@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.io.write import Written
@@ -37,17 +38,13 @@ def run(
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
-        options.option(
-            "Z", "The largest distance along z, in the units of the heights.", options.distance
-        ),
+        option("Z", "The largest distance along z, in the units of the heights.", options.distance),
     ] = None,
     tolerance: Annotated[
-        float | None,
-        options.option("Z", "Another name of --max-error.", options.distance),
+        float | None, option("Z", "Another name of --max-error.", options.distance)
     ] = None,
     max_points: Annotated[
-        int | None,
-        options.option("N", "The most vertices of the mesh.", options.whole(3)),
+        int | None, option("N", "The most vertices of the mesh.", whole(3))
     ] = None,
     prune: Annotated[
         bool,
@@ -66,7 +63,7 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     limits = _limits(max_error, tolerance, max_points)
     if json:
@@ -115,7 +112,7 @@ def _print_report(written: Written, surface: Surface, seconds: float, *, as_json
                 **outputs.as_values(written),
                 "triangles": len(surface.faces),
                 **told,
-                "notes": list(notes.notes(cloud)),
+                "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),
                 **notes.provenance(surface),
                 "seconds": seconds,

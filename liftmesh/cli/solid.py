@@ -9,6 +9,7 @@ import typer
 
 from liftmesh.base.options import Pinched
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -31,25 +32,16 @@ EXAMPLES = [
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
-    base: Annotated[
-        float | None,
-        options.option("HEIGHT", "The height of a flat base.", options.number),
-    ] = None,
+    base: Annotated[float | None, option("HEIGHT", "The height of a flat base.", number)] = None,
     thickness: Annotated[
-        float | None,
-        options.option(
-            "HEIGHT", "The base is the surface itself, so much lower.", options.positive
-        ),
+        float | None, option("HEIGHT", "The base is the surface itself, so much lower.", positive)
     ] = None,
     longest: Annotated[
         float | None,
-        options.option(
-            "MM", "Scale the longer of width and depth to so many millimetres.", options.positive
-        ),
+        option("MM", "Scale the longer of width and depth to so many millimetres.", positive),
     ] = None,
     z_factor: Annotated[
-        float | None,
-        options.option("FACTOR", "With --longest: multiply heights by this.", options.positive),
+        float | None, option("FACTOR", "With --longest: multiply heights by this.", positive)
     ] = None,
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
@@ -111,9 +103,9 @@ def _say(
 
 def _volume(solid: Cloud) -> float:
     """Return the volume inside the faces: a sixth of the determinants of their corners."""
-    import math  # noqa: PLC0415 - help and --version do without
+    import math
 
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     corners = (solid.points - solid.points.min(axis=0))[solid.faces]
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))

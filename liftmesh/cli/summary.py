@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.cli.notes import lidar_counts, notes, parts_not_read
+from liftmesh.cli.notes import cloud_notes, lidar_counts, parts_not_read
 from liftmesh.crs.units import system_of
 from liftmesh.io.metadata import found_columns
 from liftmesh.planar.points import find_positions, pieces
@@ -80,7 +80,7 @@ def summarise(cloud: Cloud) -> Summary:
         holds=_holds(cloud),
         not_read=parts_not_read(cloud),
         columns=found_columns(cloud.metadata),
-        notes=notes(cloud),
+        notes=cloud_notes(cloud),
         lidar=lidar_counts(cloud),
         raster=_raster(cloud),
         minimum=minimum,

@@ -10,13 +10,14 @@ import typer
 
 from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import inputs, options, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
     from liftmesh.terrain.surface import Surface
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import TiledSurface
 
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides
@@ -31,8 +32,7 @@ Source: TypeAlias = Annotated[
 
 def _trimming(
     max_edge: Annotated[
-        float | None,
-        options.option("LENGTH", "Leave out faces with a side that is longer.", options.positive),
+        float | None, option("LENGTH", "Leave out faces with a side that is longer.", positive)
     ] = None,
     boundary_only: Annotated[
         bool,
@@ -43,15 +43,13 @@ def _trimming(
     ] = False,
     max_radius: Annotated[
         float | None,
-        options.option(
-            "RADIUS",
-            "Leave out faces whose circumcircle is larger: the alpha shape.",
-            options.positive,
+        option(
+            "RADIUS", "Leave out faces whose circumcircle is larger: the alpha shape.", positive
         ),
     ] = None,
     polygon: Annotated[
         Path | None,
-        options.option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
+        option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
@@ -106,7 +104,7 @@ def read(source: Path, reading: SurfaceOptions) -> Surface:
 
 def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
     """Read a surface without trimming it."""
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     cloud = inputs.read_rows([source], reading.rows)
     choices = {"plane": reading.plane, "threads": reading.threads}
@@ -126,7 +124,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
     """Open a folder that ``liftmesh tile --surface`` has written."""
-    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.tiled import open_tiled
 
     of_files = {"format", "max_bytes"}
     given = [*reading.trimming]
@@ -157,7 +155,7 @@ def _note_overhangs(source: Path, count: int) -> None:
 
 def note_slivers(source: Path, surface: Surface) -> None:
     """Say on stderr how many faces are far longer than others, as between the corners of a hull."""
-    import numpy as np  # noqa: PLC0415 - help and --version do without
+    import numpy as np
 
     points, faces = surface.triangulation.points, surface.faces
     if not len(faces):
@@ -175,7 +173,7 @@ def note_slivers(source: Path, surface: Surface) -> None:
 
 def _sides(points: Array, faces: Array) -> Array:
     """Return the lengths of the three sides of each face in the plane."""
-    import numpy as np  # noqa: PLC0415 - as above
+    import numpy as np
 
     corners = points[faces, :2]
     sides = corners - np.roll(corners, 1, axis=1)
@@ -185,7 +183,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
     """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees."""
-    from liftmesh.terrain.units import metres_of, steepness  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.units import metres_of, steepness
 
     steepness(surface, factor)
     if factor is None and metres_of(surface) is None:

@@ -49,7 +49,10 @@ def stage(text: str) -> Iterator[None]:
 
 
 @contextmanager
-def reading(text: str, done: Callable[[], tuple[int, int] | None]) -> Iterator[None]:
+def reading(
+    text: str,
+    done: Callable[[], tuple[int, int] | None],  # bytes that are read, and those of the file
+) -> Iterator[None]:
     """Show how far a file is read, how fast, and the time that is left, on a terminal only."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
@@ -61,7 +64,10 @@ def reading(text: str, done: Callable[[], tuple[int, int] | None]) -> Iterator[N
 
 
 @contextmanager
-def writing(text: str, done: Callable[[], tuple[int, None] | None]) -> Iterator[None]:
+def writing(
+    text: str,
+    done: Callable[[], tuple[int, None] | None],  # bytes that are written: nobody knows of how many
+) -> Iterator[None]:
     """Show how much of a file is written, how fast, and for how long, on a terminal only."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
@@ -99,7 +105,7 @@ def _watched(
 
 @contextmanager
 def bar(total: float, rows: int = 0) -> Iterator[Callable[..., None]]:
-    """Show a progress bar, on a terminal only."""
+    """Show a progress bar, on a terminal only, which takes a text and the work since the last."""
 
     def columns(rich: Any) -> tuple[ProgressColumn, ...]:
         left = rich.TextColumn("left:"), rich.TimeRemainingColumn()
@@ -159,7 +165,7 @@ def _progress(columns: Callable[[Any], Iterable[ProgressColumn]]) -> Iterator[Pr
     if console is None:
         yield None
         return
-    from rich import progress as rich  # noqa: PLC0415 - a pipe does without
+    from rich import progress as rich
 
     with rich.Progress(
         *columns(rich), console=console, transient=True, get_time=monotonic
@@ -218,7 +224,7 @@ def sentence(text: str, style: str = "") -> None:
     if console is None:
         sys.stdout.write(printable(text) + "\n")
         return
-    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text
 
     console.print(Text(printable(text), style=STYLES[style]))
 
@@ -229,8 +235,8 @@ def item(text: str) -> None:
     if console is None:
         sentence(f"- {text}")
         return
-    from rich.table import Table  # noqa: PLC0415 - a pipe does without
-    from rich.text import Text  # noqa: PLC0415 - as above
+    from rich.table import Table
+    from rich.text import Text
 
     grid = Table.grid(padding=(0, 1))
     grid.add_row(Text("•", style=STYLES["name"]), Text(text, style=STYLES["quiet"]))
@@ -254,8 +260,8 @@ def table(
     if console is None:
         _plain_table([header, *rows] if header else rows)
         return
-    from rich.table import Table  # noqa: PLC0415 - a pipe does without
-    from rich.text import Text  # noqa: PLC0415 - as above
+    from rich.table import Table
+    from rich.text import Text
 
     grid = Table(box=None, show_header=bool(header), pad_edge=False, header_style="bold")
     for k in range(len(rows[0])):
@@ -269,7 +275,7 @@ def table(
 
 
 def as_json(values: Mapping[str, Any]) -> None:
-    """Print values on stdout as one JSON object."""
+    """Print values on stdout as one JSON object; NaN and infinity become null."""
     sys.stdout.write(json.dumps(_finite(values), indent=2, allow_nan=False) + "\n")
 
 
@@ -299,7 +305,7 @@ def _console(stream: TextIO) -> Console | None:
     """Return rich's view of a stream, if it is a terminal."""
     if not stream.isatty() and not any(os.environ.get(each) for each in FORCED):
         return None
-    from rich.console import Console  # noqa: PLC0415 - a pipe does without
+    from rich.console import Console
 
     console = Console(file=stream, highlight=False)
     return console if console.is_terminal else None
@@ -311,7 +317,7 @@ def _message(kind: str, style: str, text: str) -> None:
     if console is None:
         sys.stderr.write(f"liftmesh: {kind}{printable(text)}\n")
         return
-    from rich.text import Text  # noqa: PLC0415 - a pipe does without
+    from rich.text import Text
 
     line = Text.assemble(("liftmesh: ", "bold"), (kind, style), printable(text))
     console.print(line, soft_wrap=True)

@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.base.options import CellRow
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, positive, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -25,19 +26,13 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 
 
 def _thinning(
-    random: Annotated[
-        int | None,
-        options.option("N", "Thin: n rows, chosen at random.", options.whole(1)),
-    ] = None,
+    random: Annotated[int | None, option("N", "Thin: n rows, chosen at random.", whole(1))] = None,
     seed: Annotated[
         int | None,
-        options.option(
-            "N", "Of --random, 0 by default; the same rows on every machine.", options.whole(0)
-        ),
+        option("N", "Of --random, 0 by default; the same rows on every machine.", whole(0)),
     ] = None,
     cell: Annotated[
-        float | None,
-        options.option("SIZE", "Thin: one row of each square of this size.", options.positive),
+        float | None, option("SIZE", "Thin: one row of each square of this size.", positive)
     ] = None,
     keep: Annotated[
         CellRow | None,
@@ -45,18 +40,15 @@ def _thinning(
     ] = None,
     distance: Annotated[
         float | None,
-        options.option(
+        option(
             "D",
             "Thin: rows of which no two are nearer to each other in the plane.",
-            options.positive,
+            positive,
             name="--min-distance",
         ),
     ] = None,
     adaptive: Annotated[
-        int | None,
-        options.option(
-            "N", "Thin: the n rows without which a surface loses most.", options.whole(3)
-        ),
+        int | None, option("N", "Thin: the n rows without which a surface loses most.", whole(3))
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
@@ -122,7 +114,7 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     """Thin a cloud, and say on stderr how many rows stay."""
     if not thinning:
         return cloud
-    from liftmesh.terrain.thinning import thin  # noqa: PLC0415 - help and --version do without
+    from liftmesh.terrain.thinning import thin
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)

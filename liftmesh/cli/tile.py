@@ -13,6 +13,7 @@ import typer
 
 from liftmesh.base.options import Duplicates, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
+from liftmesh.cli.options import option, whole
 from liftmesh.cli.wording import of_reading
 from liftmesh.errors import DegenerateInputError
 
@@ -37,8 +38,7 @@ SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text."),
+        list[Path], typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text.")
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
     surface: Annotated[
@@ -53,25 +53,20 @@ def run(
     ] = None,
     memory: Annotated[
         int | None,
-        options.option(
-            "SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size
-        ),
+        option("SIZE", "Memory of each process, as 500M or 4G: sizes the tiles.", options.size),
     ] = None,
     tile_rows: Annotated[
-        int | None,
-        options.option("N", "Rows of a tile, in place of --memory.", options.whole(16)),
+        int | None, option("N", "Rows of a tile, in place of --memory.", whole(16))
     ] = None,
     workers: Annotated[
-        int | None,
-        options.option("N", "Processes, run by Dask; by default this one alone.", options.whole(1)),
+        int | None, option("N", "Processes, run by Dask; by default this one alone.", whole(1))
     ] = None,
     scheduler: Annotated[
-        str | None,
-        options.option("ADDRESS", "Scheduler of Dask whose workers do the work."),
+        str | None, option("ADDRESS", "Scheduler of Dask whose workers do the work.")
     ] = None,
     scratch: Annotated[
         Path | None,
-        options.option(
+        option(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
@@ -99,7 +94,7 @@ def run(
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
-    from liftmesh.tiles.options import (  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.options import (
         ROW_BYTES,
         SURFACE_ROW_BYTES,
         rows_within,
@@ -158,18 +153,18 @@ def _check_options(
 def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
     """Return what does the work, in this process or on the workers of Dask."""
     if by_dask:
-        from liftmesh.dask import delaunay, triangulate  # noqa: PLC0415 - as above
+        from liftmesh.dask import delaunay, triangulate
 
         return triangulate if surface else delaunay
-    from liftmesh.tiles.build import tile, tile_surface  # noqa: PLC0415 - as above
+    from liftmesh.tiles.build import tile, tile_surface
 
     return tile_surface if surface else tile
 
 
 @contextmanager
 def _client(workers: int | None, scheduler: str | None, limit: int | None) -> Iterator[Any]:
-    from liftmesh.dask import local_cluster  # noqa: PLC0415 - as above
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.dask import local_cluster
+    from liftmesh.optional import load
 
     if scheduler is not None:
         distributed = load("dask.distributed", extra="dask")
@@ -191,7 +186,7 @@ def _client(workers: int | None, scheduler: str | None, limit: int | None) -> It
 
 def _check_address(text: str) -> None:
     """Raise unless it is an address that a process may connect to."""
-    from liftmesh.optional import load  # noqa: PLC0415 - as above
+    from liftmesh.optional import load
 
     addressing = load("distributed.comm.addressing", extra="dask")
     protocols = {*load("distributed.comm.registry", extra="dask").backends} - {"inproc"}

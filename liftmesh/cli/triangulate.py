@@ -11,6 +11,7 @@ import typer
 
 from liftmesh.base.options import GroundMethod, Method
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
 from liftmesh.errors import InputError
 
@@ -55,13 +56,11 @@ def _ground(
     ] = None,
     cloth_resolution: Annotated[
         float | None,
-        options.option(
-            "METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", options.positive
-        ),
+        option("METRES", "Of --ground: between the nodes of the cloth; default: 0.5.", positive),
     ] = None,
     cloth_rigidness: Annotated[
         int | None,
-        options.option(
+        option(
             "N",
             "Of --ground: 1 for steep slopes, 2, or 3 for flat terrain; default: 2.",
             _rigidness,
@@ -69,10 +68,8 @@ def _ground(
     ] = None,
     cloth_threshold: Annotated[
         float | None,
-        options.option(
-            "METRES",
-            "Of --ground: rows nearer to the cloth are ground; default: 0.5.",
-            options.positive,
+        option(
+            "METRES", "Of --ground: rows nearer to the cloth are ground; default: 0.5.", positive
         ),
     ] = None,
 ) -> dict[str, Any]:
@@ -98,12 +95,11 @@ def run(
     duplicates: options.Duplicates = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
-        Method,
-        typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow."),
+        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
     ] = "auto",
     q: Annotated[
         Any,
-        options.option(
+        option(
             "Q",
             "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
             options.vertex,
@@ -164,8 +160,8 @@ def run(
 
 def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     """Classify a cloud and select the ground; say on stderr what was found."""
-    from liftmesh.io.selection import Selector, selected, validate_selection  # noqa: PLC0415 - help does without
-    from liftmesh.terrain.ground import bare_warning, classify_ground  # noqa: PLC0415 - as above
+    from liftmesh.io.selection import Selector, selected, validate_selection
+    from liftmesh.terrain.ground import bare_warning, classify_ground
 
     with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
         try:
@@ -198,14 +194,14 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     """What to say of values of the cloud that those of the surface have replaced."""
-    from liftmesh.terrain.lifting import replaced_flags  # noqa: PLC0415 - help does without
+    from liftmesh.terrain.lifting import replaced_flags
 
     said = replaced_flags(cloud) if hasattr(surface.triangulation, "hidden") else ""
     return [said] if said else []
 
 
 def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
-    import liftmesh  # noqa: PLC0415 - help and --version do without
+    import liftmesh
 
     text = f"triangulating {len(cloud):,} rows"
     with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
@@ -224,7 +220,7 @@ def _print_report(
     if as_json:
         cloud = surface.to_cloud()
         about = {
-            "notes": [*notes.notes(cloud), *replaced],
+            "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": cloud.metadata.get("triangulated_by"),
             "selection": notes.counts_of(cloud),

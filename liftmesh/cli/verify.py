@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,28 +44,21 @@ def run(
     ],
     certificate: Annotated[
         Path | None,
-        options.option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
+        option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     source_format: options.SourceFormat = None,
     weights: Annotated[
-        str | None,
-        options.option("COLUMN", "Values of FILE: is it regular by these weights?"),
+        str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
-    radii: Annotated[
-        str | None, options.option("COLUMN", "The same with radii, not squared.")
-    ] = None,
+    radii: Annotated[str | None, option("COLUMN", "The same with radii, not squared.")] = None,
     metric: Annotated[
-        Any,
-        options.option(
-            "A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric
-        ),
+        Any, option("A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric)
     ] = None,
     points: Annotated[
-        list[Path] | None,
-        options.option("FILE", "The points of a folder, if its source has moved."),
+        list[Path] | None, option("FILE", "The points of a folder, if its source has moved.")
     ] = None,
     max_bytes: options.MaxBytes = None,
     json: options.Json = False,
@@ -99,7 +92,7 @@ def run(
 def _verify_tiles(
     source: Path, points: list[Path] | None, threads: int | None, certificate: Path | None
 ) -> Certificate:
-    from liftmesh.tiles.tiled import open_tiled  # noqa: PLC0415 - help and --version do without
+    from liftmesh.tiles.tiled import open_tiled
 
     tiled = open_tiled(source)
     tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
@@ -111,8 +104,8 @@ def _verify_tiles(
 def _verify_file(
     cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
-    from liftmesh.planar.verification import verify  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.frame import resolve_plane  # noqa: PLC0415 - as above
+    from liftmesh.planar.verification import verify
+    from liftmesh.terrain.frame import resolve_plane
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source)
@@ -126,8 +119,8 @@ def _verify_file(
 
 def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
     """Report a mesh that is a part of a triangulation, as what is left of a trimmed surface."""
-    from liftmesh.errors import LiftmeshError  # noqa: PLC0415 - help and --version do without
-    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - as above
+    from liftmesh.errors import LiftmeshError
+    from liftmesh.terrain.meshes import as_surface
 
     try:
         with inputs.without_warnings():
@@ -145,8 +138,8 @@ def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
 
 def _check_format(source: Path, file_format: str | None) -> None:
     """Raise for a file of points before it is read: options of tables would not help."""
-    from liftmesh.io.registry import find_format  # noqa: PLC0415 - help does without
-    from liftmesh.io.streams import suffix_of  # noqa: PLC0415 - help does without
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
 
     if file_format is None and not source.is_file():
         return
@@ -163,7 +156,7 @@ def _no_triangles(source: Path) -> InputError:
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     """What the options say the mesh was triangulated by, or the file."""
-    from liftmesh.planar.kinds import named_values, options_of  # noqa: PLC0415 - as above
+    from liftmesh.planar.kinds import named_values, options_of
 
     if not lifting:
         return options_of(cloud)
@@ -186,7 +179,7 @@ def _note_polygons(cloud: Cloud) -> None:
 
 
 def _write(path: Path, certified: Certificate) -> None:
-    from liftmesh.io.atomic import replacing  # noqa: PLC0415 - help and --version do without
+    from liftmesh.io.atomic import replacing
 
     if is_stream(path):
         sys.stdout.write(certified.to_json())

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import number, option
 
 if TYPE_CHECKING:
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -36,13 +37,9 @@ def run(
             metavar="[AFTER]", help="What IN becomes: prints cut and fill.", show_default=False
         ),
     ] = None,
-    level: Annotated[
-        float | None,
-        options.option("HEIGHT", "The level, 0 by default.", options.number),
-    ] = None,
+    level: Annotated[float | None, option("HEIGHT", "The level, 0 by default.", number)] = None,
     within: Annotated[
-        Path | None,
-        options.option("FILE", "Measure inside of polygons alone, cut at their borders."),
+        Path | None, option("FILE", "Measure inside of polygons alone, cut at their borders.")
     ] = None,
     *,
     reading: surfaces.Reading,
@@ -79,8 +76,8 @@ def run(
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.selection import found_selection  # noqa: PLC0415 - help and --version do without
-    from liftmesh.io.surface_rows import check_grounds  # noqa: PLC0415 - as above
+    from liftmesh.io.selection import found_selection
+    from liftmesh.io.surface_rows import check_grounds
 
     check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
 

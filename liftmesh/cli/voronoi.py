@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 import typer
 
 from liftmesh.cli import inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream
+from liftmesh.cli.options import is_stream, option
 from liftmesh.cli.places import is_table
 
 if TYPE_CHECKING:
@@ -39,20 +39,19 @@ def run(
     ],
     domain: Annotated[
         str | None,
-        options.option(
+        option(
             "DOMAIN",
             "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
             "the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
-        str | None,
-        options.option("COLUMN", "Values of IN that are weights: makes power cells."),
+        str | None, option("COLUMN", "Values of IN that are weights: makes power cells.")
     ] = None,
     radii: options.Radii = None,
     disks: Annotated[
         str | None,
-        options.option(
+        option(
             "COLUMN",
             "Values of IN that are radii of disks: makes cells of what is nearest to their "
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
@@ -60,7 +59,7 @@ def run(
     ] = None,
     tolerance: Annotated[
         float | None,
-        options.option(
+        option(
             "LENGTH",
             "How far the sides of cells of disks may be from the arcs; by default a "
             "thousandth of the side of a square as large as a cell.",
@@ -69,8 +68,7 @@ def run(
     ] = None,
     source_format: options.SourceFormat = None,
     target_format: Annotated[
-        str | None,
-        options.option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format"),
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format")
     ] = None,
     *,
     table: inputs.Table,
@@ -105,7 +103,7 @@ def _check_one(
 
 
 def _kind(target: Path, name: str | None) -> str:
-    from liftmesh.cells.files import check_format, format_of  # noqa: PLC0415 - help does without
+    from liftmesh.cells.files import check_format, format_of
 
     if name is not None:
         return check_format(name)
@@ -125,8 +123,8 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
         raise typer.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
-    from liftmesh.cells.files import read_domain  # noqa: PLC0415 - as above
-    from liftmesh.crs.comparison import common_system  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import read_domain
+    from liftmesh.crs.comparison import common_system
 
     shape, crs = read_domain(path)
     return shape, common_system(cloud.crs, crs)
@@ -140,8 +138,8 @@ def _cells(
     disks: str | None,
     tolerance: float | None,
 ) -> ClippedCells:
-    import liftmesh  # noqa: PLC0415 - as above
-    from liftmesh.planar.kinds import chosen, named_values  # noqa: PLC0415 - as above
+    import liftmesh
+    from liftmesh.planar.kinds import named_values, weights_or_radii
 
     planar = cloud.points[:, :2]
     if disks is not None:
@@ -149,7 +147,7 @@ def _cells(
         return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
-    kind, name = chosen(weights, radii)
+    kind, name = weights_or_radii(weights, radii)
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
 
 
@@ -162,7 +160,7 @@ def _note_rows_elsewhere(cells: ClippedCells) -> None:
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.clipped import free_name  # noqa: PLC0415 - as above
+    from liftmesh.cells.clipped import free_name
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}
@@ -173,7 +171,7 @@ def _write(
     target: Path, cells: ClippedCells, kind: str, cloud: Cloud, crs: str | None
 ) -> tuple[int, list[str]]:
     """Write the cells; return the number of bytes, and what the file does not keep."""
-    from liftmesh.cells.files import own_names, write_cells  # noqa: PLC0415 - as above
+    from liftmesh.cells.files import own_names, write_cells
 
     columns = _columns(cloud)
     with outputs.opened(target) as stream:

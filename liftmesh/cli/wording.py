@@ -112,20 +112,13 @@ def _about_value(error: Any) -> str:
         return str(error.message)
     if type(error).__name__ == "WrongValue":  # ours
         return f"{error.param_hint or _name(error.param)} {error.message}"
-    typed = _typed(error)
+    typed = _quoted(error.message)
     name, choices = _name(error.param), _choices(error.param)
     given = name if typed is None else f"{name} {typed!r}"
     if choices:
         listed = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
         return f"{given} is unknown: give {listed}"
     return f"{given} is not a value that it takes"
-
-
-def _typed(error: Any) -> str | None:
-    """Find the value that was typed: in the cause, or else between quotation marks."""
-    listed: list[Any] = getattr(error.__cause__, "errors", list)()
-    typed = listed[0].get("input") if listed else None
-    return typed if isinstance(typed, str) else _quoted(error.message)
 
 
 def _quoted(text: str) -> str | None:

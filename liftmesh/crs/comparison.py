@@ -9,12 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 from liftmesh.base.options import shown
-from liftmesh.crs.description import described, is_number, looked_up, urn_of
+from liftmesh.crs.description import is_number, look_up, parse_crs, urn_of
 from liftmesh.errors import InputError, MissingDependencyError
-from liftmesh.optional import load
 
 
-def system_of(held: Any) -> str | None:
+def crs_of(held: Any) -> str | None:
     """Return the coordinate system that an object says it is in."""
     crs = getattr(held, "crs", None)
     if crs is None or isinstance(crs, str):
@@ -36,7 +35,7 @@ def given_system(crs: Any) -> str:
     elif isinstance(crs, tuple):
         text = ":".join(map(str, crs))
     try:
-        return text_of(looked_up(load("pyproj", extra="shapes"), text))
+        return text_of(look_up(text, extra="shapes"))
     except InputError as error:
         raise InputError(
             f"crs is {shown(crs)}, which pyproj does not know: give one such as 'EPSG:25832'"
@@ -48,28 +47,31 @@ def are_different(one: str | None, other: str | None) -> bool:
     if one is None or other is None or urn_of(one) == urn_of(other):
         return False
     try:
-        pyproj = load("pyproj", extra="terrain")
-        planes = [looked_up(pyproj, each).to_2d() for each in (one, other)]
+        planes = _plane(one), _plane(other)
     except (MissingDependencyError, InputError):
-        return all(is_number(each) for each in (one, other))
-    first, second = (each.sub_crs_list[0] if each.is_compound else each for each in planes)
-    return not first.equals(second, ignore_axis_order=True)
+        return is_number(one) and is_number(other)
+    return not planes[0].equals(planes[1], ignore_axis_order=True)
 
 
 def plane_of(crs: str | None) -> str | None:
     """Return the system of x and y alone: what has no height is in none of heights."""
-    system = described(crs)
+    system = parse_crs(crs)
     if crs is None or system is None or system.units[2] is None:
         return crs
-    found = looked_up(load("pyproj", extra="terrain"), crs).to_2d()
-    return text_of(found.sub_crs_list[0] if found.is_compound else found)
+    return text_of(_plane(crs))
+
+
+def _plane(crs: str) -> Any:
+    """Return the system of x and y alone, of pyproj."""
+    plane = look_up(crs).to_2d()
+    return plane.sub_crs_list[0] if plane.is_compound else plane
 
 
 def adds_heights(one: str | None, other: str) -> bool:
     """Whether a system is another one of the plane, which says nothing of heights, with heights."""
     if one is None:
         return True
-    before, after = described(one), described(other)
+    before, after = parse_crs(one), parse_crs(other)
     if before is None or after is None or are_different(one, other):
         return False
     return before.units[2] is None and after.units[2] is not None
@@ -82,8 +84,7 @@ def is_same(one: str | None, other: str | None) -> bool:
     if one is None or other is None:
         return False
     try:
-        pyproj = load("pyproj", extra="terrain")
-        first, second = (looked_up(pyproj, each) for each in (one, other))
+        first, second = (look_up(each) for each in (one, other))
     except (MissingDependencyError, InputError):
         return False
     return bool(first.equals(second, ignore_axis_order=True))
@@ -102,5 +103,5 @@ def common_system(
 
 
 def _name(crs: str | None) -> str:
-    system = described(crs)
+    system = parse_crs(crs)
     return shown(crs if system is None else system.name)

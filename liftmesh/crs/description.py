@@ -3,23 +3,32 @@
 `Cloud.crs` is a text that is passed on. This module reads as much of it as matters to a surface:
 whether the coordinates are projected, degrees or geocentric, and the units of x, y and z, which may
 all differ: files with metres in the plane and US survey feet in height exist, and the two kinds of
-feet differ by 2 parts per million. WKT of both versions says it in brackets, which are read here;
-numbers of EPSG say it in a database, for which pyproj is asked if it is installed.
+feet differ by 2 parts per million. Numbers of EPSG say it in a database, for which pyproj is asked
+if it is installed.
+
+Well-known text (WKT) of both versions says it in keywords with brackets, which hold names, numbers
+and further keywords. pyproj would read them as well, but units are to be known where it is not
+installed. Texts come from files, so they are read without recursion, and very long ones not at all.
+
+PROJ and GDAL find more in a text than its definition: strings of PROJ, in extensions, remarks and
+names of methods and geoid models, and names of files. They are given `plain_wkt`, which is written
+from what was read here, and has keywords of definitions alone. Its first one is that of a system:
+what begins with a keyword that PROJ does not take for WKT is searched for "+init=" as a whole.
 
 Source: OGC 01-009 (WKT 1), OGC 18-010r7 (WKT 2).
 """
 
 from __future__ import annotations
 
-import importlib.util
 import re
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator
+from contextlib import suppress
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
 from liftmesh.base.options import shown
-from liftmesh.crs.wkt import Node, plain, tree
-from liftmesh.errors import FormatError, InputError, MissingDependencyError
+from liftmesh.errors import InputError, MissingDependencyError
 from liftmesh.optional import load
 
 Kind: TypeAlias = Literal["projected", "geographic", "geocentric", "local"]
@@ -70,13 +79,13 @@ class System:
 
 
 @lru_cache(maxsize=64)
-def described(crs: str | None) -> System | None:
+def parse_crs(crs: str | None) -> System | None:
     """Read what a coordinate system says of its coordinates."""
     if crs is None:
         return None
     if is_number(crs):
         crs = _wkt_of(crs)
-    root = None if crs is None else tree(crs)
+    root = None if crs is None else parse_wkt(crs)
     return None if root is None else _system(root)
 
 
@@ -87,7 +96,7 @@ def is_system(crs: object) -> bool:
 
 def without_files(crs: str) -> str | None:
     """Return a text as PROJ and GDAL may see it, which open no files for it; None if it is none."""
-    return crs if is_number(crs) else plain(crs)
+    return crs if is_number(crs) else plain_wkt(crs)
 
 
 def is_number(crs: str) -> bool:
@@ -100,69 +109,23 @@ def urn_of(crs: str) -> str:
     if found := _NUMBER.fullmatch(crs.strip()):
         authority, code = found["authority"].upper(), found["code"]
         return f"{authority}:{code}" if "+" in code else f"urn:ogc:def:crs:{authority}::{code}"
-    root = tree(crs)
-    named = next(root.of({"AUTHORITY", "ID"}), None) if root is not None else None
-    if named is None or len(named.values) < 2:
+    root = parse_wkt(crs)
+    stated = next(root.of({"AUTHORITY", "ID"}), None) if root is not None else None
+    if stated is None or len(stated.values) < 2:
         return crs
-    authority, code = (each.strip('"') for each in named.values[:2])
+    authority, code = (each.strip('"') for each in stated.values[:2])
     return f"urn:ogc:def:crs:{authority}::{code}"
 
 
-def named(crs: str | None) -> str:
+def crs_name(crs: str | None) -> str:
     """Name a system for a message."""
-    system = described(crs)
+    system = parse_crs(crs)
     return shown(crs) if system is None else system.name
 
 
-def warnings_of(system: System | None) -> tuple[str, ...]:
-    """Say what most users do not want of coordinates."""
-    if system is None:
-        return ()
-    if system.kind == "geographic":
-        what = f"x and y are degrees ({system.name}), which are no lengths"
-        return (f"{what}: transform them with to_crs=",)
-    if system.kind == "geocentric":
-        return (f"the coordinates are geocentric ({system.name}): transform them with to_crs=",)
-    if system.is_mixed:
-        x, y, z = (each.name if each else "?" for each in system.units)
-        return (f"the units differ: x is in {x}, y in {y}, z in {z}",)
-    return ()
-
-
-def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str | None:
-    """Return the unit that all coordinates have, for a format that has one for all."""
-    system = described(crs)
-    if crs is None and heights is not None and heights != METRE:
-        raise FormatError(
-            f"z is in {heights.name}, and the unit of x and y is not known, but {what} has one for "
-            "all: state their system with crs="
-        )
-    if crs is None:
-        return None
-    if system is None or system.units[0] is None:
-        is_lookup = is_number(crs) and importlib.util.find_spec("pyproj") is None
-        remedy = "install liftmesh[terrain], or " if is_lookup else ""
-        raise FormatError(
-            f"the unit of {shown(crs)} is not known, but {what} states one: {remedy}state another "
-            "system with crs="
-        )
-    if system.kind in {"geographic", "geocentric"}:
-        raise FormatError(
-            f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
-            "transform them with to_crs="
-        )
-    units = (*system.units, heights)
-    found = dict.fromkeys(each.name for each in units if each is not None)
-    if len(found) > 1:
-        raise FormatError(
-            f"the units of x, y and z are {' and '.join(found)}, but {what} has one for all: "
-            "transform them with to_crs="
-        )
-    return next(iter(found), None)
-
-
-def looked_up(pyproj: Any, crs: str) -> Any:
-    """Look a system up; PROJ's own strings, which can name files, are none."""
+def look_up(crs: str, *, extra: str = "terrain") -> Any:
+    """Look a system up by pyproj; PROJ's own strings, which can name files, are none."""
+    pyproj = load("pyproj", extra=extra)
     unknown = InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
     text = without_files(crs) if isinstance(crs, str) else None
     if text is None:
@@ -177,35 +140,33 @@ def check_system(crs: object) -> None:
     """Raise for what is given as a coordinate system, and is none."""
     if not isinstance(crs, str) or not is_system(crs):
         raise InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
-    if described(crs) is not None:
-        return
-    try:
-        pyproj = load("pyproj", extra="terrain")
-    except MissingDependencyError:
-        return
-    looked_up(pyproj, crs)
+    if parse_crs(crs) is None:
+        with suppress(MissingDependencyError):
+            look_up(crs)
 
 
 def as_wkt(crs: str) -> str | None:
-    """Write a number of EPSG as WKT, of version 1 if that can hold it."""
+    """Write a number of EPSG as WKT, of version 1 if that can hold it; None if it is unknown."""
     if not is_number(crs):
         return crs
-    pyproj = load("pyproj", extra="terrain")
     try:
-        system = looked_up(pyproj, crs)
+        return oldest_wkt(look_up(crs))
     except InputError:
         return None
+
+
+def oldest_wkt(system: Any) -> str:
+    """Write a system of pyproj as WKT, of version 1 if that can hold it."""
     try:
         return str(system.to_wkt("WKT1_GDAL"))
-    except pyproj.exceptions.CRSError:
+    except load("pyproj", extra="terrain").exceptions.CRSError:
         return str(system.to_wkt("WKT2_2019"))
 
 
 def _wkt_of(crs: str) -> str | None:
     """Ask pyproj for the text of a number; None if it is missing, or does not know it."""
     try:
-        pyproj = load("pyproj", extra="terrain")
-        return str(looked_up(pyproj, crs).to_wkt("WKT2_2019"))
+        return str(look_up(crs).to_wkt("WKT2_2019"))
     except (MissingDependencyError, InputError):
         return None
 
@@ -261,3 +222,179 @@ def _unit(node: Node) -> Unit | None:
     known = (each for each, error in _NAMES if abs(factor - (each.metres or 0.0)) <= error)
     is_taken = any(name == each.name for each, _ in _NAMES)
     return next(known, Unit(f"{name} of {factor:.10g} m" if is_taken else name, factor))
+
+
+_LONGEST = 1 << 16  # characters
+_WORD = re.compile(
+    r"""
+    \s*(?:
+    (?P<begin>[A-Za-z_][A-Za-z0-9_]*)\s*[\[(]
+    | (?P<value>"(?:[^"]|"")*" | [A-Za-z_][A-Za-z0-9_]* | [-+]?[0-9.][0-9.eE+-]*)
+    | (?P<end>[\])])
+    | (?P<comma>,)
+    )\s*
+    """,
+    re.ASCII | re.VERBOSE,
+)
+_DEFINING = frozenset(
+    re.findall(
+        r"\w+",
+        """
+    ABRIDGEDTRANSFORMATION ANCHOR ANCHOREPOCH ANGLEUNIT AREA AUTHORITY AXIS AXISMAXVALUE
+    AXISMINVALUE BASEENGCRS BASEGEODCRS BASEGEOGCRS BASEPROJCRS BASEVERTCRS BBOX BEARING BOUNDCRS
+    CITATION COMPD_CS COMPOUNDCRS CONVERSION CS DATUM DERIVEDPROJCRS DERIVINGCONVERSION DYNAMIC
+    EDATUM ELLIPSOID ENGCRS ENGINEERINGCRS ENGINEERINGDATUM ENSEMBLE ENSEMBLEACCURACY EPOCH
+    EXTENSION FRAMEEPOCH GEOCCS GEODCRS GEODETICCRS GEODETICDATUM GEOGCRS GEOGCS GEOGRAPHICCRS
+    GEOIDMODEL ID LENGTHUNIT LINUNIT LOCAL_CS LOCAL_DATUM MEMBER MERIDIAN METADATA METHOD MODEL
+    OPERATIONACCURACY ORDER PARAMETER PRIMEM PRIMEMERIDIAN PROJCRS PROJCS PROJECTEDCRS PROJECTION
+    RANGEMEANING REMARK SCALEUNIT SCOPE SOURCECRS SPHEROID TARGETCRS TIMEEXTENT TIMEUNIT TOWGS84
+    TRF UNIT URI USAGE VDATUM VERSION VERTCRS VERTCS VERTICALCRS VERTICALDATUM VERTICALEXTENT
+    VERT_CS VERT_DATUM VRF
+    """,
+    )
+)
+_SYSTEMS = frozenset(
+    re.findall(
+        r"\w+",
+        """
+    BOUNDCRS COMPD_CS COMPOUNDCRS DERIVEDPROJCRS ENGCRS ENGINEERINGCRS GEOCCS GEODCRS GEODETICCRS
+    GEOGCRS GEOGCS GEOGRAPHICCRS LOCAL_CS PROJCRS PROJCS PROJECTEDCRS VERTCRS VERTCS VERTICALCRS
+    VERT_CS
+    """,
+    )
+)
+_REMARK = "REMARK"
+_SEARCHED = {"GEOIDMODEL", "METHOD", "MODEL", "PROJECTION", _REMARK}  # by PROJ for its own strings
+_OWN = re.compile(r"PROJ\b|[+=]")
+_GRIDS = '"PROJ4_GRIDS"'
+_MERCATOR = (
+    "+proj=merc +a=6378137 +b=6378137 +lat_ts=0 +lon_0=0 +x_0=0 +y_0=0 +k=1 +units=m "
+    "+nadgrids=@null +wktext +no_defs"
+)
+_MILLER = "+proj=mill +datum=WGS84 +wktext +no_defs"
+_KNOWN = (frozenset(_MERCATOR.split()), frozenset(_MILLER.split()))  # PROJ writes them itself
+
+
+@dataclass(slots=True)
+class Node:
+    """A keyword, in upper case, with the names and numbers in its brackets, and the keywords."""
+
+    keyword: str
+    values: list[str] = field(default_factory=list)
+    parts: list[Node] = field(default_factory=list)
+
+    def of(self, keywords: Collection[str]) -> Iterator[Node]:
+        """Find the parts of these keywords."""
+        return (each for each in self.parts if each.keyword in keywords)
+
+    @property
+    def title(self) -> str:
+        """The name that comes first, without its quotes."""
+        return self.values[0].strip('"') if self.values else ""
+
+
+def parse_wkt(text: str) -> Node | None:
+    """Read a text; None if its brackets do not match, or it is too long."""
+    top = _read(text)
+    if top is None:
+        return None
+    if len(top.parts) == 1:
+        return top.parts[0]
+    return Node("COMPOUNDCRS", top.parts[0].values, top.parts)
+
+
+def plain_wkt(text: str) -> str | None:
+    """Return a text of the same definition that names no files, for PROJ and GDAL."""
+    top = _read(text)
+    if top is None or not all(each.keyword in _SYSTEMS for each in top.parts):
+        return None
+    return _written(top) if all(map(_is_plain, _all(top))) else None
+
+
+def has_grids(text: str) -> bool:
+    """Whether a text names files of grids for its heights, which `plain_wkt` leaves out."""
+    top = _read(text)
+    return top is not None and any(map(_is_grids, _all(top)))
+
+
+def _all(top: Node) -> Iterator[Node]:
+    """Find all nodes below one."""
+    left = [*top.parts]
+    while left:
+        node = left.pop()
+        yield node
+        left += node.parts
+
+
+def _is_plain(node: Node) -> bool:
+    if _is_left_out(node):
+        return True
+    if node.keyword == "EXTENSION":
+        is_proj = len(node.values) == 2 and node.values[0].upper() == '"PROJ4"'
+        return is_proj and not node.parts and _numbered(node.values[1]) in _KNOWN
+    return node.keyword in _DEFINING and not _is_of_proj(node)
+
+
+def _is_left_out(node: Node) -> bool:
+    return _is_grids(node) or (node.keyword == _REMARK and _is_of_proj(node))
+
+
+def _is_of_proj(node: Node) -> bool:
+    return node.keyword in _SEARCHED and any(map(_OWN.search, node.values))
+
+
+def _is_grids(node: Node) -> bool:
+    return node.keyword == "EXTENSION" and node.values[:1] == [_GRIDS]
+
+
+def _numbered(text: str) -> frozenset[str]:
+    """Return the words of a string of PROJ; 0.0 is 0."""
+    return frozenset(re.sub(r"\.0+$", "", each) for each in text.strip('"').split())
+
+
+def _written(top: Node) -> str:
+    """Write what was read; the parts of a node come after its values."""
+    found: list[str] = []
+    left: list[Node | str] = [*reversed(_between(top))]
+    while left:
+        each = left.pop()
+        if isinstance(each, str):
+            found.append(each)
+        else:
+            left += ["]", *reversed(_between(each)), f"{each.keyword}["]
+    return "".join(found)
+
+
+def _between(node: Node) -> list[Node | str]:
+    """Return values and parts with commas between."""
+    kept: list[Node | str] = [*node.values]
+    kept += [each for each in node.parts if not _is_left_out(each)]
+    return [word for each in kept for word in (",", each)][1:]
+
+
+def _read(text: str) -> Node | None:
+    """Read a text; None if it is no text of nodes alone, or too long."""
+    top = Node("")
+    is_read = len(text) <= _LONGEST and _fill(top, text)
+    return top if is_read and top.parts and not top.values else None
+
+
+def _fill(top: Node, text: str) -> bool:
+    """Add what a text holds to a node; False if it is anything but nodes, values and commas."""
+    open_nodes, place = [top], 0
+    is_due = True  # a value or node, rather than a comma
+    while (found := _WORD.match(text, place)) and open_nodes:
+        node, kind, place = open_nodes[-1], found.lastgroup, found.end()
+        if kind in {"begin", "value"} and not is_due:
+            return False
+        if kind == "begin":
+            node.parts.append(Node(found["begin"].upper()))
+            open_nodes.append(node.parts[-1])
+        elif kind == "end":
+            open_nodes.pop()
+        elif kind == "value" and node.parts:
+            return False
+        elif kind == "value":
+            node.values.append(found["value"])
+        is_due = kind in {"begin", "comma"}
+    return len(open_nodes) == 1 and place == len(text)

@@ -1,24 +1,20 @@
 """GeoKeys: the coordinate system as numbers of EPSG and units, as LAS has it from GeoTIFF.
 
 The key of the model says which of the others count: the geographic system that a projected one is
-made of is not the system of the coordinates. Systems that are made up of parameters have no number;
-the WKT that other programs write besides counts, or GDAL reads them (`io.las.parameters`). Heights
-have a number or a unit of their own, which may be another than that of the plane.
+made of is not the system of the coordinates. Heights have a number or a unit of their own, which
+may be another than that of the plane.
 
-Source: OGC 19-008r4, GeoTIFF; GeoTIFF 1.0, section 6.3.4, for the old numbers of heights.
-
-GeoKeys that make up a projected system of parameters: GDAL turns them into WKT.
-
-It reads such keys from GeoTIFF, where they come from: they are put into a file of one pixel, in
-memory.
-
-The texts of GeoKeys, as GDAL may see them: it takes some for WKT, and fails at invalid UTF-8.
+Systems that are made up of parameters have no number: the WKT that other programs write besides
+counts, or GDAL reads the keys from GeoTIFF, where they come from: they are put into a file of one
+pixel, in memory.
 
 A citation that begins "ESRI PE String = " goes on as WKT, which GDAL would read by itself: its
 mark is changed before, and the text is read here. The mark is looked for in all bytes, since no
-other reading of the file need agree with GDAL's on where citations are.
+other reading of the file need agree with GDAL's on where citations are. And GDAL fails at invalid
+UTF-8.
 
-Source: OGC 19-008r4, GeoTIFF; TIFF 6.0, section 2.
+Source: OGC 19-008r4, GeoTIFF; GeoTIFF 1.0, section 6.3.4, for the old numbers of heights; TIFF 6.0,
+section 2.
 """
 
 from __future__ import annotations
@@ -27,8 +23,7 @@ import struct
 from collections.abc import Mapping
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, as_wkt, described
-from liftmesh.crs.wkt import plain
+from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, as_wkt, parse_crs, plain_wkt
 from liftmesh.errors import MissingDependencyError
 from liftmesh.optional import load
 
@@ -41,16 +36,27 @@ _IS_PROJECTED, _IS_GEOCENTRIC = 1, 3
 _NUMBERS = range(1024, 32767)  # of EPSG; 32767 is user-defined
 _OLD = range(5001, 5107)  # of GeoTIFF 1.0, which EPSG does not know
 _UNITS = {9001: METRE, 9002: FOOT, 9003: SURVEY_FOOT}
+
 _HEIGHTS = {  # systems of heights by an old number, or that of metres, and the unit
     (5101, 0): 5701, (5101, 9001): 5701, (5102, 9001): 7968, (5102, 9003): 5702,
     (5103, 0): 5703, (5103, 9001): 5703, (5103, 9002): 8228, (5103, 9003): 6360,
     (5703, 9002): 8228, (5703, 9003): 6360, (5104, 0): 5736, (5104, 9001): 5736,
     (5105, 0): 5705, (5105, 9001): 5705,
 }  # fmt: skip
+
 _GEOCENTRIC_OF = {4326: 4978, 4978: 4978, 4979: 4978, 4258: 4936, 4936: 4936, 4937: 4936}
+_SHORT, _ASCII, _LONG, _DOUBLE = 3, 2, 4, 12
+_SIZES = {_SHORT: 2, _ASCII: 1, _LONG: 4, _DOUBLE: 8}
+KEYS, DOUBLES, CITATIONS = OF_KEYS = 34735, 34736, 34737  # keys, their doubles and their text
+_KINDS = {KEYS: _SHORT, DOUBLES: _DOUBLE, CITATIONS: _ASCII}
+_PIXEL = {256: 1, 257: 1, 258: 8, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 1}
+_PLACE = {33550: (2, 2, 0), 33922: (0, 0, 0, 0, 0, 0)}  # or rasterio warns that there is none
+_MOST = 1 << 16  # bytes of a record that are read
+_MOST_TAGS = 1 << 16
+_MARK, _OTHER = b"ESRI PE String", b"esri pe string"  # GDAL minds upper case
 
 
-def system_of(data: bytes | None) -> tuple[str | None, str]:
+def crs_of_geokeys(data: bytes | None) -> tuple[str | None, str]:
     """Return the coordinate system that GeoKeys state."""
     keys = _entries(data or b"")
     if keys.get(_MODEL) == _IS_GEOCENTRIC:
@@ -62,19 +68,11 @@ def system_of(data: bytes | None) -> tuple[str | None, str]:
     if number not in _NUMBERS:
         return None, ""
     base, unit = f"EPSG:{number}", _UNITS.get(keys.get(_LENGTH, 0))
-    known = described(base)
+    known = parse_crs(base)
     plane = known.units[0] if known else None
     if is_projected and unit and plane and plane.metres != unit.metres:
         return None, f"GeoKeys ({base} has the unit {plane.name}, but they state {unit.name})"
     return _with_heights(base, keys), ""
-
-
-def has_parameters(data: bytes | None) -> bool:
-    """Whether GeoKeys make up a projected system of parameters, rather than name one."""
-    keys = _entries(data or b"")
-    is_named = keys.get(_PROJECTED, 0) in _NUMBERS
-    is_projected = keys.get(_MODEL, _IS_PROJECTED) == _IS_PROJECTED
-    return is_projected and not is_named and any(each in keys for each in _METHODS)
 
 
 def _geocentric(number: int) -> str:
@@ -90,12 +88,12 @@ def _with_heights(base: str, keys: Mapping[int, int]) -> str:
     number = _HEIGHTS.get((number, code), number)
     if number in _NUMBERS and number not in _OLD:
         both = f"{base}+{number}"
-        if described(base) is None:
+        if parse_crs(base) is None:
             return both
-        known = described(both)
+        known = parse_crs(both)
         if known and (unit is None or known.units[2] == unit):
             return both
-    text = as_wkt(base) if unit and described(base) else None
+    text = as_wkt(base) if unit and parse_crs(base) else None
     if unit is None or text is None or not text.startswith(("PROJCS", "GEOGCS")):
         return base
     return (
@@ -103,6 +101,14 @@ def _with_heights(base: str, keys: Mapping[int, int]) -> str:
         f'VERT_DATUM["unknown",2005],UNIT["{unit.name}",{unit.metres!r}],'
         'AXIS["Gravity-related height",UP]]]'
     )
+
+
+def has_parameters(data: bytes | None) -> bool:
+    """Whether GeoKeys make up a projected system of parameters, rather than name one."""
+    keys = _entries(data or b"")
+    is_named = keys.get(_PROJECTED, 0) in _NUMBERS
+    is_projected = keys.get(_MODEL, _IS_PROJECTED) == _IS_PROJECTED
+    return is_projected and not is_named and any(each in keys for each in _METHODS)
 
 
 def _entries(data: bytes) -> dict[int, int]:
@@ -114,18 +120,9 @@ def _entries(data: bytes) -> dict[int, int]:
     return {key: value for key, place, _, value in rows if place == 0}
 
 
-_SHORT, _ASCII, _LONG, _DOUBLE = 3, 2, 4, 12
-_SIZES = {_SHORT: 2, _ASCII: 1, _LONG: 4, _DOUBLE: 8}
-_DOUBLES = 34736
-_KINDS = {34735: _SHORT, _DOUBLES: _DOUBLE, 34737: _ASCII}  # keys, their doubles and their text
-_PIXEL = {256: 1, 257: 1, 258: 8, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 1}
-_PLACE = {33550: (2, 2, 0), 33922: (0, 0, 0, 0, 0, 0)}  # or rasterio warns that there is none
-_MOST = 1 << 16  # bytes of a record
-
-
 def wkt_of(records: Mapping[int, bytes]) -> tuple[str | None, str]:
     """Return the system that is made up of parameters."""
-    if not records.get(_DOUBLES):
+    if not records.get(DOUBLES):
         return None, "GeoKeys (a system made up of parameters, which are missing)"
     try:
         rasterio = load("rasterio", extra="terrain")
@@ -168,12 +165,6 @@ def _tiff(records: Mapping[int, bytes]) -> bytes:
     return head + b"".join(entries) + bytes(4) + rest
 
 
-_MARK, _OTHER = b"ESRI PE String", b"esri pe string"  # GDAL minds upper case
-_LONGEST = 1 << 16
-_CITATIONS = 34737
-_MOST_TAGS = 1 << 16
-
-
 def without_wkt(data: bytes) -> bytes:
     """Return a TIFF file whose citations are names for GDAL, in ASCII unless all are UTF-8."""
     data = data.replace(_MARK, _OTHER) if _MARK in data else data
@@ -192,8 +183,8 @@ def wkt_in(data: bytes) -> str | None:
     place = max(data.find(_OTHER), data.find(_MARK))
     if place < 0:
         return None
-    text = data[place : place + _LONGEST].partition(b"=")[2]
-    return plain(text.partition(b"|")[0].partition(b"\0")[0].decode("utf-8", "replace").strip())
+    text = data[place : place + _MOST].partition(b"=")[2]
+    return plain_wkt(text.partition(b"|")[0].partition(b"\0")[0].decode("utf-8", "replace").strip())
 
 
 def _citations(data: bytes) -> tuple[int, int]:
@@ -207,7 +198,7 @@ def _citations(data: bytes) -> tuple[int, int]:
         step = struct.calcsize(order + entry)
         for k in range(min(count, _MOST_TAGS)):
             tag, _, size, at = struct.unpack_from(order + entry, data, place + k * step)
-            if tag == _CITATIONS and size > (8 if is_big else 4):
+            if tag == CITATIONS and size > (8 if is_big else 4):
                 return at, size
     except struct.error:
         pass

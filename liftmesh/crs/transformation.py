@@ -18,8 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.options import shown
-from liftmesh.crs.description import looked_up
-from liftmesh.crs.wkt import has_grids
+from liftmesh.crs.description import has_grids, look_up, oldest_wkt
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 
@@ -33,7 +32,7 @@ class Operation:
     told: dict[str, Any]
 
 
-def transformed(
+def transform(
     points: Floats, crs: str | None, target: str, chosen: dict[str, Operation] | None = None
 ) -> tuple[Floats, dict[str, Any]]:
     """Transform coordinates to another system, by pyproj."""
@@ -65,14 +64,14 @@ def transformed(
     return found, operation.told
 
 
-def told_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
+def transformation_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return how coordinates were transformed as they were read."""
     found = metadata.get("transformation")  # a caller may say anything of that name
     is_told = isinstance(found, Mapping) and {"operation", "accuracy"} <= found.keys()
     return {**found} if is_told else {}  # type: ignore[dict-item]
 
 
-def sentence(told: Mapping[str, Any]) -> str:
+def transformation_text(told: Mapping[str, Any]) -> str:
     """Say how coordinates were transformed."""
     accuracy = told["accuracy"]
     known = "not known" if accuracy is None else f"{accuracy:g} m"
@@ -83,7 +82,7 @@ def sentence(told: Mapping[str, Any]) -> str:
     return f"{text}; {better} needs the grid {told['grid']}, which is not installed"
 
 
-def common(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def common_transformation(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return how the parts of one cloud were transformed, at the accuracy of the worst of them."""
     found = {each["operation"]: each for each in parts if each}
     if len(found) < 2:
@@ -95,7 +94,7 @@ def common(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:
     """Choose the most accurate operation that is installed, and say which would be better."""
-    systems = [looked_up(pyproj, each) for each in (crs, target)]
+    systems = [look_up(crs), look_up(target)]
     heights = [_vertical(each) for each in systems]
     is_shared = None not in heights and heights[0].equals(heights[1], ignore_axis_order=True)
     is_planar = is_shared or len(systems[1].axis_info) < 3
@@ -187,8 +186,7 @@ def with_heights(crs: str | None, target: str) -> str:
     """Return a target with heights: the source's, if it states none itself."""
     if crs is None:
         return target
-    pyproj = load("pyproj", extra="terrain")
-    source, plane = (looked_up(pyproj, each) for each in (crs, target))
+    source, plane = look_up(crs), look_up(target)
     if len(plane.axis_info) != 2 or len(source.axis_info) != 3:
         return target
     vertical = _vertical(source)
@@ -198,11 +196,8 @@ def with_heights(crs: str | None, target: str) -> str:
     if all(each and each[0] == "EPSG" for each in numbers):
         return f"EPSG:{numbers[0][1]}+{numbers[1][1]}"
     name = f"{plane.name} + {vertical.name}"
-    both = pyproj.crs.CompoundCRS(name=name, components=[plane, vertical])
-    try:
-        return str(both.to_wkt("WKT1_GDAL"))
-    except pyproj.exceptions.CRSError:
-        return str(both.to_wkt("WKT2_2019"))
+    compound = load("pyproj.crs", extra="terrain").CompoundCRS
+    return oldest_wkt(compound(name=name, components=[plane, vertical]))
 
 
 def _vertical(system: Any) -> Any:

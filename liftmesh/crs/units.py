@@ -6,14 +6,15 @@ the plane and says nothing of heights.
 
 from __future__ import annotations
 
+import importlib.util
 import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any, Protocol
 
 from liftmesh.base.options import shown
-from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, System, Unit, described
-from liftmesh.errors import InputError
+from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, System, Unit, is_number, parse_crs
+from liftmesh.errors import FormatError, InputError
 
 _DEGREE = 111_320.0  # metres of a degree on the equator
 
@@ -39,7 +40,7 @@ _NAMES = {
 
 def system_of(cloud: Placed) -> System | None:
     """Read what a coordinate system says, with the unit of a raster's band as that of z."""
-    system, unit = described(cloud.crs), band_unit(cloud)
+    system, unit = parse_crs(cloud.crs), band_unit(cloud)
     if system is None or unit is None:
         return system
     return replace(system, units=(*system.units[:2], unit))
@@ -79,7 +80,7 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
 
 def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
     """Return steps of coordinates in another system that are as fine on the ground."""
-    one, other = described(crs), described(target)
+    one, other = parse_crs(crs), parse_crs(target)
     if not isinstance(scale, list) or len(scale) != 3 or one is None or other is None:
         return None
     if not all(isinstance(each, float) and 0 < each < math.inf for each in scale):
@@ -97,6 +98,53 @@ def _step_in(step: float, before: Unit | None, after: Unit | None) -> float:
 
 def _unit_of_heights(crs: str | None) -> float | None:
     """Return how many metres the unit of z has that a system states."""
-    system = described(crs)
+    system = parse_crs(crs)
     unit = None if system is None else system.units[2]
     return None if unit is None else unit.metres
+
+
+def coordinate_warnings(system: System | None) -> tuple[str, ...]:
+    """Say what most users do not want of coordinates."""
+    if system is None:
+        return ()
+    if system.kind == "geographic":
+        what = f"x and y are degrees ({system.name}), which are no lengths"
+        return (f"{what}: transform them with to_crs=",)
+    if system.kind == "geocentric":
+        return (f"the coordinates are geocentric ({system.name}): transform them with to_crs=",)
+    if system.is_mixed:
+        x, y, z = (each.name if each else "?" for each in system.units)
+        return (f"the units differ: x is in {x}, y in {y}, z in {z}",)
+    return ()
+
+
+def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str | None:
+    """Return the unit that all coordinates have, for a format that has one for all."""
+    system = parse_crs(crs)
+    if crs is None and heights is not None and heights != METRE:
+        raise FormatError(
+            f"z is in {heights.name}, and the unit of x and y is not known, but {what} has one for "
+            "all: state their system with crs="
+        )
+    if crs is None:
+        return None
+    if system is None or system.units[0] is None:
+        is_lookup = is_number(crs) and importlib.util.find_spec("pyproj") is None
+        remedy = "install liftmesh[terrain], or " if is_lookup else ""
+        raise FormatError(
+            f"the unit of {shown(crs)} is not known, but {what} states one: {remedy}state another "
+            "system with crs="
+        )
+    if system.kind in {"geographic", "geocentric"}:
+        raise FormatError(
+            f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
+            "transform them with to_crs="
+        )
+    units = (*system.units, heights)
+    found = dict.fromkeys(each.name for each in units if each is not None)
+    if len(found) > 1:
+        raise FormatError(
+            f"the units of x, y and z are {' and '.join(found)}, but {what} has one for all: "
+            "transform them with to_crs="
+        )
+    return next(iter(found), None)

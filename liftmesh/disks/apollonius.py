@@ -15,10 +15,10 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_numbers, of_one_array
+from liftmesh.base.arrays import as_numbers, as_positive, of_one_array
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
-from liftmesh.disks.sides import pieces_in, traced
+from liftmesh.disks.sides import pieces_in, trace_sides
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -299,7 +299,7 @@ class ApolloniusGraph(DiskGraph):
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
         limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
-        return list(pieces_in(traced(self, limits, length)))
+        return list(pieces_in(trace_sides(self, limits, length)))
 
 
 def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
@@ -314,10 +314,8 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
 
 def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    value = as_numbers("tolerance is", tolerance, "give real numbers")
-    is_number = value.shape == () and not isinstance(tolerance, bool | np.bool_)
-    if not (is_number and 0 < value < np.inf):
-        raise InputError(f"tolerance is {shown(tolerance)}: give a positive, finite number")
+    as_numbers("tolerance is", tolerance, "give real numbers")
+    value = as_positive("tolerance", tolerance, "a positive, finite number")
     limits = np.asarray(box, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST
     if value < least:
@@ -326,4 +324,4 @@ def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
             f"{least:.2g} at least"
         )
     longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
-    return min(float(value), longer)
+    return min(value, longer)

@@ -13,7 +13,7 @@ from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite
 from liftmesh.errors import InputError, NonFiniteError
-from liftmesh.planar.kinds import as_weights, non_finite_value
+from liftmesh.planar.kinds import TriangulationKind, as_weights
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -67,7 +67,7 @@ def are_finite(disks: Floats) -> Mask:
 def _non_finite(disks: Floats, row: int, *, skippable: bool) -> NonFiniteError:
     if not np.isfinite(disks[row, :2]).all():
         return non_finite(row, disks[row, :2], skippable=skippable)
-    return non_finite_value("radii", row, disks[:, 2], skippable=skippable)
+    return TriangulationKind("radii", disks[:, 2]).non_finite(row, skippable=skippable)
 
 
 def _check_range(disks: Floats, rows: Indices) -> None:

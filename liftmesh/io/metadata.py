@@ -13,21 +13,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.io.markup import ascii_string, parsed_or_none
+from liftmesh.io.json_text import ascii_string, parsed_or_none
 
-# What readers note; `read` sets "source" and "format" of every cloud.
-_LABELS = ("source", "format")
-_OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no labels
-_NOTES = (
-    *_OF_TABLES, "skipped", "polygons", "degenerate_faces", "repeated_vertices", "ignored",
-    "origin", "selection", "las_records", "merged", "thinning", "ground", "stated_crs",
-    "transformation",
-)  # fmt: skip
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 TRANSFORMATION = "transformation"
 """The entry that says how coordinates were transformed as they were read."""
@@ -67,6 +61,38 @@ class NotedColumns(dict[str, str]):
     """Which columns of a table are what, as its reader notes it."""
 
 
+class Notes(TypedDict, total=False):
+    """What readers note of their file, and functions of a cloud of their work."""
+
+    source: Label
+    format: Label
+    columns: NotedColumns
+    notes: tuple[str, ...]
+    skipped: tuple[str, ...]
+    polygons: int
+    degenerate_faces: int
+    repeated_vertices: int
+    ignored: dict[str, int]
+    origin: tuple[float, float, float] | None
+    selection: Mapping[str, int]
+    las_records: Mapping[str, bytes]
+    merged: list[dict[str, Any]]
+    thinning: Mapping[str, Any]
+    ground: Mapping[str, Any]
+    stated_crs: str | None
+    transformation: Mapping[str, Any]
+
+
+_LABELS = ("source", "format")  # which `read` notes of every cloud
+_OF_TABLES = ("columns", "notes")  # also of tables in memory, which have no labels
+_NOTES = frozenset(Notes.__annotations__)
+
+
+def noted(metadata: Mapping[str, Any], **notes: Unpack[Notes]) -> dict[str, Any]:
+    """Add notes to metadata, but for those that say nothing."""
+    return {**metadata, **{key: each for key, each in notes.items() if each not in (None, (), {})}}
+
+
 def is_read(metadata: Mapping[str, Any]) -> bool:
     """Whether a cloud was read from a file, whatever its user says of it."""
     return all(isinstance(metadata.get(each), Label) for each in _LABELS)
@@ -75,7 +101,7 @@ def is_read(metadata: Mapping[str, Any]) -> bool:
 def user_entries(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that are not a reader's notes, sorted by their keys."""
     of_table = _OF_TABLES if found_columns(metadata) else ()
-    notes = (*_LABELS, *_NOTES) if is_read(metadata) else of_table
+    notes = _NOTES if is_read(metadata) else of_table
     keys = (key for key in sorted(metadata, key=str) if key not in notes)
     return {key: metadata[key] for key in keys if key != "skipped" or not unread(metadata)}
 
@@ -122,7 +148,7 @@ def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     found: dict[str, Any] = {}
     left = _MOST
     for key, value in user_entries(metadata).items():
-        text = None if key in (*_LABELS, *_NOTES) else _text(key, value)
+        text = None if key in _NOTES else _text(key, value)
         size = 0 if text is None else len(text) + _LINE * (len(value) if is_lines(value) else 0)
         if text is not None and size <= left and _has_short_lines(key, value, text):
             found[key] = json.loads(text)[key]
@@ -229,7 +255,7 @@ def parsed(text: str) -> dict[str, Any] | None:
     found = parsed_or_none(text) if len(text) <= _MOST else None
     if not isinstance(found, dict):
         return None
-    return _with_lines({key: found[key] for key in found if key not in (*_LABELS, *_NOTES)})
+    return _with_lines({key: found[key] for key in found if key not in _NOTES})
 
 
 def _with_lines(entries: dict[str, Any]) -> dict[str, Any]:
@@ -255,7 +281,7 @@ def as_extras(entries: Mapping[str, Any]) -> dict[str, Any]:
 
 def of_extras(extras: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries of a scene's extras."""
-    notes = {key: value for key, value in extras.items() if key in (*_LABELS, *_NOTES)}
+    notes = {key: value for key, value in extras.items() if key in _NOTES}
     if notes:  # of other programs: they say nothing of how this file is read
         extras = {key: value for key, value in extras.items() if key not in notes}
         return {**of_extras(extras), "extras": {**notes, **_of_notes(extras)}}

@@ -21,7 +21,8 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.markup import finite_numbers, shown
+from liftmesh.io.json_text import finite_numbers, shown
+from liftmesh.io.metadata import noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -79,7 +80,7 @@ def with_origin(cloud: Cloud, origin: Origin | None) -> Cloud:
     return replace(
         cloud,
         points=cloud.points + np.array(origin),
-        metadata={**cloud.metadata, "origin": origin},
+        metadata=noted(cloud.metadata, origin=origin),
     )
 
 

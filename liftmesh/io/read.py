@@ -20,13 +20,13 @@ from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import kept
 from liftmesh.base.options import Returns, as_count
 from liftmesh.crs.comparison import is_same
-from liftmesh.crs.description import check_system, described
-from liftmesh.crs.transformation import Operation, transformed, with_heights
+from liftmesh.crs.description import check_system, parse_crs
+from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
-from liftmesh.io.metadata import TRANSFORMATION, Label
+from liftmesh.io.metadata import Label, noted
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
@@ -364,8 +364,8 @@ def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> C
 
 
 def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    labels = {"source": Label(name), "format": Label(found.name)}
-    return replace(cloud, metadata={**cloud.metadata, **labels})
+    metadata = noted(cloud.metadata, source=Label(name), format=Label(found.name))
+    return replace(cloud, metadata=metadata)
 
 
 def _changed(
@@ -393,15 +393,15 @@ def placed(
     """Set the coordinate system of a cloud in place of what its file states, or transform it."""
     if crs is not None:
         is_other = cloud.crs is not None and not is_same(cloud.crs, crs)
-        entry = {"stated_crs": cloud.crs} if is_other else {}
-        cloud = replace(cloud, crs=crs, metadata={**cloud.metadata, **entry})
+        metadata = noted(cloud.metadata, stated_crs=cloud.crs if is_other else None)
+        cloud = replace(cloud, crs=crs, metadata=metadata)
     if target is None:
         return cloud
     check_system(target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
-    found, told = transformed(_raised(cloud.points, before), cloud.crs, target, chosen)
-    metadata = {**_moved(cloud, target), TRANSFORMATION: told}
+    found, told = transform(_raised(cloud.points, before), cloud.crs, target, chosen)
+    metadata = noted(_moved(cloud, target), transformation=told)
     return replace(cloud, points=_raised(found, after), crs=target, metadata=metadata)
 
 
@@ -418,7 +418,7 @@ def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
         entries["las"] = kept | ({} if scale is None else {"scale": scale})
     if isinstance(notes := entries.get("notes"), tuple):
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
-    system = described(target)
+    system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
     if has_unit and isinstance(raster := entries.get("raster"), Mapping):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}

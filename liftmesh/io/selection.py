@@ -15,9 +15,11 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
+from liftmesh.base.arrays import as_positive
 from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
+from liftmesh.io.metadata import noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -110,10 +112,7 @@ def _range(value: Iterable[float]) -> tuple[float, float]:
 
 
 def _length(value: float) -> float:
-    numbers = _numbers([value])
-    if not numbers or isinstance(value, bool) or not 0 < numbers[0] < math.inf:
-        raise _invalid("resolution", value, "a positive number, in the units of the file")
-    return numbers[0]
+    return as_positive("resolution", value, "a positive number, in the units of the file")
 
 
 def _numbers(value: Any) -> tuple[float, ...]:
@@ -267,12 +266,13 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
     """Select the rows of a cloud that meet the conditions; faces are left out and named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
-    entries: dict[str, Any] = {"selection": selector.counts()}
+    skipped: tuple[str, ...] = ()
     if cloud.faces is not None:
-        said = cloud.metadata.get("skipped")
+        before = cloud.metadata.get("skipped")
         faces = f"{len(cloud.faces):,} faces (rows were selected)"
-        entries["skipped"] = (*(said if isinstance(said, tuple) else ()), faces)
-    return replace(cloud.select(rows), metadata={**cloud.metadata, **entries})
+        skipped = (*(before if isinstance(before, tuple) else ()), faces)
+    metadata = noted(cloud.metadata, selection=selector.counts(), skipped=skipped)
+    return replace(cloud.select(rows), metadata=metadata)
 
 
 def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:

@@ -145,21 +145,8 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     >>> [1, 3] in delaunay(rhombus, metric=[[1, 0], [0, 9]]).edges.tolist()
     True
     """
-    rows = rows_of(points)
-    return Triangulation(
-        **solve(
-            rows,
-            method,
-            q,
-            nonfinite,
-            order,
-            threads,
-            progress,
-            copy,
-            metric=metric,
-            scratch=scratch,
-        )
-    )
+    options = (method, q, nonfinite, order, threads, progress, copy)
+    return Triangulation(**solve(rows_of(points), *options, metric=metric, scratch=scratch))
 
 
 def solve(  # noqa: PLR0913 - as above

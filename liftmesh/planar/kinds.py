@@ -13,7 +13,7 @@ z = p^T M p, the points need no map: the coordinates stay, and every sign is exa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals
-from liftmesh.base.arrays import as_floats, is_readable, unmasked
+from liftmesh.base.arrays import as_floats, is_readable, unmasked, widened
 from liftmesh.base.options import as_switch, counted, shown
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.predicates import incircle
@@ -41,8 +41,8 @@ _ONE_EACH = {"weights": "weight", "radii": "radius"}
 class TriangulationKind:
     """A kind of triangulation, and the weights, radii or metric by which points are lifted."""
 
-    name: str = "delaunay"
-    values: Floats = field(default_factory=lambda: _NONE)  # of rows, or a, b, c of a metric
+    name: str = "delaunay"  # or "weights", "radii", "metric" or "farthest"
+    values: Reals = field(default_factory=lambda: _NONE)  # of rows, or a, b, c of a metric
 
     @property
     def has_values(self) -> bool:
@@ -62,11 +62,26 @@ class TriangulationKind:
         a, b, c = self.values.tolist()
         return (a, b), (b, c)
 
-    def non_finite(self, row: int) -> NonFiniteError | None:
-        """Return the error for a row whose value is not finite; None if it is."""
-        if not self.has_values or np.isfinite(self.values[row]):
+    def finite(self, *, skipping: bool) -> Mask | None:
+        """Check the values; return which rows are not to be skipped, None for all."""
+        if self.name == "radii" and len(self.values) and (negative := self.values < 0).any():
+            row = int(negative.argmax())
+            raise InputError(
+                f"row {row} has the radius {float(self.values[row])!r}: radii are not negative; "
+                "weights may be"
+            )
+        finite = np.isfinite(self.values)
+        if finite.all():
             return None
-        return non_finite_value(self.name, row, self.values)
+        if not skipping:
+            raise self.non_finite(int(finite.argmin()))
+        return finite
+
+    def non_finite(self, row: int, *, skippable: bool = True) -> NonFiniteError:
+        """Return the error for a row whose value is not finite."""
+        named = f"row {row} has the {_ONE_EACH[self.name]} {float(self.values[row])!r}"
+        advice = ", or skip them with nonfinite='skip'" if skippable else " first"
+        return NonFiniteError(f"{named}: remove such rows{advice}", row=row)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
         """Return the exact side of a lifted row: positive below the plane of three others."""
@@ -76,7 +91,9 @@ class TriangulationKind:
         values = self.values[list(rows)] if self.has_values else self.values
         a, b, c, d = (np.array([point], dtype=np.float64) for point in points)
         signs = np.empty(1, dtype=np.int8)
-        _kernel.lifted_side(a, b, c, d, values.reshape(1, -1), self.name, signs, canonical=False)
+        _kernel.lifted_side(
+            a, b, c, d, widened(values).reshape(1, -1), self.name, signs, canonical=False
+        )
         return int(signs[0])
 
 
@@ -88,7 +105,7 @@ def as_kind(
     furthest_site: bool,
 ) -> TriangulationKind:
     """Validate the options of `verify` that tell by what points are lifted."""
-    given = {"weights": weights, "radii": radii, "metric": metric}
+    given: dict[str, Any] = {"weights": weights, "radii": radii, "metric": metric}
     named = [name for name, value in given.items() if value is not None]
     is_farthest = as_switch("furthest_site", furthest_site)
     named += ["furthest_site"] if is_farthest else []
@@ -96,20 +113,14 @@ def as_kind(
         raise InputError(f"{' and '.join(named)} are given: give one of them")
     if is_farthest:
         return TriangulationKind("farthest")
-    readers: dict[str, Callable[[Any], Floats]] = {
-        "metric": lambda form: as_metric(form).reshape(-1)[[0, 1, 3]],
-        "weights": lambda values: _finite_or_nan(as_weights("weights", values, rows)),
-        "radii": lambda values: _finite_or_nan(as_weights("radii", values, rows)),
-    }
     if not named:
         return TriangulationKind()
-    name = named[0]
-    return TriangulationKind(name, readers[name](given[name]))
-
-
-def _finite_or_nan(weights: Weights) -> Floats:
-    weights.finite(skipping=True)  # raises for negative radii
-    return np.ascontiguousarray(weights.values, dtype=np.float64)
+    (name,) = named
+    if name == "metric":
+        return TriangulationKind(name, as_metric(given[name]).reshape(-1)[[0, 1, 3]])
+    kind = as_weights(name, given[name], rows)
+    kind.finite(skipping=True)  # raises for negative radii
+    return TriangulationKind(name, np.ascontiguousarray(kind.values, dtype=np.float64))
 
 
 def options_of(triangulation: Any) -> dict[str, Any]:
@@ -146,42 +157,8 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
     return named_values(cloud, kind, name)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Weights:
-    """The weights or the radii of rows."""
-
-    kind: str
-    values: Reals
-
-    def finite(self, *, skipping: bool) -> Mask | None:
-        """Check the values; return which rows are not to be skipped, None for all."""
-        if self.kind == "radii" and len(self.values) and (negative := self.values < 0).any():
-            row = int(negative.argmax())
-            raise InputError(
-                f"row {row} has the radius {float(self.values[row])!r}: radii are not negative; "
-                "weights may be"
-            )
-        finite = np.isfinite(self.values)
-        if finite.all():
-            return None
-        if not skipping:
-            raise non_finite_value(self.kind, int(finite.argmin()), self.values)
-        return finite
-
-
-def non_finite_value(
-    kind: str, row: int, values: Reals, *, skippable: bool = True
-) -> NonFiniteError:
-    """Return the error for a row whose weight or radius is not finite."""
-    advice = ", or skip them with nonfinite='skip'" if skippable else " first"
-    return NonFiniteError(
-        f"row {row} has the {_ONE_EACH[kind]} {float(values[row])!r}: remove such rows{advice}",
-        row=row,
-    )
-
-
-def as_weights(kind: str, given: Any, rows: int) -> Weights:
-    """Convert weights or radii."""
+def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
+    """Convert weights or radii, without a copy of floats."""
     try:
         array = np.asanyarray(given)
     except ValueError as error:
@@ -199,10 +176,10 @@ def as_weights(kind: str, given: Any, rows: int) -> Weights:
             "give one for each"
         )
     values = as_floats(unmasked(array, kind), kind)
-    return Weights(kind, values if is_readable(values) else values.copy())
+    return TriangulationKind(kind, values if is_readable(values) else values.copy())
 
 
-def chosen(weights: Any, radii: Any) -> tuple[str, Any]:
+def weights_or_radii(weights: Any, radii: Any) -> tuple[str, Any]:
     """Return the name and the value of the one of the two options that is given."""
     if weights is not None and radii is not None:
         raise InputError("both weights and radii are given: give one of them")

@@ -6,6 +6,7 @@ the regular triangulation; rows above it are hidden.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import NonFinite, RowOrder, as_switch, as_threads
 from liftmesh.planar.delaunay import check_options, solution_of
 from liftmesh.planar.diagram import LiftedTriangles, rows_without_area
-from liftmesh.planar.kinds import Weights, as_weights, chosen, named_values
+from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values, weights_or_radii
 from liftmesh.planar.lifting import Heights, LowerHull
 from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
@@ -102,7 +103,7 @@ def regular(
     >>> regular(corners, radii=[6, 0, 0, 0, 0]).simplices.shape
     (2, 3)
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     if isinstance(given, str):
         points, given = _named(points, kind, given)
     options = (nonfinite, order, threads, progress, copy)
@@ -134,7 +135,7 @@ def solve(
     values = as_weights(kind, given, len(rows))
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
     if is_copied:
-        planar, values = planar.copy(), Weights(kind, values.values.copy())
+        planar, values = planar.copy(), replace(values, values=values.values.copy())
     is_skipping = nonfinite == "skip"
     outcome, hidden = _kernel.regular(
         _without_skipped(planar, values, skipping=is_skipping),
@@ -148,7 +149,7 @@ def solve(
     return solution_of(outcome, rows, planar, order, progress, more)
 
 
-def _without_skipped(planar: Reals, values: Weights, *, skipping: bool) -> Reals:
+def _without_skipped(planar: Reals, values: TriangulationKind, *, skipping: bool) -> Reals:
     """Return the points, or a copy that marks rows whose weight is not finite."""
     finite = values.finite(skipping=skipping)
     if finite is None:

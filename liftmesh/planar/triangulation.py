@@ -12,6 +12,7 @@ from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
+from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import Heights, LowerHull, resolve_q
 
 if TYPE_CHECKING:
@@ -412,7 +413,6 @@ class Triangulation:
         >>> certificate.valid, certificate.canonical
         (True, True)
         """
-        from liftmesh.planar.kinds import options_of  # noqa: PLC0415 - as below
         from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 
         nonfinite: NonFinite = "skip" if len(self.skipped) else "error"

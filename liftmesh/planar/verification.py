@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite
+from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite, widened
 from liftmesh.base.options import NonFinite, as_switch, as_threads, check_option, check_progress
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
@@ -145,10 +145,12 @@ def verify(  # noqa: PLR0913 - options are keywords
     most = max(len(rows), len(corners))
     count, shared = as_threads(threads, most)
     run = (rows, corners, nonfinite == "skip", count, shared, progress)
-    verdict = _kernel.verify(*run, kind.name, kind.values)
+    verdict = _kernel.verify(*run, kind.name, widened(kind.values))
     status, row, *_ = verdict
     if status == "non-finite":
-        raise kind.non_finite(row) or non_finite(row, rows[row])
+        if kind.has_values and not np.isfinite(kind.values[row]):
+            raise kind.non_finite(row)
+        raise non_finite(row, rows[row])
     sums = _sums(rows, triangles, count > 1 and most >= 2 * _kernel.ROWS_PER_THREAD)
     certificate = _certify(rows, triangles, verdict, sums, kind)
     if progress is not None:

@@ -31,6 +31,7 @@ from liftmesh.crs.geokeys import without_wkt, wkt_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.metadata import noted
 from liftmesh.io.missing import Missing, Outliers, as_missing
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
@@ -182,7 +183,7 @@ class _OpenRaster:
         entries = self._entries(window.samples)
         if selector is not None:
             selector.leave_out({"bbox": window.outside, "every": window.between})
-            entries["selection"] = selector.counts()
+            entries = noted(entries, selection=selector.counts())
         return builder.cloud(metadata=entries, crs=self._crs(data))
 
     def _check_size(self, window: Window, limit: int) -> None:
@@ -271,12 +272,9 @@ class _OpenRaster:
         others = [k for k in range(1, file.count + 1) if k != self._band]
         if others:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")
-        entries: dict[str, Any] = {"raster": layout}
-        entries |= {"skipped": tuple(skipped)} if skipped else {}
         if unit := file.units[self._band - 1]:
             layout["unit"] = unit
-        entries |= {"notes": notes} if (notes := self._notes(unit)) else {}
-        return entries
+        return noted({"raster": layout}, skipped=tuple(skipped), notes=self._notes(unit))
 
     def _notes(self, unit: str | None) -> tuple[str, ...]:
         """Say what the file does not, or only of the band."""

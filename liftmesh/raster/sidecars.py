@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.crs.description import described
+from liftmesh.crs.description import parse_crs
 from liftmesh.errors import FormatError
 
 _WORLDS = (".tfw", ".tifw", ".tiffw", ".wld", ".TFW", ".TIFW", ".WLD")
@@ -54,7 +54,7 @@ def world_of(name: str) -> tuple[Transform, str] | None:
 def system_of(name: str) -> str | None:
     """Read the coordinate system beside a raster; None if there is none, or in another language."""
     text = text_beside(name, ".prj")
-    return text if is_crs(text) and described(text) else None
+    return text if is_crs(text) and parse_crs(text) else None
 
 
 def text_beside(name: str, suffix: str) -> str | None:

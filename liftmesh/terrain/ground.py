@@ -14,7 +14,6 @@ Remote Sensing 8 (2016), 501.
 
 from __future__ import annotations
 
-import math
 import os
 import subprocess
 import warnings
@@ -26,10 +25,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import GroundMethod, as_count, check_option, shown
-from liftmesh.crs.description import described
+from liftmesh.base.arrays import as_positive
+from liftmesh.base.options import GroundMethod, as_count, check_option
+from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.interpreter import command
+from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
 
@@ -113,10 +114,8 @@ def classify_ground(
     400
     """
     check_option("method", method, GroundMethod)
-    for name, value in (("resolution", resolution), ("threshold", threshold)):
-        is_number = isinstance(value, float | int) and not isinstance(value, bool)
-        if not is_number or not 0 < value < math.inf:
-            raise InputError(f"{name} is {shown(value)}: give a positive number of metres")
+    as_positive("resolution", resolution, "a positive number of metres")
+    as_positive("threshold", threshold, "a positive number of metres")
     if as_count("rigidness", rigidness, 1) > 3:
         raise InputError(f"rigidness is {rigidness}: give 1, 2 or 3")
     source = read_cloud(cloud)
@@ -138,13 +137,13 @@ def classify_ground(
     return replace(
         source,
         attributes={**source.attributes, **_classes(source, ground)},
-        metadata={**source.metadata, "ground": counts},
+        metadata=noted(source.metadata, ground=counts),
     )
 
 
 def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     """Return how many metres the units have, and whether those of x and of z are known."""
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     if system is None:
         return np.ones(3), False, False
     if system.kind in {"geographic", "geocentric"}:

@@ -18,8 +18,8 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, kept_depth, with_alpha
 from liftmesh.base.options import shown
 from liftmesh.crs.comparison import are_different, is_same
-from liftmesh.crs.description import described
-from liftmesh.crs.transformation import common, told_of
+from liftmesh.crs.description import parse_crs
+from liftmesh.crs.transformation import common_transformation, transformation_of
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, unread, user_entries
@@ -199,13 +199,13 @@ def _note_distances(merged: list[dict[str, Any]], distances: Sequence[float]) ->
 
 
 def _states_heights(crs: str | None) -> bool:
-    system = described(crs)
+    system = parse_crs(crs)
     return system is not None and system.units[2] is not None
 
 
 def _titled(crs: str | None) -> str:
     """Name a coordinate system for a message, with the units of its axes."""
-    system = described(crs)
+    system = parse_crs(crs)
     if system is None:
         return shown(crs)
     units = dict.fromkeys(each.name for each in system.units if each is not None)
@@ -290,7 +290,7 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
         entries |= {key: Label(", ".join(dict.fromkeys(labels)))} if labels else {}
     if layouts := _layouts(parts):
         entries[_LAYOUT] = _common_layout(layouts)
-    told = common([told_of(each.metadata) for each in parts])
+    told = common_transformation([transformation_of(each.metadata) for each in parts])
     entries |= {TRANSFORMATION: told} if told else {}
     if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import sentence, told_of
+from liftmesh.crs.transformation import transformation_of, transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
 from liftmesh.io.surface_rows import classes_of
 
@@ -108,7 +108,7 @@ class Report(FrozenResult):
         return f"Rows by class: {said}. " if said else ""
 
     def _change(self) -> str:
-        said = sentence(self.transformation) if self.transformation else ""
+        said = transformation_text(self.transformation) if self.transformation else ""
         return f"{said[:1].upper()}{said[1:]}. " if said else ""
 
     def _colors(self) -> str:
@@ -136,6 +136,6 @@ def report_on(cloud: Cloud, **fields: Any) -> Report:
         "rows": len(cloud),
         "color_depth": cloud.color_depth,
         "classes": classes_of(cloud.attributes),
-        "transformation": told_of(cloud.metadata),
+        "transformation": transformation_of(cloud.metadata),
     }
     return Report(**{**known, **fields})

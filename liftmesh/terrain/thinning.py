@@ -25,9 +25,10 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import check_finite, starts_of_runs
-from liftmesh.base.options import CellRow, as_count, check_option, shown
+from liftmesh.base.arrays import as_positive, check_finite, starts_of_runs
+from liftmesh.base.options import CellRow, as_count, check_option
 from liftmesh.errors import InputError
+from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
@@ -35,6 +36,7 @@ from liftmesh.terrain.triangulate import triangulate
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
+_LENGTH = "a positive number, in the cloud's units"
 _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells apart
 # Of a cell of the distance / sqrt(2): all others that can have a point within the distance; those
 # at the corners by no more than rounding.
@@ -119,14 +121,14 @@ def thin(
         rows = _at_random(len(source), as_count("random", value, 1), seed)
         how["seed"] = seed
     elif way == "cell":
-        rows = _of_cells(source.points, _size("cell", value), keep)
+        rows = _of_cells(source.points, as_positive("cell", value, _LENGTH), keep)
         how["keep"] = keep
     elif way == "adaptive":
         rows = _most_significant(source, as_count("adaptive", value, 3))
     else:
-        rows = _apart(source.points, _size("distance", value))
+        rows = _apart(source.points, as_positive("distance", value, _LENGTH))
     counts = {"rows": len(source), "kept": len(rows), **how}
-    return replace(source.select(rows), metadata={**source.metadata, "thinning": counts})
+    return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
 
 
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
@@ -137,18 +139,6 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
             f"{several} of every, random, cell, distance and adaptive are given: give one"
         )
     return next(iter(ways.items()))
-
-
-def _size(name: str, value: object) -> float:
-    """Check a length in the units of the coordinates."""
-    is_number = isinstance(value, int | float | np.integer | np.floating)
-    try:
-        size = float(value) if is_number and not isinstance(value, bool) else math.nan  # type: ignore[arg-type]
-    except OverflowError:  # a whole number beyond the doubles
-        size = math.nan
-    if not 0 < size < math.inf:
-        raise InputError(f"{name} is {shown(value)}: give a positive number, in the cloud's units")
-    return size
 
 
 def _most_significant(cloud: Cloud, wanted: int) -> Rows:

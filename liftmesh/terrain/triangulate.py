@@ -19,7 +19,8 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
 from liftmesh.base.options import Duplicates, Method, NonFinite, check_option, check_progress
-from liftmesh.crs.description import described, warnings_of
+from liftmesh.crs.description import parse_crs
+from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
 from liftmesh.io.metadata import found_columns
 from liftmesh.io.surface_rows import read_rows
@@ -223,13 +224,13 @@ def check_system(
     stacklevel: int = 3,  # whose line a warning names
 ) -> None:
     """Refuse coordinates that have no plane x, y, and warn of those that are no lengths."""
-    system = described(crs)
+    system = parse_crs(crs)
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
             f"the coordinates are geocentric ({system.name}), and x, y is no plane on the ground: "
             "read the file with to_crs= a projected system, or give the normal of a plane"
         )
-    for each in warnings_of(system):
+    for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)
 
 

@@ -21,10 +21,9 @@ import numpy as np
 
 from liftmesh.base.options import shown
 from liftmesh.crs.comparison import are_different, text_of
-from liftmesh.crs.description import described, looked_up
+from liftmesh.crs.description import look_up, parse_crs
 from liftmesh.errors import DataWarning, FormatError, InputError, MissingDependencyError
-from liftmesh.io.markup import parsed
-from liftmesh.optional import load
+from liftmesh.io.json_text import parsed
 from liftmesh.vector.geopackage import MAGIC as GEOPACKAGE, read_geopackage
 from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile
 
@@ -81,7 +80,7 @@ def stated_system(shapes: object) -> str | None:
 def own_system(tree: Mapping[str, Any], bounds: Sequence[float]) -> str | None:
     """Return the system of shapes of a file that stand by themselves."""
     crs = stated_system(tree) if "crs" in tree else _STANDARD
-    system = described(crs)
+    system = parse_crs(crs)
     if system is None or (system.kind == "geographic" and not _are_degrees(bounds)):
         return None
     return crs
@@ -94,7 +93,7 @@ def _are_degrees(bounds: Sequence[float]) -> bool:
 def _with_system(tree: dict[str, Any], crs: str | None, path: Path) -> dict[str, Any]:
     """Name the system as old GeoJSON does: the number that stands for it, if pyproj knows one."""
     try:
-        crs = text_of(looked_up(load("pyproj", extra="shapes"), crs)) if crs else None
+        crs = text_of(look_up(crs, extra="shapes")) if crs else None
     except MissingDependencyError:
         pass
     except InputError:

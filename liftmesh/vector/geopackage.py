@@ -28,7 +28,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import shown
-from liftmesh.crs.description import looked_up
+from liftmesh.crs.description import look_up
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.optional import load
 
@@ -287,7 +287,7 @@ def write_shapes(
     """Write a layer of geometries of any kind."""
     load("pyogrio", extra="shapes")  # geopandas imports it only when it writes
     geopandas = load("geopandas", extra="shapes")
-    system = None if crs is None else looked_up(load("pyproj", extra="shapes"), crs)
+    system = None if crs is None else look_up(crs, extra="shapes")
     frame = geopandas.GeoDataFrame(dict(columns), geometry=shapes, crs=system)
     content = io.BytesIO()
     with warnings.catch_warnings():

@@ -20,7 +20,7 @@ from liftmesh.base.arrays import as_reals
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import FormatError
-from liftmesh.io.metadata import Unread
+from liftmesh.io.metadata import Unread, noted
 from liftmesh.vector.files import read_shapes, stated_system
 from liftmesh.vector.geojson import geometries
 
@@ -50,7 +50,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     return Cloud(
         np.column_stack([planar, np.zeros(len(planar))]),
         attributes=columns,
-        metadata={"skipped": Unread(skipped)} if skipped else {},
+        metadata=noted({}, skipped=Unread(skipped)),
         crs=stated_system(shapes),
     )
 

@@ -19,9 +19,10 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+from jobs import LONG_COMMANDS
 from process_state import MEGA, RETURNING, State, halted
 
-from interrupt.jobs import COMMANDS, UNFINISHED
+from interrupt.jobs import UNFINISHED
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
@@ -167,7 +168,7 @@ def _changes(folder: Path, before: dict[str, int], own: Path | None = None) -> I
 
 def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
     """Interrupt a command, in a new process each time."""
-    words = COMMANDS[job]
+    words = tuple(LONG_COMMANDS[job].words(folder, folder / "out"))
     child, began = _started(words, folder)
     code = child.wait(TIMEOUT)
     whole = time.monotonic() - began
@@ -195,8 +196,7 @@ def _started(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str
         stderr=subprocess.PIPE,
         text=True,
     )
-    source = str(folder / words[1])
-    while source not in _open_files(child.pid) and child.poll() is None:
+    while words[1] not in _open_files(child.pid) and child.poll() is None:
         time.sleep(0.001)
     return child, time.monotonic()
 
@@ -251,6 +251,6 @@ def _without_figures(text: str) -> str:
 
 
 def _stage(opened: list[str], folder: Path, words: tuple[str, ...]) -> str:
-    if str(folder / words[1]) in opened:
+    if words[1] in opened:
         return "reading"
     return "writing" if any(name.startswith(str(folder / "out")) for name in opened) else "working"

@@ -17,9 +17,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from jobs import OLD, Command
 from process_state import halted
 
-from sweep.jobs import COMMAND, OLD, Job, Known, fill
+from sweep.jobs import COMMAND, Known, fill, kind_of, words_of
 
 TIMEOUT = 60.0
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -36,14 +37,14 @@ class Plan:
     """What to do in a run: the job, the signals, at what share of its time, the gap between."""
 
     number: int
-    job: Job
+    job: Command
     signals: tuple[signal.Signals, ...]
     share: float
     gap: float
 
     def __str__(self) -> str:
         names = " and ".join(each.name for each in self.signals)
-        return f"run {self.number}: {' '.join(self.job.words)}: {names} at {self.share:.0%}"
+        return f"run {self.number}: {self.job.line}: {names} at {self.share:.0%}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +69,7 @@ class _End:
     stage: str
 
 
-def plan(number: int, seed: int, jobs: list[Job]) -> Plan:
+def plan(number: int, seed: int, jobs: list[Command]) -> Plan:
     """Draw a run: any job, either signal, any moment, and a second signal now and then."""
     draw = random.Random(f"{seed} {number}")
     job = draw.choice(jobs)
@@ -91,7 +92,7 @@ def run(planned: Plan, folder: Path, known: Known, most: float, second: float) -
 
 def _signalled(planned: Plan, place: Path, known: Known) -> _End:
     child = subprocess.Popen(
-        [*COMMAND, *planned.job.words],
+        [*COMMAND, *words_of(planned.job)],
         cwd=place,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -118,14 +119,14 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
 def _wait(child: subprocess.Popen[bytes], planned: Plan, known: Known) -> None:
     """Wait for the moment of the signal; learn how long a command of this kind takes."""
     began = time.monotonic()
-    expected = known.seconds[planned.job.kind]
+    expected = known.seconds[kind_of(planned.job)]
     try:
         child.wait(planned.share * expected)
     except subprocess.TimeoutExpired:
         if planned.share > _LATE:
-            known.seconds[planned.job.kind] = 1.3 * expected
+            known.seconds[kind_of(planned.job)] = 1.3 * expected
     else:
-        known.seconds[planned.job.kind] = time.monotonic() - began
+        known.seconds[kind_of(planned.job)] = time.monotonic() - began
 
 
 def _stage(child: subprocess.Popen[bytes]) -> str:
@@ -204,7 +205,7 @@ def _of_files(planned: Plan, end: _End, place: Path, known: Known) -> Iterator[s
     for path in place.iterdir():
         if path.name.startswith("."):
             yield f"{path.name} was left behind"
-        elif path.name in planned.job.outputs and path.read_bytes() != OLD:
+        elif path.name in planned.job.targets and path.read_bytes() != OLD:
             if path.read_bytes() != known.written[planned.job][path.name]:
                 yield f"{path.name} is not whole"
             if path.stat().st_ctime > end.sent + _TICK and not _was_lost(end):

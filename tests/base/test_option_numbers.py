@@ -20,7 +20,9 @@ def test_a_number_is_the_decimal_it_is_printed_as() -> None:
             as_decimal(value)
 
 
-@pytest.mark.parametrize("value", [0, -1, float("inf"), float("nan"), "4", None, [1, 2], 10**400])
+@pytest.mark.parametrize(
+    "value", [0, -1, float("inf"), float("nan"), "4", None, [1, 2], 10**400, True]
+)
 def test_what_is_no_positive_number_is_refused(value: object) -> None:
     with pytest.raises(InputError, match=r"^length is .*: give a positive length$"):
         as_positive("length", value, "a positive length")

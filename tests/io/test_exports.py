@@ -17,7 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.crs.description import described
+from liftmesh.crs.description import parse_crs
 
 FEET = 'PROJCS["a",GEOGCS["b",UNIT["degree",0.0174532925199433]],UNIT["foot",{}]]'
 OFFSET = np.array([450000.1, 5200000.2, 0.0])
@@ -121,10 +121,10 @@ def test_units_that_a_format_has_not(kind: str, crs: str, cause: str) -> None:
 def test_a_number_without_pyproj_has_no_unit(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "pyproj", None)
     monkeypatch.setattr("importlib.util.find_spec", lambda _: None)
-    described.cache_clear()
+    parse_crs.cache_clear()
     with pytest.raises(FormatError, match=r"'EPSG:2236' is not known, .* install liftmesh\[terr"):
         written(replace(MESH, crs="EPSG:2236"), kind)
-    described.cache_clear()
+    parse_crs.cache_clear()
 
 
 @pytest.mark.parametrize("kind", ["landxml", "3mf"])

@@ -17,7 +17,7 @@ from rasterio.transform import Affine
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.crs.description import described
+from liftmesh.crs.description import parse_crs
 from liftmesh.crs.geokeys import _tiff
 
 PROJECTION = b"LASF_Projection"
@@ -31,7 +31,7 @@ def read(*others: bytes, wkt: bool = False, **keys: Any) -> Cloud:
 
 
 def units(cloud: Cloud) -> tuple[str | None, ...]:
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     assert system is not None
     return tuple(each.name if each else None for each in system.units)
 
@@ -61,7 +61,7 @@ def test_degrees_are_said_by_the_model_or_by_nothing_else() -> None:
 def test_geocentric_systems(number: int, crs: str) -> None:
     cloud = read(k1024=3, k2048=number)
     assert crs in (cloud.crs or "")
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     assert system is not None
     assert system.kind == "geocentric"
     with pytest.raises(InputError, match="geocentric"):
@@ -93,7 +93,7 @@ def test_systems_of_heights(case: str) -> None:
 def test_a_unit_of_heights_without_a_system(keys: dict[str, Any]) -> None:
     cloud = read(k1024=1, k3072=26910, k4099=9003, **keys)
     assert units(cloud) == ("metre", "metre", "US survey foot")
-    system = described(cloud.crs)
+    system = parse_crs(cloud.crs)
     assert system is not None
     assert system.is_mixed
     assert (system.kind, system.name) == ("projected", "EPSG:26910 + heights in US survey foot")

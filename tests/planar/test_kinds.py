@@ -13,9 +13,9 @@ from liftmesh.planar.kinds import (
     as_kind,
     as_metric,
     as_weights,
-    chosen,
     named_values,
     options_of,
+    weights_or_radii,
 )
 
 
@@ -54,10 +54,8 @@ def test_a_kind_knows_its_values() -> None:
     assert as_kind(3, None, None, None, furthest_site=True).name == "farthest"
     weights = as_kind(2, [1, np.nan], None, None, furthest_site=False)
     assert (weights.name, weights.has_values, weights.may_hide) == ("weights", True, True)
-    error = weights.non_finite(1)
-    assert isinstance(error, NonFiniteError)
-    assert str(error).startswith("row 1 has the weight nan: remove such rows, or skip them")
-    assert weights.non_finite(0) is None
+    with pytest.raises(NonFiniteError, match="row 1 has the weight nan: remove such rows, or skip"):
+        weights.finite(skipping=False)
 
 
 def test_the_side_of_a_lifted_row_is_exact() -> None:
@@ -71,8 +69,8 @@ def test_several_kinds_at_once_are_refused() -> None:
     with pytest.raises(InputError, match="weights and furthest_site are given: give one of them"):
         as_kind(1, [1], None, None, furthest_site=True)
     with pytest.raises(InputError, match="both weights and radii are given"):
-        chosen([1], [1])
-    assert chosen(None, "size") == ("radii", "size")
+        weights_or_radii([1], [1])
+    assert weights_or_radii(None, "size") == ("radii", "size")
 
 
 def test_a_triangulation_says_by_what_it_was_made() -> None:

@@ -47,6 +47,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.faces import faces_of
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax
+from liftmesh.io.metadata import noted
 from liftmesh.io.precision import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.streams import read_exactly, remaining
 from liftmesh.io.text_tables import number_table, quoted
@@ -85,7 +86,7 @@ def read_stl(stream: BinaryIO, name: str) -> Cloud:
         return _binary(stream, head, size, name)
     stream.seek(begin)
     corners, colors = read_corners(stream, name)
-    return _welded(corners, name, **_skipped(f"{colors} lines of colours" if colors else ""))
+    return _welded(corners, name, f"{colors} lines of colours" if colors else "")
 
 
 def write_stl(stream: BinaryIO, cloud: Cloud) -> Origin | None:
@@ -160,9 +161,9 @@ def _binary(stream: BinaryIO, head: bytes, size: int, name: str) -> Cloud:
         read_exactly(stream, count * _FACET.itemsize, name, "the facets"), dtype=_FACET
     )
     marked = int(np.count_nonzero(facets["attribute"]))
-    skipped = _skipped(f"attribute bytes of {marked} facets" if marked else "")
+    skipped = f"attribute bytes of {marked} facets" if marked else ""
     corners = widened(facets["corners"].reshape(-1, 3))
-    return with_origin(_welded(corners, name, **skipped), origin)
+    return with_origin(_welded(corners, name, skipped), origin)
 
 
 def _stated_origin(title: bytes, name: str) -> Origin | None:
@@ -176,11 +177,7 @@ def _stated_origin(title: bytes, name: str) -> Origin | None:
     return checked_origin(values, name)
 
 
-def _skipped(what: str) -> dict[str, tuple[str, ...]]:
-    return {"skipped": (what,)} if what else {}
-
-
-def _welded(corners: Floats, name: str, **metadata: object) -> Cloud:
+def _welded(corners: Floats, name: str, skipped: str) -> Cloud:
     """Merge equal corners, in the order of first appearance."""
     if not len(corners):
         raise FormatError(f"{name}: the file holds no vertices")
@@ -188,7 +185,11 @@ def _welded(corners: Floats, name: str, **metadata: object) -> Cloud:
     return Cloud(
         corners[kept],
         faces=place.reshape(-1, 3).astype(np.int32),
-        metadata={"repeated_vertices": len(corners) - len(kept), **metadata},
+        metadata=noted(
+            {},
+            repeated_vertices=len(corners) - len(kept),
+            skipped=(skipped,) if skipped else (),
+        ),
     )
 
 

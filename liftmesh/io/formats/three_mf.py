@@ -20,8 +20,7 @@ import numpy as np
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.options import Unit3MF as Unit, check_option
-from liftmesh.crs.description import length_unit
-from liftmesh.crs.units import band_unit
+from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
 from liftmesh.io.precision import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows

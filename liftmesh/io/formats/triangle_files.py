@@ -24,6 +24,7 @@ from liftmesh.errors import FormatError
 from liftmesh.io.faces import checked_faces
 from liftmesh.io.limits import check_columns
 from liftmesh.io.lines import HASH, Lines, check_end, promised
+from liftmesh.io.metadata import noted
 from liftmesh.io.streams import decompressed
 from liftmesh.io.text_tables import exact_values, is_count, number_table, quoted
 
@@ -51,9 +52,10 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     faces = table[:, 1:4] - first
     skipped = [f"{more} attribute{'s' * (more > 1)} of triangles"] * (more > 0)
     skipped += ["midpoints of edges"] * (corners == 6)
-    described = {"skipped": tuple(skipped)} if skipped else {}
     return replace(
-        cloud, faces=checked_faces(_whole(faces, name), len(cloud), name), metadata=described
+        cloud,
+        faces=checked_faces(_whole(faces, name), len(cloud), name),
+        metadata=noted({}, skipped=tuple(skipped)),
     )
 
 

@@ -25,7 +25,7 @@ from liftmesh.base.colors import as_float, is_opaque
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.faces import faces_of, narrowed
-from liftmesh.io.metadata import Unread
+from liftmesh.io.metadata import Unread, noted
 from liftmesh.io.precision import needed_origin
 from liftmesh.optional import load
 
@@ -118,8 +118,7 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
 
 def _unread(names: Iterable[str]) -> dict[str, Any]:
     """The metadata that name what a cloud does not hold."""
-    skipped = Unread(names)
-    return {"skipped": skipped} if skipped else {}
+    return noted({}, skipped=Unread(names))
 
 
 def _tensor_shades(named: dict[str, Array]) -> Array | None:

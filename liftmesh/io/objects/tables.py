@@ -26,7 +26,7 @@ from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
 from liftmesh.io.formats.text.options import TableOptions, validate_table_options
-from liftmesh.io.metadata import NotedColumns, Unread
+from liftmesh.io.metadata import NotedColumns, Unread, noted
 from liftmesh.io.objects.plain import (
     AS_TABLE,
     FRAMES,
@@ -140,13 +140,14 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     points = _points(found, columns, options, len(values[0][1]))
     columns.warn()
     notes = (*columns.notes, *_rounded(columns, values, found))
-    parts = {"columns": NotedColumns(columns.mapping()), "notes": notes, "skipped": Unread(unread)}
     return Cloud(
         points,
         colors=_colors(found),
         normals=taken_together(found, NORMAL),
         attributes={k: _without_nodata(each, options) for k, each in found.items()},
-        metadata={name: part for name, part in parts.items() if part},
+        metadata=noted(
+            {}, columns=NotedColumns(columns.mapping()), notes=notes, skipped=Unread(unread)
+        ),
         crs=described.get("crs"),
     )
 

@@ -28,6 +28,7 @@ from liftmesh.io.columns import COLOR, POSITION, CloudBuilder
 from liftmesh.io.formats.e57.decoding import Decoder, Limits, Scan, decoded
 from liftmesh.io.formats.e57.header import check_header
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
+from liftmesh.io.metadata import noted
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.e57.decoding import Scan
@@ -100,9 +101,7 @@ class _Reader:
             skipped.append(f"{self._invalid:,} points without a valid position")
         if images := self._decoder.images:
             skipped.append(f"{images:,} images")
-        entries: dict[str, Any] = {"e57": {"scans": scans}}
-        entries |= {"skipped": tuple(skipped)} if skipped else {}
-        return entries | ({"notes": tuple(self._notes)} if self._notes else {})
+        return noted({"e57": {"scans": scans}}, skipped=tuple(skipped), notes=tuple(self._notes))
 
 
 def _common(scans: list[Scan], name: str) -> tuple[dict[str, np.dtype], list[str]]:

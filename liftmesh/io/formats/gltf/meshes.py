@@ -17,8 +17,8 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, fits_eight_bits, with_alpha
 from liftmesh.io.formats.gltf.validation import Accessor, Document, Tree, is_harmless
+from liftmesh.io.json_text import shown
 from liftmesh.io.limits import check_columns
-from liftmesh.io.markup import shown
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _LINES = {1: "lines", 2: "line loop(s)", 3: "line strip(s)"}

@@ -14,7 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.io.formats.gltf.validation import Document, Tree, is_harmless
-from liftmesh.io.markup import finite_numbers, shown
+from liftmesh.io.json_text import finite_numbers, shown
 
 if TYPE_CHECKING:
     from liftmesh.io.precision import Origin

@@ -20,7 +20,7 @@ from liftmesh.io.formats.gltf.meshes import ROUNDED, Primitive, decoded, primiti
 from liftmesh.io.formats.gltf.nodes import Scene, default_scene, put_exactly
 from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.limits import check_expanded, limit_of
-from liftmesh.io.metadata import NOTE, of_extras
+from liftmesh.io.metadata import NOTE, noted, of_extras
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.precision import checked_origin, with_origin
 
@@ -52,7 +52,7 @@ def _scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Clo
     cloud = content.cloud()
     cloud = replace(cloud, attributes=restored(cloud.attributes, note.get("attributes")))
     if is_there:
-        return replace(cloud, metadata={**cloud.metadata, "origin": placed})
+        return replace(cloud, metadata=noted(cloud.metadata, origin=placed))
     stated = scene.extras.get("origin")  # of older versions, whose nodes are at zero
     return with_origin(cloud, None if stated is None else checked_origin(stated, name))
 
@@ -178,9 +178,7 @@ class _Content:
         metadata = of_extras(extras)
         if isinstance(self._document.tree.get("extensions"), dict):
             metadata["gltf_extensions"] = self._document.tree["extensions"]
-        if self._named():
-            metadata["skipped"] = self._named()
-        return {"metadata": metadata, "crs": stated}
+        return {"metadata": noted(metadata, skipped=self._named()), "crs": stated}
 
 
 @dataclass(frozen=True, slots=True)

@@ -14,8 +14,8 @@ from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, StatedBuffer
+from liftmesh.io.json_text import check_length, parsed, shown, without_buffers
 from liftmesh.io.limits import bytes_of_text, bytes_of_tree, check_expanded, limit_of
-from liftmesh.io.markup import check_length, parsed, shown, without_buffers
 from liftmesh.io.streams import remaining
 
 Tree = dict[str, Any]

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
+from liftmesh.base.arrays import as_positive
 from liftmesh.base.options import shown
 from liftmesh.crs.description import as_wkt
 from liftmesh.errors import FormatError, InputError
@@ -125,13 +126,12 @@ def _steps(cloud: Cloud, said: Mapping[str, Any], scale: float | None) -> tuple[
     if scale is None:
         coarsest = _coarsest(said)
         return tuple(map(_steps_at, columns, pairs, coarsest))
-    if isinstance(scale, bool) or not isinstance(scale, float | int) or not 0 < scale < math.inf:
-        raise InputError(f"scale is {shown(scale)}: give a positive number, as 0.001")
+    step = as_positive("scale", scale, "a positive number, as 0.001")
     found = []
     for each, pair in zip(columns, pairs, strict=True):
-        steps = steps_of(each, (float(scale), pair[1] if pair else 0.0))
-        if steps.scale != scale:  # the coordinates are no decimals of that scale
-            steps = _rounding(each, float(scale))
+        steps = steps_of(each, (step, pair[1] if pair else 0.0))
+        if steps.scale != step:  # the coordinates are no decimals of that scale
+            steps = _rounding(each, step)
         found.append(steps)
     return tuple(found)
 

@@ -11,7 +11,8 @@ left out at once. Memory beyond the arrays is that of a block.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, BinaryIO, cast
 
 from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
@@ -19,8 +20,9 @@ from liftmesh.io.formats.las.copc import DamagedIndexError
 from liftmesh.io.formats.las.header import read_header
 from liftmesh.io.formats.las.laz import OffsetStream
 from liftmesh.io.formats.las.points import BLOCK, WAVE_PACKETS, Block, Points, types_of
-from liftmesh.io.formats.las.vlrs import DEPTH, ENTRY, LiftmeshVlr, crs_of, entry_of, refused
+from liftmesh.io.formats.las.vlrs import DEPTH, LiftmeshVlr, crs_of, entry_of, refused
 from liftmesh.io.limits import check_columns, check_expanded, limit_of
+from liftmesh.io.metadata import noted
 from liftmesh.io.selection import Selection, Selector
 
 if TYPE_CHECKING:
@@ -88,7 +90,7 @@ def _part(file: _File, selection: Selection, name: str, *, boxed: bool) -> tuple
     builder.shorten(filled)
     depth = 16 if brightest > 255 else None
     counts = selector.counts()
-    return file.cloud(builder, depth, selection=counts), bool(counts.get("ground"))
+    return file.cloud(builder, depth, counts), bool(counts.get("ground"))
 
 
 def read_las_chunks(
@@ -142,7 +144,12 @@ class _File:
             if len(numbers) and max(int(numbers.max()), -int(numbers.min())) > _MOST_EXACT:
                 self._rounded[name] = None
 
-    def cloud(self, builder: CloudBuilder, depth: int | None = None, **notes: Any) -> Cloud:
+    def cloud(
+        self,
+        builder: CloudBuilder,
+        depth: int | None = None,
+        selection: Mapping[str, int] = MappingProxyType({}),
+    ) -> Cloud:
         """Make a cloud of filled arrays, with what the file says of all its points."""
         header = self._header
         layout: dict[str, Any] = {
@@ -158,14 +165,8 @@ class _File:
                 "levels": int(levels.max()) + 1 if len(levels) else 0,
             }
         own_vlr = LiftmeshVlr(header.records)
-        entries: dict[str, Any] = {
-            **own_vlr.metadata,
-            "las": layout,
-            ENTRY: entry_of(header),
-            **notes,
-        }
-        if skipped := self._skipped():
-            entries["skipped"] = skipped
+        entries = noted({**own_vlr.metadata, "las": layout}, las_records=entry_of(header))
+        entries = noted(entries, selection=selection, skipped=self._skipped())
         crs = own_vlr.crs(crs_of(header.records, is_wkt=header.wkt))
         cloud = builder.cloud(metadata=entries, crs=crs, color_depth=own_vlr.color_depth or depth)
         if cloud.color_depth == _SHALLOW:  # which surfaces and other formats do not keep

@@ -25,10 +25,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.crs.geokeys import has_parameters, system_of, wkt_of
+from liftmesh.crs.geokeys import KEYS, OF_KEYS, crs_of_geokeys, has_parameters, wkt_of
 from liftmesh.io import metadata
 from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
-from liftmesh.io.markup import parsed_or_none
+from liftmesh.io.json_text import parsed_or_none
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -116,8 +116,7 @@ def replace_records(records: Iterable[Record], new: Record | None, *olds: Record
 
 
 PROJECTION, LIBLAS = b"LASF_Projection", b"liblas"
-WKT, _KEYS = 2112, 34735
-_OF_KEYS = (_KEYS, 34736, 34737)
+WKT = 2112
 
 
 def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
@@ -126,7 +125,7 @@ def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
     wkt = _text(found.get((PROJECTION, WKT)))
     if is_wkt and wkt:
         return wkt
-    keys, _ = system_of(found.get((PROJECTION, _KEYS)))
+    keys, _ = crs_of_geokeys(found.get((PROJECTION, KEYS)))
     text = keys or wkt or (None if is_wkt else _text(found.get((LIBLAS, WKT))))
     return text or _made_up(found, is_wkt=is_wkt)[0]
 
@@ -135,7 +134,7 @@ def refused(records: Iterable[Record], *, is_wkt: bool) -> tuple[str, ...]:
     """Name GeoKeys that contradict themselves or are not understood, unless they do not count."""
     records = [*records]
     found = _first(records)
-    _, cause = system_of(found.get((PROJECTION, _KEYS)))
+    _, cause = crs_of_geokeys(found.get((PROJECTION, KEYS)))
     if not cause and crs_of(records, is_wkt=is_wkt) is None:
         cause = _made_up(found, is_wkt=is_wkt)[1]
     return (cause,) if cause and not is_wkt else ()
@@ -143,8 +142,8 @@ def refused(records: Iterable[Record], *, is_wkt: bool) -> tuple[str, ...]:
 
 def _made_up(found: Mapping[tuple[bytes, int], bytes], *, is_wkt: bool) -> tuple[str | None, str]:
     """Return the system that GeoKeys make up of parameters, or why there is none."""
-    records = {key: found[PROJECTION, key] for key in _OF_KEYS if (PROJECTION, key) in found}
-    return wkt_of(records) if not is_wkt and has_parameters(records.get(_KEYS)) else (None, "")
+    records = {key: found[PROJECTION, key] for key in OF_KEYS if (PROJECTION, key) in found}
+    return wkt_of(records) if not is_wkt and has_parameters(records.get(KEYS)) else (None, "")
 
 
 def _first(records: Iterable[Record]) -> dict[tuple[bytes, int], bytes]:

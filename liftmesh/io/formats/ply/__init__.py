@@ -21,7 +21,7 @@ from liftmesh.io.faces import Ragged, face_counts, triangulated
 from liftmesh.io.formats.ply.ascii_body import AsciiBody
 from liftmesh.io.formats.ply.binary_body import BinaryBody
 from liftmesh.io.formats.ply.header import Element, depth_of_comments, old_names, read_header
-from liftmesh.io.metadata import others, stated, stated_crs
+from liftmesh.io.metadata import noted, others, stated, stated_crs
 from liftmesh.io.text_tables import shortened
 
 if TYPE_CHECKING:
@@ -154,15 +154,10 @@ class _Reading:
         ]
 
     def _metadata(self, faces: Ragged | None) -> dict[str, Any]:
-        found: dict[str, Any] = {
-            "obj_info": self._header.obj_info,
-            "skipped": tuple(self._skipped),
-        }
-        return (
-            stated(self._comments)
-            | {key: value for key, value in found.items() if value}
-            | (face_counts(faces) if faces is not None else {})
-        )
+        infos = self._header.obj_info
+        entries = stated(self._comments) | ({"obj_info": infos} if infos else {})
+        counts = {} if faces is None else face_counts(faces)
+        return noted(entries, skipped=tuple(self._skipped)) | counts
 
 
 def _scalars(element: Element) -> dict[str, np.dtype]:

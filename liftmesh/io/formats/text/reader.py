@@ -32,7 +32,7 @@ from liftmesh.io.formats.text.layout import (
 from liftmesh.io.formats.text.options import TableOptions
 from liftmesh.io.formats.text.values import TableValues
 from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
-from liftmesh.io.metadata import NotedColumns
+from liftmesh.io.metadata import NotedColumns, noted
 from liftmesh.io.text_tables import quoted, regrouped
 
 _COMMENTS = ("#", "//")
@@ -251,12 +251,7 @@ class _Meaning:
             unread[k] = f"column {given[k]} (text, line {text.line}: {quoted(text.value)})"
         mapping = NotedColumns(replace(self._columns, names=self._names()).mapping())
         notes = (*self._table.notes, *self._columns.notes, *self._remarks())
-        parts = {
-            "columns": mapping,
-            "notes": notes,
-            "skipped": tuple(unread.values()),
-        }
-        return {name: part for name, part in parts.items() if part}
+        return noted({}, columns=mapping, notes=notes, skipped=tuple(unread.values()))
 
     def _remarks(self) -> Iterator[str]:
         for k in sorted({*self._others[self._large].tolist()} & {*self._kept()}):

@@ -1,4 +1,4 @@
-"""JSON and XML in files: what is parsed, and how texts are written.
+"""JSON in files: what is parsed, and how texts are written.
 
 While JSON is parsed, the interpreter is held, and no signal is heard. So the text is limited,
 without embedded buffers, which take no time. And Python's search for reference cycles is put off:
@@ -11,8 +11,6 @@ from __future__ import annotations
 import gc
 import json
 import math
-import re
-from xml.sax.saxutils import quoteattr
 
 from liftmesh.errors import FormatError
 from liftmesh.io.text_tables import shortened
@@ -20,9 +18,6 @@ from liftmesh.io.text_tables import shortened
 _MOST = 1 << 25
 _EMBEDDED = b'"data:'
 _LONG = 1000  # shorter strings may be keys, and their number matters
-
-# XML 1.0 has no other characters below the blank, no surrogates, and not these two.
-_IMPOSSIBLE = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 def parsed(text: bytes | str) -> object:
@@ -91,15 +86,3 @@ def shown(values: object) -> str:
     listed = values[:4] if isinstance(values, list) else [values]
     texts = (type(v).__name__ if isinstance(v, list | dict) else repr(v) for v in listed)
     return ", ".join(map(shortened, texts))
-
-
-def is_possible(text: str) -> bool:
-    """Whether XML can hold a text."""
-    return _IMPOSSIBLE.search(text) is None
-
-
-def attribute(text: str) -> str:
-    """Write a text as the value of an attribute, in quotation marks."""
-    marked = {"\n": "&#10;", "\r": "&#13;", "\t": "&#9;", '"': "&quot;"}
-    found = quoteattr(text, marked)
-    return found if found.startswith('"') else f'"{found[1:-1]}"'
