@@ -1,4 +1,4 @@
-"""JSON and XML in files: numbers that are none, texts that must be escaped or cannot be written."""
+"""Values of JSON in files: numbers that are none, and texts that must be escaped."""
 
 from __future__ import annotations
 
@@ -6,9 +6,7 @@ import pytest
 
 from liftmesh.io.json_text import (
     ascii_string,
-    attribute,
     finite_numbers,
-    is_possible,
     parsed_or_none,
     shown,
     without_buffers,
@@ -60,15 +58,3 @@ def test_only_long_buffers_are_left_out() -> None:
 def test_values_of_messages_are_short() -> None:
     assert shown([[1, 2], "b", 3, 4, 5]) == "list, 'b', 3, 4"
     assert len(shown("a" * 1000)) <= 40
-
-
-@pytest.mark.parametrize(
-    ("text", "is_there"),
-    [("a < b", True), ("tab\t", True), ("bell \x07", False), ("\ud800", False)],
-)
-def test_characters_that_xml_holds(text: str, is_there: bool) -> None:
-    assert is_possible(text) == is_there
-
-
-def test_attributes_of_xml_are_in_quotation_marks() -> None:
-    assert attribute('say "a"\n') == '"say &quot;a&quot;&#10;"'
