@@ -58,7 +58,12 @@ def attempt(action: Action) -> dict[str, Any]:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         place = where(error.__traceback__, shares[-1])
     ended = time.monotonic()  # the exception's references are released by now
-    return {"ended": ended, "seconds": ended - began, "place": place}
+    return {
+        "ended": ended,
+        "seconds": ended - began,
+        "place": place,
+        "computed": time.process_time(),
+    }
 
 
 def where(traceback: TracebackType | None, share: float) -> str:
