@@ -66,7 +66,6 @@ from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
-from .tiles.tiled import Tiled as Tiled, open_tiled as open_tiled
-from .tiles.tiled_surface import TiledSurface as TiledSurface
+from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
 
 __version__: str

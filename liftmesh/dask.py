@@ -60,8 +60,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
-    from liftmesh.tiles.tiled import Tiled
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
 __all__ = ["delaunay", "local_cluster", "triangulate"]

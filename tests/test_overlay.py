@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from liftmesh import InputError
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import as_domain
-from liftmesh.cells.overlay import overlaid
+from liftmesh.cells.overlay import overlay_cells
 from liftmesh.disks.sides import Traced
 
 SIZE = 4  # squares along a side; cell (x, y) is row SIZE * y + x
@@ -71,7 +71,7 @@ def check(shape: shapely.Geometry) -> ClippedCells:
     lines, squares = lattice()
     domain = as_domain(shape, np.empty((0, 2)))
     cells = ClippedCells(shapely.get_coordinates(shapely.centroid(squares)), domain,
-                         *overlaid(lines, domain, 0))  # fmt: skip
+                         *overlay_cells(lines, domain, 0))  # fmt: skip
     found = cells.to_shapely()
     expected = np.array([polygonal(square & shape) for square in squares], dtype=object)
     assert shapely.is_valid(found).all()
@@ -125,4 +125,4 @@ def test_polylines_that_cross_are_noticed() -> None:
     broken = lines._replace(points=crossed)
     domain = as_domain((0, 0, 8, 8), np.empty((0, 2)))
     with pytest.raises(InputError, match=r"thinner near .* than float64"):
-        overlaid(broken, domain, 0)
+        overlay_cells(broken, domain, 0)

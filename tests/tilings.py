@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liftmesh.tiles.adjacency import as_pairs, links_to, open_edges, paired
+from liftmesh.tiles.adjacency import links_to, open_edges, paired
 from liftmesh.tiles.node import Frontier, Merged, joined, merge
+from liftmesh.tiles.tiled_data import as_pairs
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan

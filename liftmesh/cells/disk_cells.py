@@ -14,13 +14,13 @@ from liftmesh.base.arrays import as_coordinates, read_only
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
-from liftmesh.cells.overlay import overlaid
+from liftmesh.cells.overlay import overlay_cells
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
 from liftmesh.crs.comparison import crs_of
 from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_chord_tolerance
 from liftmesh.disks.graph import as_disks
-from liftmesh.disks.sides import Traced, traced
+from liftmesh.disks.sides import Traced, trace_sides
 from liftmesh.errors import InputError
 
 _MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
@@ -173,9 +173,9 @@ class ApolloniusCells(ClippedCells):
             super().__init__(graph.centers, domain, *clip(dual, domain))
         else:
             self._simplices = graph.simplices
-            self._lines = traced(graph, _box_around(domain, tolerance), tolerance)
+            self._lines = trace_sides(graph, _box_around(domain, tolerance), tolerance)
             default = _nearest(graph, domain)
-            super().__init__(graph.centers, domain, *overlaid(self._lines, domain, default))
+            super().__init__(graph.centers, domain, *overlay_cells(self._lines, domain, default))
         self.duplicates, self.hidden = graph.duplicates, graph.hidden
 
     @property

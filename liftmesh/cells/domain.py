@@ -136,7 +136,7 @@ def _converted(given: Any) -> Any:
         raise InputError(
             f"domain cannot be converted to a polygon ({error}): {_LEADING}"
         ) from error
-    return shapes[0] if len(shapes) == 1 and shapes[0] is not None else united(shapes)
+    return shapes[0] if len(shapes) == 1 and shapes[0] is not None else unite(shapes)
 
 
 def shapes_of(given: Any) -> Sequence[Any]:
@@ -148,7 +148,7 @@ def shapes_of(given: Any) -> Sequence[Any]:
     return [None if each is None else shapely.geometry.shape(each) for each in held]
 
 
-def united(shapes: Sequence[Any]) -> Any:
+def unite(shapes: Sequence[Any]) -> Any:
     """Join polygons, which may touch or overlap, to one domain."""
     shapely = load("shapely", extra="shapes")
     if not len(shapes):

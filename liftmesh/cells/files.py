@@ -23,7 +23,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.cells.clipped import free_name
-from liftmesh.cells.domain import shapes_of, united
+from liftmesh.cells.domain import shapes_of, unite
 from liftmesh.cells.ply import write_ply
 from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
@@ -270,7 +270,7 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     except Exception as error:  # of whatever kind shapely makes
         raise FormatError(f"{path}: cannot be read as a domain: {error}") from error
     try:
-        shape = united(shapes)
+        shape = unite(shapes)
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     return shape, own_system(tree, shape.bounds)

@@ -65,7 +65,7 @@ class PolylineCorners(DomainCorners):
         return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
 
 
-def overlaid(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
+def overlay_cells(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
     """Clip all cells between polylines to a domain."""
     segment = lines.segments
     crossed = crossings(lines.points[segment], lines.points[segment + 1], domain)

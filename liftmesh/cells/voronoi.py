@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.frozen import check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import counted
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
@@ -24,7 +25,7 @@ from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
-from liftmesh.planar.kinds import chosen
+from liftmesh.planar.kinds import weights_or_radii
 
 
 def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
@@ -127,7 +128,7 @@ def power_diagram(
     >>> cells.areas, cells.hidden
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
     return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
 
@@ -191,6 +192,13 @@ class Cells(ClippedCells):
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
         self._dual = dual
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        dual = self._dual
+        check_copied(len(self.points), dual.simplices, dual.neighbors, dual.chain)
+        check_adjacent(dual.simplices, dual.neighbors)
+        check_numbers(0, len(dual.vertices), dual.simplex_to_vertex)
 
     @cached_property
     def corner_kinds(self) -> NDArray[np.uint8]:

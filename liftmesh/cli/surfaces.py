@@ -17,7 +17,7 @@ from liftmesh.errors import InputError
 if TYPE_CHECKING:
     from liftmesh._typing import Array
     from liftmesh.terrain.surface import Surface
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import TiledSurface
 
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides

@@ -139,7 +139,7 @@ def _cells(
     tolerance: float | None,
 ) -> ClippedCells:
     import liftmesh
-    from liftmesh.planar.kinds import chosen, named_values
+    from liftmesh.planar.kinds import named_values, weights_or_radii
 
     planar = cloud.points[:, :2]
     if disks is not None:
@@ -147,7 +147,7 @@ def _cells(
         return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
-    kind, name = chosen(weights, radii)
+    kind, name = weights_or_radii(weights, radii)
     return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
 
 

@@ -18,7 +18,7 @@ from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_numbers, as_positive, of_one_array
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
-from liftmesh.disks.sides import pieces_in, traced
+from liftmesh.disks.sides import pieces_in, trace_sides
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -299,7 +299,7 @@ class ApolloniusGraph(DiskGraph):
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
         limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
-        return list(pieces_in(traced(self, limits, length)))
+        return list(pieces_in(trace_sides(self, limits, length)))
 
 
 def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:

@@ -58,7 +58,7 @@ class Traced(NamedTuple):
         return np.flatnonzero(is_start)
 
 
-def traced(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
+def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
     """Follow the sides of all cells as far as a box sees them."""
     largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
     scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
@@ -69,7 +69,7 @@ def traced(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
     disks = scaled(np.column_stack([graph.centers, graph.radii]))
     all_sides = sides(graph.simplices, graph.neighbors, graph.convex_hull)
     vertices = vertices_of(disks, graph.simplices, scaled(graph.circles))
-    vertices = coinciding(all_sides, disks[:, :2], vertices)
+    vertices = merge_coinciding(all_sides, disks[:, :2], vertices)
     left, low, right, high = scaled(np.array(box)).tolist()
     limits = left, low, right, high
     arcs = arcs_of(all_sides, disks, vertices).near(limits)
@@ -153,7 +153,7 @@ def _named(pairs: Rows) -> Integers:
     return named
 
 
-def coinciding(all_sides: Sides, centers: Floats, vertices: Floats) -> Floats:
+def merge_coinciding(all_sides: Sides, centers: Floats, vertices: Floats) -> Floats:
     """Give one position to vertices that only rounding keeps apart."""
     bounded = (all_sides.ends >= 0).all(axis=1)
     one, other = all_sides.ends[bounded].T

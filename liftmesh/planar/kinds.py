@@ -179,7 +179,7 @@ def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
     return TriangulationKind(kind, values if is_readable(values) else values.copy())
 
 
-def chosen(weights: Any, radii: Any) -> tuple[str, Any]:
+def weights_or_radii(weights: Any, radii: Any) -> tuple[str, Any]:
     """Return the name and the value of the one of the two options that is given."""
     if weights is not None and radii is not None:
         raise InputError("both weights and radii are given: give one of them")

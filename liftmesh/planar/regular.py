@@ -19,7 +19,7 @@ from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import NonFinite, RowOrder, as_switch, as_threads
 from liftmesh.planar.delaunay import check_options, solution_of
 from liftmesh.planar.diagram import LiftedTriangles, rows_without_area
-from liftmesh.planar.kinds import TriangulationKind, as_weights, chosen, named_values
+from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values, weights_or_radii
 from liftmesh.planar.lifting import Heights, LowerHull
 from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
@@ -103,7 +103,7 @@ def regular(
     >>> regular(corners, radii=[6, 0, 0, 0, 0]).simplices.shape
     (2, 3)
     """
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     if isinstance(given, str):
         points, given = _named(points, kind, given)
     options = (nonfinite, order, threads, progress, copy)

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only
-from liftmesh.base.frozen import cached_property
+from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
@@ -208,7 +208,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         self._can_grow = is_growing
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
-        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
         self._exact = solution["simplices"], solution["neighbors"]
@@ -430,7 +430,7 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self._can_grow = is_growing
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
-        solution = solved(rows, furthest_site=self.furthest_site, copy=copy)
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
                      "ridge_points", "_found"):  # fmt: skip
             self.__dict__.pop(name, None)
@@ -445,6 +445,12 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
         self.overflowed = diagram.overflowed
         self._neighbors = solution["neighbors"]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        check_copied(len(self._points), self.simplices, self._neighbors, self.duplicates)
+        check_adjacent(self.simplices, self._neighbors)
+        check_numbers(0, len(self.vertices), self.simplex_to_vertex)
 
     @cached_property
     def _found(self) -> Regions:
@@ -523,7 +529,7 @@ def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
         )
 
 
-def solved(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
+def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
     """Triangulate points, with the errors that SciPy's callers expect."""
     try:
         return (solve_farthest if furthest_site else solve)(rows, copy=copy)

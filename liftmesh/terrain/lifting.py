@@ -21,7 +21,13 @@ from liftmesh.base.options import Method
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
-from liftmesh.planar.kinds import TriangulationKind, as_metric, as_weights, chosen, named_values
+from liftmesh.planar.kinds import (
+    TriangulationKind,
+    as_metric,
+    as_weights,
+    named_values,
+    weights_or_radii,
+)
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 
@@ -81,7 +87,7 @@ def lifting_of(
             return Lifting(cloud)
         form = as_metric(metric)
         return Lifting(_with_entry(cloud, {"metric": form.tolist()}), metric=form)
-    kind, given = chosen(weights, radii)
+    kind, given = weights_or_radii(weights, radii)
     if metric is not None:
         raise InputError(f"both {kind} and a metric are given: give one of them")
     if method not in _DIVIDING:

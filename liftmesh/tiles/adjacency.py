@@ -27,6 +27,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers
 from liftmesh.tiles.context import Done, RunContext, label, node_of
+from liftmesh.tiles.manifest import links_name, neighbors_name
 from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.sorted_chunks import load_plan
 from liftmesh.tiles.store import mapped, save_array
@@ -35,17 +36,11 @@ if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
     from liftmesh.tiles.findings import Findings
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.tiled import Tiled
+    from liftmesh.tiles.tiled_data import TiledData
 
 
 _SHARDS = "shards.npy"
 _CUTS = "cuts.npy"
-
-
-def neighbors_of(shard: str) -> tuple[str, str]:
-    """Name the two files beside a shard."""
-    stem = Path(shard).stem
-    return f"{stem}-neighbors.npy", f"{stem}-links.npy"
 
 
 def link_all(runner: Runner, context: RunContext, done: Sequence[Done]) -> dict[str, str]:
@@ -55,9 +50,7 @@ def link_all(runner: Runner, context: RunContext, done: Sequence[Done]) -> dict[
     save_array(context.scratch / _SHARDS, np.array(shards, dtype=np.int64))
     save_array(context.scratch / _CUTS, np.array(cuts, dtype=np.int64))
     digests = runner.each("link", link, [(context, name) for name in shards])
-    return {
-        neighbors_of(label(name))[1]: digest for name, digest in zip(shards, digests, strict=True)
-    }
+    return {links_name(label(name)): digest for name, digest in zip(shards, digests, strict=True)}
 
 
 def link(context: RunContext, name: int) -> str:
@@ -68,7 +61,7 @@ def link(context: RunContext, name: int) -> str:
         np.load(context.scratch / f"{label(cut)}-links.npy")
         for cut in above if cut in cuts
     ], shards)  # fmt: skip
-    return save_array(context.out / neighbors_of(label(name))[1], found)
+    return save_array(context.out / links_name(label(name)), found)
 
 
 def links_to(name: int, links: Sequence[Integers], shards: Integers) -> Integers:
@@ -80,15 +73,6 @@ def links_to(name: int, links: Sequence[Integers], shards: Integers) -> Integers
     order = np.argsort(shards)
     place = order[np.searchsorted(shards, mine[:, 2], sorter=order)]
     return np.column_stack((mine[:, 1], place, mine[:, 3] // 3))
-
-
-def as_pairs(shard: int, neighbors: Array, links: Integers) -> Integers:
-    """Put the two files of a shard together."""
-    pairs = np.empty((*neighbors.shape, 2), dtype=np.int64)
-    pairs[:, :, 0] = np.where(neighbors < 0, -1, shard)
-    pairs[:, :, 1] = neighbors
-    pairs.reshape(-1, 2)[links[:, 0]] = links[:, 1:]
-    return pairs
 
 
 def open_edges(name: int, triangles: Integers, neighbors: Array) -> Integers:
@@ -116,7 +100,7 @@ _BLOCK = 1 << 18  # triangles that are looked at at once
 class AdjacencyProof:
     """Collects what is wrong with the neighbours of a folder."""
 
-    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, found: Findings) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, found: Findings) -> None:
         self._tiled = tiled
         self._plan = plan
         self._scratch = scratch
@@ -137,7 +121,7 @@ class AdjacencyProof:
 
     def _own(self, name: int, path: Path) -> Integers:
         triangles = open_shard(path)
-        neighbors: Array = mapped(self._tiled.directory / neighbors_of(path.name)[0])
+        neighbors: Array = mapped(self._tiled.directory / neighbors_name(path.name))
         if neighbors.shape != triangles.shape or neighbors.dtype != np.int32:
             self._found.add("other_neighbors", 1)
             neighbors = np.full(triangles.shape, -1, dtype=np.int32)
@@ -169,7 +153,7 @@ class AdjacencyProof:
             above = [name, *self._plan.above(name)]
             links = [np.load(self._scratch / f"{label(each)}-links.npy") for each in above]
             expected = links_to(name, links, np.array(names))
-            self._compare(expected, mapped(self._tiled.directory / neighbors_of(path.name)[1]))
+            self._compare(expected, mapped(self._tiled.directory / links_name(path.name)))
 
     def _compare(self, expected: Integers, stated: Array) -> None:
         if stated.shape != expected.shape:

@@ -13,8 +13,7 @@ from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.tiled import Tiled
-    from liftmesh.tiles.tiled_surface import TiledSurface
+    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
 _MANY = 1 << 30  # rows: enough for any number of threads

@@ -228,3 +228,23 @@ _TOGETHER: dict[str, Check] = {
     "the counts": _is_counted,
     "the rows of the source": _is_source_counted,
 }
+
+
+def neighbors_name(shard: str) -> str:
+    """Name the file of the neighbours within a shard."""
+    return f"{shard.partition('.')[0]}-neighbors.npy"
+
+
+def links_name(shard: str) -> str:
+    """Name the file of the neighbours of a shard in others."""
+    return f"{shard.partition('.')[0]}-links.npy"
+
+
+def vertices_name(shard: str) -> str:
+    """Name the file of the vertices of a shard."""
+    return f"{shard.partition('.')[0]}-vertices.npy"
+
+
+def faces_name(shard: str) -> str:
+    """Name the file of the faces of a shard."""
+    return f"{shard.partition('.')[0]}-faces.npy"

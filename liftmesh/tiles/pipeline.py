@@ -39,7 +39,7 @@ from liftmesh.tiles.sorted_chunks import (
 )
 from liftmesh.tiles.stages import is_recorded
 from liftmesh.tiles.store import load_record, save_record, seal
-from liftmesh.tiles.tiled import Tiled
+from liftmesh.tiles.tiled_data import TiledData, is_intact
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
@@ -200,7 +200,7 @@ class Run:
                     f"{self.context.out} holds the triangles of other points: choose another "
                     "folder, or replace them with resume=False"
                 )
-            if Tiled(self.context.out, before).is_sound():
+            if is_intact(TiledData(self.context.out, before)):
                 return True
         record = self.context.scratch / JOB
         if record.exists():

@@ -29,6 +29,7 @@ from liftmesh.terrain.equal_positions import choose_rows
 from liftmesh.tiles.adjacency import AdjacencyProof
 from liftmesh.tiles.context import Groups, RunContext, label
 from liftmesh.tiles.findings import Findings
+from liftmesh.tiles.manifest import faces_name, vertices_name
 from liftmesh.tiles.node import mesh_of
 from liftmesh.tiles.plan import positions_of, set_apart
 from liftmesh.tiles.schedule import in_order
@@ -36,11 +37,10 @@ from liftmesh.tiles.schema import planar_of
 from liftmesh.tiles.shards import open_shard, vertices_of
 from liftmesh.tiles.sorted_chunks import save_boxes, sorted_by_tile, tile_records, tile_values
 from liftmesh.tiles.store import concatenated, mapped, save_array
-from liftmesh.tiles.surface_files import faces_name, vertices_name
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.tiled import Tiled
+    from liftmesh.tiles.tiled_data import TiledData
 
 
 _BLOCK = 1 << 20  # triangles whose corners are looked up at once
@@ -64,7 +64,7 @@ class Loose:
 class Proof:
     """Collects what is wrong with the triangles of a folder."""
 
-    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         self._tiled = tiled
         self._plan = plan
         self._context = RunContext(tiled.directory, scratch, groups=Groups(plan.tiles))
@@ -298,7 +298,7 @@ def _is_less(p: Floats, q: Floats) -> Array:
     return less
 
 
-def proof_of(tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> Proof:
+def proof_of(tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> Proof:
     """Begin the proof of a folder."""
     kind = SurfaceProof if "surface" in tiled.manifest else Proof
     return kind(tiled, plan, scratch, threads)
@@ -307,7 +307,7 @@ def proof_of(tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> Proof:
 class SurfaceProof(Proof):
     """Collects what is wrong with the triangles and the vertices of a folder."""
 
-    def __init__(self, tiled: Tiled, plan: Plan, scratch: Path, threads: int) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         super().__init__(tiled, plan, scratch, threads)
         self._policy: str = tiled.manifest["surface"]["duplicates"]
         self._chosen = np.full(len(plan.repeated), -1, dtype=np.int64)

@@ -16,9 +16,9 @@ from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.context import Done, RunContext, label
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
+from liftmesh.tiles.node import overhangs_apart
 from liftmesh.tiles.plan import merged
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
-from liftmesh.tiles.surface_files import about_surface, extent_in_manifest
 
 if TYPE_CHECKING:
     from liftmesh.tiles.context import Runner
@@ -181,3 +181,25 @@ def _merges(done: Sequence[Done]) -> dict[str, int]:
         "rows_at_root": done[-1].rows,
         "bytes_up": sum(each.bytes_up for each in done),
     }
+
+
+def extent_in_manifest(done: Done) -> dict[str, Any]:
+    """Say how many vertices a shard has, and where they are."""
+    if not done.vertices:
+        return {}
+    return {"vertices": done.vertices, "extent": list(done.extent)}
+
+
+def about_surface(
+    context: RunContext, identity: Mapping[str, Any], done: Sequence[Done], parts: int
+) -> dict[str, Any]:
+    """Say what was found of a surface."""
+    if "surface" not in identity:
+        return {}
+    apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
+    tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
+    within = sum(each.overhangs for each in done)
+    boxes = np.array([each.extent for each in done if each.vertices])
+    extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
+    found = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
+    return {"surface": {**identity["surface"], **found}}

@@ -12,75 +12,38 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
 from liftmesh.terrain.contours import Contours, wanted_levels
-
-if TYPE_CHECKING:
-    from liftmesh.tiles.tiled_surface import TiledSurface
+from liftmesh.tiles.tiled_data import TiledSurfaceData, faces_of, vertices_of
 
 _BLOCK = 1 << 18  # triangles that are looked at at once
 
 
-class Contouring:
-    """The method of a `TiledSurface` that makes contours."""
-
-    def contours(
-        self: Any,
-        levels: ArrayLike | None = None,
-        *,
-        interval: float | None = None,
-        base: float = 0.0,
-        index_every: int = 5,
-    ) -> Contours:
-        """Compute lines of equal height, reading one shard after the other.
-
-        The lines are those of `Surface.contours`, point for point and in the same order.
-
-        Parameters
-        ----------
-        levels, interval, base, index_every
-            As for `Surface.contours`.
-
-        Returns
-        -------
-        Contours
-            The lines, which are held in memory, by ascending level.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.contours`.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> slope = liftmesh.tile_surface([[0, 0, 0], [4, 0, 8], [0, 4, 0]], tempfile.mkdtemp())
-        >>> slope.contours([2])[0].points.tolist()
-        [[1.0, 3.0], [1.0, 0.0]]
-        """
-        low, high = (Fraction(self.extent[k]) for k in (2, 5))
-        wanted, is_index = wanted_levels(levels, interval, base, index_every, lambda: (low, high))
-        lines = _lines(_Steps.of(self, wanted))
-        starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)
-        places = np.array([line.level for line in lines], dtype=np.int64)
-        return Contours(
-            np.concatenate([np.empty((0, 2)), *(line.points for line in lines)]),
-            starts,
-            wanted[places],
-            np.array([line.is_closed for line in lines], dtype=np.bool_),
-            is_index[places],
-            self.crs,
-        )
+def contour_lines(
+    tiled: TiledSurfaceData,
+    levels: ArrayLike | None,
+    interval: float | None,
+    base: float,
+    index_every: int,
+) -> Contours:
+    """Compute lines of equal height, reading one shard after the other."""
+    low, high = (Fraction(tiled.extent[k]) for k in (2, 5))
+    wanted, is_index = wanted_levels(levels, interval, base, index_every, lambda: (low, high))
+    lines = _lines(_Steps.of(tiled, wanted))
+    starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)
+    places = np.array([line.level for line in lines], dtype=np.int64)
+    return Contours(
+        np.concatenate([np.empty((0, 2)), *(line.points for line in lines)]),
+        starts,
+        wanted[places],
+        np.array([line.is_closed for line in lines], dtype=np.bool_),
+        is_index[places],
+        tiled.crs,
+    )
 
 
 @dataclass(frozen=True)
@@ -92,15 +55,15 @@ class _Steps:
     points: Floats
 
     @classmethod
-    def of(cls, tiled: TiledSurface, levels: Floats) -> _Steps:
+    def of(cls, tiled: TiledSurfaceData, levels: Floats) -> _Steps:
         found = [cls(np.empty(0, np.int64), np.empty((0, 2, 2), np.int64), np.empty((0, 2, 2)))]
         found += _steps_of_shards(tiled, levels)
         parts = zip(*((each.levels, each.sides, each.points) for each in found), strict=True)
         return cls(*(np.concatenate(part) for part in parts))
 
 
-def _steps_of_shards(tiled: TiledSurface, levels: Floats) -> Iterator[_Steps]:
-    for vertices, faces in zip(tiled.vertices(), tiled.faces(), strict=True):
+def _steps_of_shards(tiled: TiledSurfaceData, levels: Floats) -> Iterator[_Steps]:
+    for vertices, faces in zip(vertices_of(tiled), faces_of(tiled), strict=True):
         rows = np.ascontiguousarray(vertices["row"])
         corners = np.stack([vertices[name] for name in ("x", "y", "z")], axis=1) + 0.0
         for begin in range(0, len(faces), _BLOCK):

@@ -18,7 +18,7 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -35,16 +35,103 @@ from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.raster import Wanted, unit_of
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.surface import Surface
+from liftmesh.tiles.tiled_data import TiledSurfaceData, shard_faces, shard_vertices
 
-if TYPE_CHECKING:
-    from liftmesh.tiles.tiled_surface import TiledSurface
-
+Bounds: TypeAlias = tuple[float, float, float, float]
+Window: TypeAlias = tuple[range, range]
 
 _SIDE = 1024  # pixels of a window, a multiple of the blocks of a file
 _FACES = 1 << 16  # which a window may have at least
 _FEWEST = 256  # pixels of a window, if circles count: many may have one pixel inside
+_BLOCK = 1 << 19  # triangles that are looked at at once
+_CIRCLES = 1 << 15  # faces that have one box around their circles
 
-Window = tuple[range, range]
+
+def rasterize(  # noqa: PLR0913 - options are keywords
+    tiled: TiledSurfaceData,
+    resolution: float | Sequence[float] | None,
+    *,
+    bounds: Sequence[float] | None,
+    transform: Sequence[float] | None,
+    shape: Sequence[int] | None,
+    quantity: RasterQuantity,
+    method: SampleMethod,
+    light: tuple[float, float],
+    z_factor: float | None,
+    dtype: DTypeLike,
+    threads: int | None,
+    progress: Progress | None,
+) -> Raster:
+    """Compute a raster in memory."""
+    check_progress(progress)
+    layout = _layout(tiled, resolution, bounds, transform, shape)
+    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    values = np.empty((layout.rows, layout.columns), wanted.kind)
+    for (down, across), found in windows.values(progress):
+        values[down.start : down.stop, across.start : across.stop] = found
+    return Raster(values, layout.transform, tiled.crs, quantity, unit_of(tiled, quantity))
+
+
+def save_raster(  # noqa: PLR0913 - options are keywords
+    tiled: TiledSurfaceData,
+    path: str | os.PathLike[str],
+    resolution: float | Sequence[float] | None,
+    *,
+    bounds: Sequence[float] | None,
+    transform: Sequence[float] | None,
+    shape: Sequence[int] | None,
+    quantity: RasterQuantity,
+    method: SampleMethod,
+    light: tuple[float, float],
+    z_factor: float | None,
+    dtype: DTypeLike,
+    cog: bool,
+    compress: str | None,
+    threads: int | None,
+    progress: Progress | None,
+) -> Path:
+    """Write a raster as GeoTIFF, window by window."""
+    check_progress(progress)
+    target = Path(path)
+    check_name(target)
+    is_cog = as_switch("cog", cog)
+    layout = _layout(tiled, resolution, bounds, transform, shape)
+    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    writer.write_windows(
+        target,
+        (layout.rows, layout.columns),
+        wanted.kind,
+        windows.values(progress),
+        layout.transform,
+        written_system(tiled.crs, quantity),
+        unit=unit_of(tiled, quantity),
+        cog=is_cog,
+        compress=compress,
+    )
+    return target
+
+
+def _layout(
+    tiled: TiledSurfaceData, resolution: Any, bounds: Any, transform: Any, shape: Any
+) -> Layout:
+    west, south, _, east, north, _ = tiled.extent
+    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
+
+
+def _windows(
+    tiled: TiledSurfaceData,
+    layout: Layout,
+    quantity: RasterQuantity,
+    method: SampleMethod,
+    dtype: DTypeLike,
+    light: tuple[float, float],
+    z_factor: float | None,
+    threads: int | None,
+) -> tuple[_Windows, Wanted]:
+    wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
+    if quantity == "height":
+        wanted.check_range(np.array(tiled.extent)[[2, 5]])
+    return _Windows(tiled, layout, wanted, method, threads), wanted
 
 
 class _Windows:
@@ -52,7 +139,7 @@ class _Windows:
 
     def __init__(
         self,
-        tiled: TiledSurface,
+        tiled: TiledSurfaceData,
         layout: Layout,
         wanted: Wanted,
         method: SampleMethod,
@@ -119,178 +206,8 @@ def _halves(down: range, across: range, axis: int) -> list[Window]:
     return [(down[:middle], across), (down[middle:], across)]
 
 
-class Rasterizing:
-    """The methods of a `TiledSurface` that make rasters."""
-
-    def raster(  # noqa: PLR0913 - options are keywords
-        self: Any,
-        resolution: float | Sequence[float] | None = None,
-        *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float64,
-        threads: int | None = None,
-        progress: Progress | None = None,
-    ) -> Raster:
-        """Compute a raster in memory, reading the faces window by window.
-
-        The values are those of `Surface.raster`, bit for bit.
-
-        Parameters
-        ----------
-        resolution, bounds, transform, shape, quantity, method, light, z_factor, dtype, threads
-            As for `Surface.raster`.
-        progress : callable, optional
-            Called with the fraction of the pixels done.
-
-        Returns
-        -------
-        Raster
-            The values; NaN where no face contains the centre of a pixel.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.raster`.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
-        >>> liftmesh.tile_surface(points, tempfile.mkdtemp()).raster(2).values
-        array([[2., 6.],
-               [2., 6.]])
-        """
-        check_progress(progress)
-        layout = _layout(self, resolution, bounds, transform, shape)
-        windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
-        values = np.empty((layout.rows, layout.columns), wanted.kind)
-        for (down, across), found in windows.values(progress):
-            values[down.start : down.stop, across.start : across.stop] = found
-        return Raster(values, layout.transform, self.crs, quantity, unit_of(self, quantity))
-
-    def save_raster(  # noqa: PLR0913 - options are keywords
-        self: Any,
-        path: str | os.PathLike[str],
-        resolution: float | Sequence[float] | None = None,
-        *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float32,
-        cog: bool = False,
-        compress: str | None = "deflate",
-        threads: int | None = None,
-        progress: Progress | None = None,
-    ) -> Path:
-        """Write a raster as GeoTIFF, window by window: no more than a window is in memory.
-
-        Parameters
-        ----------
-        path : path
-            Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, method, light, z_factor
-            As for `Surface.raster`.
-        dtype : {"float32", "float64"}
-            Type of the values; heights are rounded once.
-        cog : bool, default False
-            Write a cloud optimised GeoTIFF, by way of a plain one beside it.
-        compress : str, optional
-            As for `Raster.save`.
-        threads : int, optional
-            As for `delaunay`.
-        progress : callable, optional
-            Called with the fraction of the pixels done.
-
-        Returns
-        -------
-        pathlib.Path
-            The file; its values are those of `Surface.raster`, bit for bit.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.raster` and `Raster.save`.
-        FormatError
-            The name does not end in .tif or .tiff, or a file of the surface is damaged.
-        MissingDependencyError
-            rasterio is not installed.
-        OSError
-            A file cannot be read or written.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
-        >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
-        >>> tiled.save_raster(Path(tempfile.mkdtemp()) / "dtm.tif", 2).name
-        'dtm.tif'
-        """
-        check_progress(progress)
-        target = Path(path)
-        check_name(target)
-        is_cog = as_switch("cog", cog)
-        layout = _layout(self, resolution, bounds, transform, shape)
-        windows, wanted = _windows(self, layout, quantity, method, dtype, light, z_factor, threads)
-        writer.write_windows(
-            target,
-            (layout.rows, layout.columns),
-            wanted.kind,
-            windows.values(progress),
-            layout.transform,
-            written_system(self.crs, quantity),
-            unit=unit_of(self, quantity),
-            cog=is_cog,
-            compress=compress,
-        )
-        return target
-
-
-def _layout(
-    tiled: TiledSurface, resolution: Any, bounds: Any, transform: Any, shape: Any
-) -> Layout:
-    west, south, _, east, north, _ = tiled.extent
-    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
-
-
-def _windows(
-    tiled: TiledSurface,
-    layout: Layout,
-    quantity: RasterQuantity,
-    method: SampleMethod,
-    dtype: DTypeLike,
-    light: tuple[float, float],
-    z_factor: float | None,
-    threads: int | None,
-) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
-    if quantity == "height":
-        wanted.check_range(np.array(tiled.extent)[[2, 5]])
-    return _Windows(tiled, layout, wanted, method, threads), wanted
-
-
-Bounds: TypeAlias = tuple[float, float, float, float]
-
-_BLOCK = 1 << 19  # triangles that are looked at at once
-
-
 def part_of(
-    tiled: TiledSurface, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
+    tiled: TiledSurfaceData, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
 ) -> Surface | int:
     """Make a surface of some faces."""
     held: list[Rows] = []
@@ -318,7 +235,7 @@ def part_of(
         ) from error
 
 
-def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
+def touching(tiled: TiledSurfaceData, box: Bounds) -> Iterator[tuple[Any, Rows]]:
     """Yield the faces whose own boxes touch a box, and their corners."""
     for shard in tiled.manifest["shards"]:
         west, south, _, east, north, _ = shard["extent"]
@@ -334,9 +251,9 @@ def touching(tiled: TiledSurface, box: Bounds) -> Iterator[tuple[Any, Rows]]:
                 yield apart(vertices, block[touches])
 
 
-def mesh_of(tiled: TiledSurface, shard: Mapping[str, Any]) -> tuple[Any, Rows]:
+def mesh_of(tiled: TiledSurfaceData, shard: Mapping[str, Any]) -> tuple[Any, Rows]:
     """Map a shard."""
-    return tiled._vertices(shard), tiled._faces(shard)  # noqa: SLF001 - one of its parts
+    return shard_vertices(tiled, shard), shard_faces(tiled, shard)
 
 
 def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
@@ -392,13 +309,10 @@ def _report(rows: int, faces: int) -> Report:
     return Report(rows, rows, 0, 0, 0, faces, "error", {}, **none)
 
 
-_CIRCLES = 1 << 15  # faces that have one box around their circles
-
-
 class Circles:
     """Knows how far the circles of a surface reach: 32 bytes for each block of faces."""
 
-    def __init__(self, tiled: TiledSurface) -> None:
+    def __init__(self, tiled: TiledSurfaceData) -> None:
         self._tiled = tiled
         self._shards = tiled.manifest["shards"]
         self._boxes = [_boxes(*self._read(shard)[1:]) for shard in self._shards]

@@ -1,34 +1,31 @@
-"""`Tiled`: the finished triangles of a tiled triangulation, where they lie on the disk."""
+"""`Tiled` and `TiledSurface`: what `tile` and `tile_surface` have written, opened."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
 
-from liftmesh._typing import Array, Integers
-from liftmesh.base.frozen import freeze
-from liftmesh.base.options import as_folder
-from liftmesh.errors import FormatError, InputError
-from liftmesh.terrain.report import Report
-from liftmesh.tiles.adjacency import as_pairs, neighbors_of
-from liftmesh.tiles.dask_collections import Collections
+from liftmesh._typing import Array, Integers, Progress, Rows
+from liftmesh.base.options import RasterQuantity, SampleMethod, as_folder
+from liftmesh.errors import FormatError
+from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
 from liftmesh.tiles.manifest import manifest_of
-from liftmesh.tiles.shards import open_shard
-from liftmesh.tiles.store import damaged, is_sound, mapped, sound, within
+from liftmesh.tiles.tiled_data import TiledData, TiledSurfaceData
 
 if TYPE_CHECKING:
-    from liftmesh._typing import Progress
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.certificate import Certificate
+    from liftmesh.raster.raster import Raster
+    from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.report import Report
 
 
-@dataclass(frozen=True)
-class Tiled(Collections):
+class Tiled(TiledData):
     """A triangulation in shards, as returned by `tile` and `open_tiled`.
 
     Triangles name rows of the whole source, counted through all of its files. Each is in one
@@ -52,48 +49,11 @@ class Tiled(Collections):
     (True, True)
     """
 
-    directory: Path
-    manifest: Mapping[str, Any]
-
-    def __post_init__(self) -> None:
-        freeze(self)
-
     def __repr__(self) -> str:
         return (
             f"<Tiled: {self.nsimplex} triangles over {self.npoints} rows "
             f"in {len(self.shards)} shards>"
         )
-
-    @property
-    def npoints(self) -> int:
-        """The number of rows of the source."""
-        return int(self.manifest["rows"])
-
-    @property
-    def nsimplex(self) -> int:
-        """The number of triangles."""
-        return int(self.manifest["triangles"])
-
-    @property
-    def shards(self) -> tuple[Path, ...]:
-        """The files of triangles: tiles first, then what crosses their borders."""
-        return tuple(self.directory / shard["file"] for shard in self.manifest["shards"])
-
-    @property
-    def duplicates(self) -> Integers:
-        """Rows at the position of a lower row, and that row: (k, 2) int64, ascending; mapped."""
-        return self._mapped("duplicates.npy", np.int64, self.manifest["duplicates"], 2)
-
-    @property
-    def skipped(self) -> Integers:
-        """Rows skipped because they are not finite: (j,) int64, ascending; mapped."""
-        return self._mapped("skipped.npy", np.int64, self.manifest["skipped"])
-
-    @property
-    def convex_hull(self) -> Integers:
-        """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
-        hull = self._mapped("hull.npy", np.int64, self.manifest["hull"])
-        return np.stack([hull, np.roll(hull, -1)], axis=1)
 
     @property
     def report(self) -> Report:
@@ -113,22 +73,7 @@ class Tiled(Collections):
         >>> report.left_out.tolist(), report.representatives.tolist()
         ([3, 4], [1, -1])
         """
-        pairs, skipped = self.duplicates, self.skipped
-        left_out = np.concatenate([pairs[:, 0], skipped])
-        order = np.argsort(left_out, kind="stable")
-        representatives = np.concatenate([pairs[:, 1], np.full_like(skipped, -1)])
-        return Report(
-            rows=self.npoints,
-            used=self.npoints - len(left_out),
-            duplicates=len(pairs),
-            overhangs=0,
-            skipped=len(skipped),
-            triangles=self.nsimplex,
-            policy="first",
-            seconds={},
-            left_out=left_out[order],
-            representatives=representatives[order],
-        )
+        return tiled_data.report_of(self)
 
     def blocks(self) -> Iterator[Integers]:
         """Yield the triangles of one shard after the other.
@@ -153,8 +98,7 @@ class Tiled(Collections):
         >>> [block.tolist() for block in tiled.blocks()]
         [[[0, 1, 2]]]
         """
-        for path, stated in zip(self.shards, self.manifest["shards"], strict=True):
-            yield open_shard(path, stated)
+        return tiled_data.blocks_of(self)
 
     def compute(self) -> Integers:
         """Read all triangles into memory: 24 bytes each.
@@ -181,12 +125,7 @@ class Tiled(Collections):
         >>> tiled.compute()
         array([[0, 1, 2]])
         """
-        found = np.empty((self.nsimplex, 3), dtype=np.int64)
-        at = 0
-        for block in self.blocks():
-            found[at : at + len(block)] = block
-            at += len(block)
-        return found
+        return tiled_data.all_triangles(self)
 
     def neighbor_blocks(self) -> Iterator[Integers]:
         """Yield which triangles are beyond the edges of one shard after the other.
@@ -215,7 +154,7 @@ class Tiled(Collections):
         >>> next(tiled.neighbor_blocks())[0].tolist()
         [[-1, -1], [-1, -1], [0, 1]]
         """
-        return map(self._pairs, range(len(self.shards)))
+        return (tiled_data.neighbor_pairs(self, k) for k in range(len(self.shards)))
 
     def compute_neighbors(self) -> Integers:
         """Read all neighbours into memory, as rows of `compute`: 24 bytes a triangle.
@@ -241,27 +180,69 @@ class Tiled(Collections):
         array([[-1, -1,  1],
                [ 0, -1, -1]])
         """
-        begins = np.cumsum([0, *self._counts[:-1]])
-        found = np.empty((self.nsimplex, 3), dtype=np.int64)
-        for begin, pairs in zip(begins, self.neighbor_blocks(), strict=True):
-            shard, row = pairs[:, :, 0], pairs[:, :, 1]
-            found[begin : begin + len(pairs)] = np.where(shard < 0, -1, begins[shard] + row)
-        return found
+        return tiled_data.all_neighbors(self)
 
-    def _pairs(self, shard: int) -> Integers:
-        if not self.manifest["neighbors"]:
-            raise InputError(
-                f"{self.directory} has no neighbours: tile again with neighbors=True, resume=False"
-            )
-        names, counts = neighbors_of(self.shards[shard].name), np.array(self._counts)
-        rows = self._mapped(names[0], np.int32, self._counts[shard], 3)
-        links = self._mapped(names[1], np.int64, None, 3)
-        side, beyond, there = links.T
-        is_right = (side >= 0) & (side < 3 * len(rows)) & (beyond >= 0) & (beyond < len(counts))
-        is_right &= (there >= 0) & (there < counts[np.where(is_right, beyond, 0)])
-        if not is_right.all() or not within(rows, -1, len(rows)):
-            raise damaged(self.directory / names[0], "neighbours that are not there")
-        return as_pairs(shard, rows, links)
+    @property
+    def simplices(self) -> Any:
+        """The triangles as an array of Dask, (m, 3) int64, a chunk for each shard.
+
+        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
+        """
+        return tiled_data.dask_simplices(self)
+
+    @property
+    def neighbors(self) -> Any:
+        """The neighbours as an array of Dask, (m, 3, 2) int64, as of `neighbor_blocks`.
+
+        Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
+        """
+        return tiled_data.dask_neighbors(self)
+
+    def to_delayed(self) -> list[Any]:
+        """Return the shards as delayed objects of Dask, which read them.
+
+        Returns
+        -------
+        list of dask.delayed.Delayed
+            Each computes an (m, 3) ndarray of int64.
+
+        Raises
+        ------
+        MissingDependencyError
+            Dask is not installed.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> tiled.to_delayed()[0].compute()
+        array([[0, 1, 2]])
+        """
+        return tiled_data.delayed_shards(self)
+
+    def to_dask_dataframe(self) -> Any:
+        """Return the triangles as a DataFrame of Dask.
+
+        Returns
+        -------
+        dask.dataframe.DataFrame
+            The columns a, b and c are the corners; a partition for each shard.
+
+        Raises
+        ------
+        MissingDependencyError
+            Dask, or its DataFrame, is not installed.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
+        >>> tiled.to_dask_dataframe().compute().to_numpy().tolist()
+        [[0, 1, 2]]
+        """
+        return tiled_data.dask_dataframe(self)
 
     def is_sound(self) -> bool:
         """Whether every file still has the SHA-256 that the manifest states.
@@ -285,7 +266,7 @@ class Tiled(Collections):
         >>> tiled.is_sound()
         False
         """
-        return is_sound(self.directory, self._digests)
+        return tiled_data.is_intact(self)
 
     def verify(
         self,
@@ -343,30 +324,308 @@ class Tiled(Collections):
         >>> print(tiled.verify(points))
         valid: these 1,980 triangles are the canonical Delaunay triangulation of 1,000 rows
         """
-        from liftmesh.tiles.verification import verified  # noqa: PLC0415 - it needs this class
+        return verification.verify_tiled(self, points, scratch, threads, progress)
 
-        return verified(self, points, scratch, threads, progress)
 
-    def _written(self) -> dict[str, Mapping[str, Any]]:
-        """Return what the manifest says of each file."""
-        shards = {shard["file"]: shard for shard in self.manifest["shards"]}
-        return {**shards, **self.manifest["files"]}
+class TiledSurface(TiledSurfaceData, Tiled):
+    """A surface in shards, as returned by `tile_surface` and `open_tiled`.
+
+    Triangles, corners and values are those of `triangulate` for all rows. Triangles name the rows
+    that the policy has chosen, as `Surface.faces` does, and `duplicates` the rows that it has not
+    chosen, each with the one at its position that it has.
+
+    Attributes
+    ----------
+    directory : pathlib.Path
+        The folder with the shards.
+    manifest : dict
+        As of a `Tiled`; the entry "surface" says policy, coordinate system, values and extent.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import liftmesh
+    >>> points = np.random.default_rng(0).random((1000, 3))
+    >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp(), tile_rows=300)
+    >>> tiled
+    <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
+    >>> np.array_equal(tiled.raster(0.1).values, liftmesh.triangulate(points).raster(0.1).values,
+    ...                equal_nan=True)
+    True
+    """
+
+    def __repr__(self) -> str:
+        return super().__repr__().replace("<Tiled:", "<TiledSurface:")
 
     @property
-    def _counts(self) -> list[int]:
-        return [each["triangles"] for each in self.manifest["shards"]]
+    def report(self) -> Report:
+        """What became of every row, as from `triangulate`, with rows of 64 bits.
 
-    @cached_property
-    def _digests(self) -> dict[str, str]:
-        return {file: each["sha256"] for file, each in self._written().items()}
+        It holds 16 bytes for each row that is left out; `duplicates` and `skipped` map files.
+        """
+        return tiled_data.surface_report(self)
 
-    def _mapped(self, name: str, kind: Any, count: int | None, *shape: int) -> Array:
-        """Map a file that is as the manifest says."""
-        found = mapped(sound(self.directory / name, self._digests[name]))
-        counted = found.shape[:1] if count is None else (count,)
-        if found.dtype != kind or found.shape != (*counted, *shape):
-            raise damaged(self.directory / name, f"{found.shape} of {found.dtype}")
-        return found
+    def vertices(self) -> Iterator[Array]:
+        """Yield the vertices of one shard after the other.
+
+        Yields
+        ------
+        (v,) structured ndarray
+            The corners of its triangles by ascending row: the fields row, x, y and z, then colours,
+            normals and named values, of their own types; mapped, not read.
+
+        Raises
+        ------
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
+        >>> [each["z"].tolist() for each in tiled.vertices()]
+        [[5.0, 6.0, 7.0]]
+        """
+        return tiled_data.vertices_of(self)
+
+    def faces(self) -> Iterator[Rows]:
+        """Yield the triangles of one shard after the other, as numbers of its vertices.
+
+        Yields
+        ------
+        (m, 3) ndarray of int32
+            The triangles that `blocks` yields; mapped, not read.
+
+        Raises
+        ------
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
+        >>> [each.tolist() for each in tiled.faces()]
+        [[[0, 1, 2]]]
+        """
+        return tiled_data.faces_of(self)
+
+    def meshes(self) -> Iterator[Cloud]:
+        """Yield each shard as a mesh of its own.
+
+        Yields
+        ------
+        Cloud
+            The vertices of the shard with their values, the numbers of their rows among them as
+            ``row``, and faces between them.
+
+        Raises
+        ------
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
+        >>> [(len(mesh), mesh.faces.tolist()) for mesh in tiled.meshes()]
+        [(3, [[0, 1, 2]])]
+        """
+        return tiled_data.meshes_of(self)
+
+    def raster(  # noqa: PLR0913 - options are keywords
+        self,
+        resolution: float | Sequence[float] | None = None,
+        *,
+        bounds: Sequence[float] | None = None,
+        transform: Sequence[float] | None = None,
+        shape: Sequence[int] | None = None,
+        quantity: RasterQuantity = "height",
+        method: SampleMethod = "linear",
+        light: tuple[float, float] = (315.0, 45.0),
+        z_factor: float | None = None,
+        dtype: DTypeLike = np.float64,
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Raster:
+        """Compute a raster in memory, reading the faces window by window.
+
+        The values are those of `Surface.raster`, bit for bit.
+
+        Parameters
+        ----------
+        resolution, bounds, transform, shape, quantity, method, light, z_factor, dtype, threads
+            As for `Surface.raster`.
+        progress : callable, optional
+            Called with the fraction of the pixels done.
+
+        Returns
+        -------
+        Raster
+            The values; NaN where no face contains the centre of a pixel.
+
+        Raises
+        ------
+        InputError
+            As for `Surface.raster`.
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
+        >>> liftmesh.tile_surface(points, tempfile.mkdtemp()).raster(2).values
+        array([[2., 6.],
+               [2., 6.]])
+        """
+        return surface_raster.rasterize(
+            self,
+            resolution,
+            bounds=bounds,
+            transform=transform,
+            shape=shape,
+            quantity=quantity,
+            method=method,
+            light=light,
+            z_factor=z_factor,
+            dtype=dtype,
+            threads=threads,
+            progress=progress,
+        )
+
+    def save_raster(  # noqa: PLR0913 - options are keywords
+        self,
+        path: str | os.PathLike[str],
+        resolution: float | Sequence[float] | None = None,
+        *,
+        bounds: Sequence[float] | None = None,
+        transform: Sequence[float] | None = None,
+        shape: Sequence[int] | None = None,
+        quantity: RasterQuantity = "height",
+        method: SampleMethod = "linear",
+        light: tuple[float, float] = (315.0, 45.0),
+        z_factor: float | None = None,
+        dtype: DTypeLike = np.float32,
+        cog: bool = False,
+        compress: str | None = "deflate",
+        threads: int | None = None,
+        progress: Progress | None = None,
+    ) -> Path:
+        """Write a raster as GeoTIFF, window by window: no more than a window is in memory.
+
+        Parameters
+        ----------
+        path : path
+            Where to write; written whole or not at all.
+        resolution, bounds, transform, shape, quantity, method, light, z_factor
+            As for `Surface.raster`.
+        dtype : {"float32", "float64"}
+            Type of the values; heights are rounded once.
+        cog : bool, default False
+            Write a cloud optimised GeoTIFF, by way of a plain one beside it.
+        compress : str, optional
+            As for `Raster.save`.
+        threads : int, optional
+            As for `delaunay`.
+        progress : callable, optional
+            Called with the fraction of the pixels done.
+
+        Returns
+        -------
+        pathlib.Path
+            The file; its values are those of `Surface.raster`, bit for bit.
+
+        Raises
+        ------
+        InputError
+            As for `Surface.raster` and `Raster.save`.
+        FormatError
+            The name does not end in .tif or .tiff, or a file of the surface is damaged.
+        MissingDependencyError
+            rasterio is not installed.
+        OSError
+            A file cannot be read or written.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
+        >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
+        >>> tiled.save_raster(Path(tempfile.mkdtemp()) / "dtm.tif", 2).name
+        'dtm.tif'
+        """
+        return surface_raster.save_raster(
+            self,
+            path,
+            resolution,
+            bounds=bounds,
+            transform=transform,
+            shape=shape,
+            quantity=quantity,
+            method=method,
+            light=light,
+            z_factor=z_factor,
+            dtype=dtype,
+            cog=cog,
+            compress=compress,
+            threads=threads,
+            progress=progress,
+        )
+
+    def contours(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        base: float = 0.0,
+        index_every: int = 5,
+    ) -> Contours:
+        """Compute lines of equal height, reading one shard after the other.
+
+        The lines are those of `Surface.contours`, point for point and in the same order.
+
+        Parameters
+        ----------
+        levels, interval, base, index_every
+            As for `Surface.contours`.
+
+        Returns
+        -------
+        Contours
+            The lines, which are held in memory, by ascending level.
+
+        Raises
+        ------
+        InputError
+            As for `Surface.contours`.
+        FormatError
+            A file is damaged.
+        OSError
+            A file cannot be read.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> slope = liftmesh.tile_surface([[0, 0, 0], [4, 0, 8], [0, 4, 0]], tempfile.mkdtemp())
+        >>> slope.contours([2])[0].points.tolist()
+        [[1.0, 3.0], [1.0, 0.0]]
+        """
+        return surface_lines.contour_lines(self, levels, interval, base, index_every)
 
 
 def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
@@ -404,8 +663,9 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     """
     folder = Path(as_folder("directory", directory))
     manifest = manifest_of(folder)
-    tiled = _surface(folder, manifest) if "surface" in manifest else Tiled(folder, manifest)
-    for file, each in tiled._written().items():  # noqa: SLF001 - its other half
+    kind = TiledSurface if "surface" in manifest else Tiled
+    tiled = kind(folder, manifest)
+    for file, each in tiled_data.stated_files(tiled).items():
         path = folder / file
         size = path.stat().st_size if path.is_file() else 0
         if size != each["bytes"]:
@@ -414,9 +674,3 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
                 "source again, into the same folder"
             )
     return tiled
-
-
-def _surface(folder: Path, manifest: dict[str, Any]) -> Tiled:
-    from liftmesh.tiles.tiled_surface import TiledSurface  # noqa: PLC0415 - it is one of these
-
-    return TiledSurface(folder, manifest)

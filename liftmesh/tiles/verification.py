@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Integers, Progress
+from liftmesh._typing import Array, Progress
 from liftmesh.base.options import as_folder, as_threads, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
@@ -20,11 +20,10 @@ from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.proof import proof_of
 from liftmesh.tiles.schema import Reading
-from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.sorted_chunks import digests_of
 from liftmesh.tiles.sources import files_of, source_chunks
-from liftmesh.tiles.store import concatenated, damaged, digest_of, load_json, mapped
-from liftmesh.tiles.tiled import Tiled
+from liftmesh.tiles.store import concatenated, digest_of, load_json
+from liftmesh.tiles.tiled_data import TiledData, UnprovedData, blocks_of, is_intact
 
 if TYPE_CHECKING:
     from liftmesh.tiles.proof import Proof
@@ -33,8 +32,8 @@ _MANY = 1 << 30  # rows: enough for any number of threads
 _READ = 0.3  # the share of the work before the first tile
 
 
-def verified(
-    tiled: Tiled,
+def verify_tiled(
+    tiled: TiledData,
     points: object,
     scratch: str | os.PathLike[str] | None,
     threads: int | None,
@@ -42,7 +41,7 @@ def verified(
 ) -> Certificate:
     """Do what `Tiled.verify` says."""
     check_progress(progress)
-    tiled = _Unproved(tiled.directory, tiled.manifest)
+    tiled = UnprovedData(tiled.directory, tiled.manifest)
     count, _ = as_threads(threads, _MANY)
     show = progress if progress is not None else lambda _: None
     source = _source_of(tiled) if points is None else points
@@ -60,20 +59,7 @@ def verified(
     return _certificate(tiled, proof, skipped, digest)
 
 
-class _Unproved(Tiled):
-    """A folder whose files may be damaged: that is a finding, and no error."""
-
-    def blocks(self) -> Iterator[Integers]:
-        yield from map(open_shard, self.shards)
-
-    def _mapped(self, name: str, kind: Any, count: int | None, *shape: int) -> Array:  # noqa: ARG002 - a finding
-        found = mapped(self.directory / name)
-        if found.dtype != kind or found.shape != (*found.shape[:1], *shape):
-            raise damaged(self.directory / name, f"{found.shape} of {found.dtype}")
-        return found
-
-
-def _plan_of(tiled: Tiled) -> Plan:
+def _plan_of(tiled: TiledData) -> Plan:
     """Read where the tiles are: another plan cannot make wrong triangles right."""
     path = tiled.directory / PLAN
     if digest_of(path) != tiled.manifest["files"][PLAN]["sha256"]:
@@ -81,7 +67,7 @@ def _plan_of(tiled: Tiled) -> Plan:
     return Plan.from_dict(load_json(path))
 
 
-def _source_of(tiled: Tiled) -> list[str]:
+def _source_of(tiled: TiledData) -> list[str]:
     """List the files that were tiled."""
     entries = tiled.manifest["source"]
     if not all("path" in each for each in entries):
@@ -93,7 +79,7 @@ def _source_of(tiled: Tiled) -> list[str]:
     return paths
 
 
-def _rows(tiled: Tiled, source: object, most: int, scratch: Path) -> Iterator[Array]:
+def _rows(tiled: TiledData, source: object, most: int, scratch: Path) -> Iterator[Array]:
     """Read the records of a source, chunk by chunk."""
     said = tiled.manifest.get("surface")
     if said is None:
@@ -143,14 +129,14 @@ def _shown(chunks: Iterable[Array], count: int, show: Progress) -> Iterator[Arra
         show(_READ * (number + 1) / count)
 
 
-def _check_files(tiled: Tiled, proof: Proof) -> None:
-    if not tiled.is_sound():
+def _check_files(tiled: TiledData, proof: Proof) -> None:
+    if not is_intact(tiled):
         proof.found.add("damaged_files", 1)
 
 
-def _certificate(tiled: Tiled, proof: Proof, skipped: int, digest: str) -> Certificate:
+def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> Certificate:
     flaws = proof.found.flaws()
-    triangles = sum(len(block) for block in tiled.blocks())
+    triangles = sum(len(block) for block in blocks_of(tiled))
     missing = sum(flaw.count for flaw in flaws if flaw.kind == "missing_vertices")
     edges = proof.found.interior_edges + proof.hull_edges
     vertices = tiled.npoints - skipped - proof.duplicates - missing
@@ -173,11 +159,11 @@ def _certificate(tiled: Tiled, proof: Proof, skipped: int, digest: str) -> Certi
     )
 
 
-def _sha256(tiled: Tiled) -> str:
+def _sha256(tiled: TiledData) -> str:
     """Hash the triangles as `verify` would, from one shard after the other."""
     kind = "<i4" if tiled.npoints < 1 << 31 else "<i8"
     digest = hashlib.sha256()
-    for block in tiled.blocks():
+    for block in blocks_of(tiled):
         for begin in range(0, len(block), 1 << 20):
             digest.update(np.ascontiguousarray(block[begin : begin + (1 << 20)], dtype=kind).data)
     return digest.hexdigest()

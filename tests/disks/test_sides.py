@@ -12,8 +12,8 @@ from liftmesh.disks.sides import (
     Sides,
     Traced,
     arcs_of,
-    coinciding,
     differences_of,
+    merge_coinciding,
     pieces_in,
     shares_in,
     sides,
@@ -44,9 +44,9 @@ def test_what_is_outside_of_a_box_is_cut_off() -> None:
 def test_vertices_that_only_rounding_keeps_apart_are_one() -> None:
     side = Sides(np.array([[0, 1]]), np.array([[1, 0]]))
     near = np.array([[1.0, 0], [1 + 2**-52, 0]])
-    assert coinciding(side, np.zeros((2, 2)), near).tolist() == [[1, 0], [1, 0]]
+    assert merge_coinciding(side, np.zeros((2, 2)), near).tolist() == [[1, 0], [1, 0]]
     apart = np.array([[1.0, 0], [1.001, 0]])
-    assert coinciding(side, np.zeros((2, 2)), apart).tolist() == apart.tolist()
+    assert merge_coinciding(side, np.zeros((2, 2)), apart).tolist() == apart.tolist()
 
 
 def test_arcs_are_seen_from_the_smaller_disk() -> None:

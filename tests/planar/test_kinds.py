@@ -13,9 +13,9 @@ from liftmesh.planar.kinds import (
     as_kind,
     as_metric,
     as_weights,
-    chosen,
     named_values,
     options_of,
+    weights_or_radii,
 )
 
 
@@ -69,8 +69,8 @@ def test_several_kinds_at_once_are_refused() -> None:
     with pytest.raises(InputError, match="weights and furthest_site are given: give one of them"):
         as_kind(1, [1], None, None, furthest_site=True)
     with pytest.raises(InputError, match="both weights and radii are given"):
-        chosen([1], [1])
-    assert chosen(None, "size") == ("radii", "size")
+        weights_or_radii([1], [1])
+    assert weights_or_radii(None, "size") == ("radii", "size")
 
 
 def test_a_triangulation_says_by_what_it_was_made() -> None:
