@@ -13,7 +13,7 @@ from typing import Any
 
 import lazy_loader
 
-from liftmesh.base.interruption import deferred
+from liftmesh.base.interruption import defer_signals
 
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
@@ -24,7 +24,7 @@ def __getattr__(name: str) -> Any:
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
-        with deferred():  # NumPy cannot be imported again where Ctrl-C broke its import off
+        with defer_signals():  # NumPy cannot be imported again where Ctrl-C broke its import off
             return _load(name)
     from importlib.metadata import version  # noqa: PLC0415 - slow, and rarely needed
 

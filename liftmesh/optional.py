@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-from liftmesh.base.interruption import deferred
+from liftmesh.base.interruption import defer_signals
 from liftmesh.errors import MissingDependencyError
 
 _HINTS = {
@@ -19,7 +19,7 @@ _HINTS = {
 def load(module: str, *, extra: str | None = None) -> Any:
     """Import an optional module, or say what to install."""
     try:
-        with deferred():
+        with defer_signals():
             return importlib.import_module(module)
     except ImportError as error:
         package = module.partition(".")[0]

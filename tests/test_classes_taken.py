@@ -167,3 +167,15 @@ def test_two_surfaces_are_of_the_same_classes(folder: Path) -> None:
     done = command("volume", "a.las", "later.las", *words, cwd=folder)
     assert (done.returncode, json.loads(done.stdout)["cut"]) == (0, 0.0)
     assert command("volume", "a.las", "c.las", cwd=folder).stderr.count("ground (class 2)") == 2
+
+
+def test_surfaces_are_not_compared_with_those_of_files_without_ground(folder: Path) -> None:
+    ground, trees = (liftmesh.triangulate(folder / name) for name in ("a.las", "b.las"))
+    over = liftmesh.triangulate(folder / "a.las", classes="all")
+    lot = [[5, 5], [45, 5], [25, 45]]
+    for one, other, which in ((ground, trees, "the other"), (trees, ground, "this")):
+        for call in (one.cut_and_fill, lambda it, one=one: one.cut_and_fill_by_polygon(it, lot)):
+            with pytest.raises(InputError, match=f"the file of {which} surface: no ground"):
+                call(other)
+    assert ground.cut_and_fill(over).fill > 0
+    assert ground.cut_and_fill(liftmesh.triangulate(ground.vertices)).fill == 0

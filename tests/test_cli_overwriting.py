@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
+import struct
 import subprocess
 from pathlib import Path
 
@@ -107,6 +109,31 @@ def test_an_input_is_never_replaced(words: tuple[str, ...], folder: Path) -> Non
     failed(run(*words, "--overwrite", cwd=folder), 2, "give another name")
     failed(run(*words, cwd=folder), 2, "give another name")
     assert contents(folder) == before
+
+
+@pytest.mark.parametrize("name", ["my part.bin", "wall.png"])
+@pytest.mark.parametrize("kind", ["gltf", "glb"])
+def test_the_parts_of_a_model_are_never_replaced(kind: str, name: str, tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "a.gltf", liftmesh.Cloud(POINTS[:3], faces=np.array([[0, 1, 2]])))
+    tree = json.loads((tmp_path / "a.gltf").read_text())
+    data = base64.b64decode(tree["buffers"][0]["uri"].partition(",")[2])
+    tree["buffers"][0]["uri"] = "my%20part.bin"
+    tree["images"] = [{"uri": "wall.png"}]
+    text = json.dumps(tree).encode()
+    text += b" " * (-len(text) % 4)
+    if kind == "glb":
+        head = struct.pack("<4sIIII", b"glTF", 2, 20 + len(text), len(text), 0x4E4F534A)
+        text = head + text
+    (tmp_path / f"a.{kind}").write_bytes(text)
+    (tmp_path / "my part.bin").write_bytes(data)
+    (tmp_path / "wall.png").write_bytes(b"wall")
+    (tmp_path / "other.ply").write_bytes(b"other")
+    before = contents(tmp_path)
+    words = ("triangulate", f"a.{kind}", name, "--format", "ply", "--overwrite")
+    failed(run(*words, cwd=tmp_path), 2, f"{name} is a part of a.{kind}", "give another name")
+    assert contents(tmp_path) == before
+    done = run("triangulate", f"a.{kind}", "other.ply", "--overwrite", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
 
 
 def test_what_stdin_reads_is_an_input(folder: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -126,3 +127,79 @@ def test_a_pickle_with_missing_triangles_is_refused() -> None:
     state = dict(tri.__getstate__()) | {"neighbors": tri.neighbors[1:]}
     with pytest.raises(liftmesh.InputError, match="damaged: simplices are"):
         object.__new__(liftmesh.Triangulation).__setstate__(state)
+
+
+RADII = np.full(40, 0.02)
+RADII[::2] = 0.01
+CELLS: list[Callable[[], Any]] = [
+    lambda: liftmesh.voronoi(CLOUD),
+    lambda: liftmesh.power_diagram(CLOUD, radii=RADII),
+    lambda: liftmesh.apollonius_diagram(CLOUD[:, :2], RADII),
+]
+
+
+@pytest.mark.parametrize("number", [10**8, -2, 1])
+@pytest.mark.parametrize("name", ["parts", "rings", "ring_corners"])
+@pytest.mark.parametrize("make", CELLS)
+def test_damaged_offsets_of_cells_are_refused(
+    make: Callable[[], Any], name: str, number: int
+) -> None:
+    state = dict(make().__dict__)
+    state[name] = state[name].copy()
+    state[name][-2 if number == 1 else -1] = number
+    with pytest.raises(liftmesh.InputError, match="damaged: its starts do not divide"):
+        object.__new__(type(make())).__setstate__(state)
+
+
+@pytest.mark.parametrize(("name", "number"), [*DAMAGE, ("simplex_to_vertex", -1)])
+@pytest.mark.parametrize("make", [*CELLS[:2], lambda: liftmesh.Voronoi(CLOUD[:, :2])])
+def test_damaged_triangles_of_diagrams_are_refused(
+    make: Callable[[], Any], name: str, number: int
+) -> None:
+    made = make()
+    state = dict(made.__dict__)
+    dual = state.get("_dual")
+    key = "_neighbors" if name == "neighbors" and dual is None else name
+    array = np.array(state[key] if dual is None else getattr(dual, name))
+    array[0] = number
+    state |= {key: array} if dual is None else {"_dual": replace(dual, **{name: array})}
+    with pytest.raises(liftmesh.InputError, match=f"damaged: it has the number {number} where"):
+        object.__new__(type(made)).__setstate__(state)
+
+
+@pytest.mark.parametrize("make", [CELLS[0], lambda: liftmesh.Voronoi(CLOUD[:, :2])])
+def test_neighbors_that_share_no_side_are_refused(make: Callable[[], Any]) -> None:
+    made = make()
+    state = dict(made.__dict__)
+    if "_dual" in state:
+        state["_dual"] = replace(made._dual, neighbors=made._dual.neighbors[::-1])
+    else:
+        state["_neighbors"] = made._neighbors[::-1]
+    with pytest.raises(liftmesh.InputError, match="share no side"):
+        object.__new__(type(made)).__setstate__(state)
+
+
+@pytest.mark.parametrize(
+    ("made", "name"),
+    [
+        (liftmesh.apollonius(CLOUD[:, :2], RADII), "simplices"),
+        (liftmesh.apollonius(CLOUD[:, :2], RADII), "neighbors"),
+        (liftmesh.apollonius(CLOUD[:, :2], RADII), "convex_hull"),
+        (liftmesh.lower_hull(CLOUD), "faces"),
+        (liftmesh.lower_hull(CLOUD), "neighbors"),
+    ],
+)
+def test_damaged_graphs_and_hulls_are_refused(made: Any, name: str) -> None:
+    pickled = pickle.dumps(replace(made, **{name: getattr(made, name) + 1000}))
+    with pytest.raises(liftmesh.InputError, match="damaged: it has the number"):
+        pickle.loads(pickled)
+
+
+@WAYS
+@pytest.mark.parametrize(
+    "make", [*CELLS, lambda: liftmesh.voronoi([[0, 0]], domain=(9, 9, 10, 10))]
+)
+def test_copies_of_cells(make: Callable[[], Any], again: Callable[[Any], Any]) -> None:
+    made = make()
+    np.testing.assert_array_equal(again(made).corners, made.corners)
+    assert repr(again(made)) == repr(made)

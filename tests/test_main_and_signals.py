@@ -3,10 +3,10 @@ lost."""
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import threading
+from collections.abc import Iterator
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -25,7 +25,15 @@ __all__ = ["folder"]
 def state() -> tuple[object, ...]:
     here = [signal.getsignal(number) for number in ENDS]
     wakeup = signal.set_wakeup_fd(-1)
-    return *here, wakeup, threading.active_count(), sys.unraisablehook
+    return *here, wakeup, sys.unraisablehook
+
+
+@pytest.fixture(autouse=True)
+def _no_thread_is_left() -> Iterator[None]:
+    """See that a test leaves no thread behind; those of others may end meanwhile."""
+    before = {*threading.enumerate()}
+    yield
+    assert {*threading.enumerate()} <= before
 
 
 def test_main_restores_all_it_changes(folder: Path) -> None:
@@ -42,7 +50,7 @@ def test_main_ends_at_a_signal_and_can_run_again(
     before = state()
 
     def send(*_: object, **__: object) -> None:
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
     with monkeypatch.context() as patched:
         patched.setattr("liftmesh.io.read.read", send)

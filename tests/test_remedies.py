@@ -36,6 +36,20 @@ def test_points_of_geopandas_become_a_table_as_the_error_says(kind: str) -> None
     np.testing.assert_array_equal(made.vertices, XYZ)
 
 
+@pytest.mark.parametrize("kind", ["GeoSeries", "GeoDataFrame"])
+@pytest.mark.parametrize("name", ["delaunay", "lower_hull", "lift", "Delaunay", "Voronoi"])
+def test_geometries_are_no_rows_of_numbers(name: str, kind: str) -> None:
+    function, points = getattr(liftmesh, name), geometric(kind)
+    with pytest.raises(InputError, match=r"geometries: give what .*get_coordinates\("):
+        function(points)
+    function(points.get_coordinates(include_z=name == "lower_hull").to_numpy())
+    shapes = list(points.geometry)
+    with pytest.raises(InputError, match=r"give what shapely\.get_coordinates\(points\) returns"):
+        function(shapes)
+    with pytest.raises(InputError, match=r"geometries: give what .*get_coordinates\("):
+        liftmesh.apollonius(points, [1, 1, 1, 1])
+
+
 def test_where_heights_do_not_matter_a_table_needs_none() -> None:
     table = pd.DataFrame({"x": XYZ[:, 0], "y": XYZ[:, 1], "temp": [1.0, 2, 3, 4]})
     expected = liftmesh.delaunay(XYZ).simplices

@@ -161,6 +161,49 @@ def test_rows_of_a_table_have_their_names(tmp_path) -> None:
     assert [*slope.volume_by_polygon(frame.geometry)] == [0, 1]
 
 
+def numbered(*values: object) -> dict:
+    """Give the lots another property, with values or without."""
+    lots = json.loads(json.dumps(LOTS))
+    for feature, value in zip(lots["features"], values, strict=True):
+        feature["properties"] |= {} if value is None else {"lot": value}
+    return lots
+
+
+def test_another_property_names_polygons(tmp_path) -> None:
+    slope = liftmesh.triangulate(SLOPE)
+    lots = numbered("x", 12, None)
+    assert [*slope.volume_by_polygon(lots, by="lot")] == ["x", "12", 2]
+    assert [*slope.volume_by_polygon(lots)] == ["A 7", 1, "outside"]
+    assert [*slope.cut_and_fill_by_polygon(slope, numbered(1, 2.0, 2.5), by="lot")] == [
+        "1", "2", "2.5"
+    ]  # fmt: skip
+    one = lots["features"][0]
+    assert [*slope.volume_by_polygon(one)] == [0]
+    assert [*slope.volume_by_polygon(one, by="lot")] == ["x"]
+    there = "no polygon has the property 'plot', but 'name', 'lot': give by= one of these"
+    with pytest.raises(liftmesh.InputError, match=there):
+        slope.volume_by_polygon(lots, by="plot")
+    with pytest.raises(liftmesh.InputError, match="nor any other: by= is for features"):
+        slope.volume_by_polygon(RING, by="lot")
+    with pytest.raises(liftmesh.InputError, match="give each its own, or by= a property"):
+        slope.volume_by_polygon(numbered(3, 3, 4), by="lot")
+    with pytest.raises(liftmesh.InputError, match="by is 3: give the name of a property"):
+        slope.volume_by_polygon(lots, by=3)
+
+
+def test_the_command_names_polygons_by_another_property(tmp_path) -> None:
+    slope, lots = tmp_path / "tin.ply", tmp_path / "lots.geojson"
+    liftmesh.triangulate(SLOPE).save(slope)
+    lots.write_text(json.dumps(numbered("x", 12, None)))
+    for words in (("volume", slope), ("volume", slope, slope)):
+        found = json.loads(run(*words, "--within", lots, "--by", "lot", "--json").stdout)
+        assert [each["polygon"] for each in found["polygons"]] == ["x", "12", 2]
+        done = run(*words, "--within", lots, "--by", "plot")
+        failed(done, 3, "lots.geojson: no polygon has the property 'plot', but 'name', 'lot'")
+        assert "give --by one of these" in " ".join(done.stderr.split())
+        failed(run(*words, "--by", "lot"), 2, "--by goes with --within")
+
+
 def test_polygons_of_one_name_and_invalid_ones_are_named() -> None:
     slope = liftmesh.triangulate(SLOPE)
     twice = LOTS | {"features": LOTS["features"][:1] * 2}

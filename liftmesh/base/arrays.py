@@ -180,6 +180,9 @@ def _as_array(points: ArrayLike) -> Array:
         raise InputError(_describe_ragged(points, error)) from error
     if array.ndim == 0 and array.dtype.kind in "OSU":
         raise no_array(points)
+    first = array[:1].flat if array.ndim and array.dtype.hasobject else ()
+    if any(hasattr(each, "geom_type") for each in first):
+        raise _no_numbers(points)
     return array
 
 
@@ -361,6 +364,15 @@ def no_array(points: object) -> InputError:
     article = "an" if kind[0] in "aeiouAEIOU" else "a"
     what = "None" if points is None else f"{article} {kind}"
     return InputError(f"points are {what}{_advice(points)}")
+
+
+def _no_numbers(points: object) -> InputError:
+    """Return the exception for geometries of shapely, of which NumPy makes objects."""
+    has_own = hasattr(type(points), "get_coordinates")  # of geopandas
+    call = "its get_coordinates()" if has_own else "shapely.get_coordinates(points)"
+    return InputError(
+        f"points are geometries: give what {call} returns, with include_z=True where heights count"
+    )
 
 
 def _advice(points: object) -> str:

@@ -53,7 +53,20 @@ class FrozenResult:
 
     def __reduce__(self) -> tuple[Any, ...]:
         result: Any = self
-        return type(self), tuple(getattr(self, each.name) for each in fields(result))
+        return _loaded, (type(self), *(getattr(self, each.name) for each in fields(result)))
+
+    def _check_copy(self) -> None:
+        """Refuse a damaged pickle, whose numbers lead out of its arrays."""
+
+
+def _loaded(kind: type[FrozenResult], *values: Any) -> FrozenResult:
+    """Make a result of a pickle.
+
+    A `__setstate__` would not do: in Python 3.10, frozen dataclasses with slots replace it.
+    """
+    result = kind(*values)
+    result._check_copy()  # noqa: SLF001 - of this class
+    return result
 
 
 def freeze(result: Any) -> None:
@@ -74,22 +87,53 @@ def _frozen(value: Any) -> Any:
 
 def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> None:
     """Refuse a damaged pickle of triangles, whose numbers the kernel would follow anywhere."""
-    triangles = len(simplices)
-    for array, least, beyond in [
-        (simplices, 0, rows),
-        (neighbors, -1, triangles),
-        *((each, 0, rows) for each in others),
-    ]:
+    check_numbers(0, rows, simplices)
+    check_numbers(-1, len(simplices), neighbors)
+    check_numbers(0, rows, *others)
+    if not simplices.shape == neighbors.shape == (len(simplices), 3):
+        raise InputError(
+            f"the copy is damaged: simplices are {simplices.shape} and neighbors "
+            f"{neighbors.shape}; compute it again"
+        )
+
+
+def check_numbers(least: int, beyond: int, *arrays: Rows) -> None:
+    """Refuse a damaged pickle with a number that is less, or not below the end."""
+    for array in arrays:
         if array.size and not least <= array.min() <= array.max() < beyond:
             wrong = array[(array < least) | (array >= beyond)][0]
             raise InputError(
                 f"the copy is damaged: it has the number {wrong} where {least} to {beyond - 1} "
-                "are possible; triangulate again"
+                "are possible; compute it again"
             )
-    if not simplices.shape == neighbors.shape == (triangles, 3):
+
+
+def check_adjacent(simplices: Rows, neighbors: Rows) -> None:
+    """Refuse a damaged pickle of triangles whose neighbours do not share their sides with them."""
+    triangles = np.arange(len(simplices))
+    for k in range(3):
+        inside = neighbors[:, k] >= 0
+        other, across = neighbors[inside, k], triangles[inside]
+        tail, head = (simplices[inside, (k + step) % 3] for step in (1, 2))
+        shared = np.zeros(len(other), np.bool_)
+        for j in range(3):
+            is_side = simplices[other, (j + 1) % 3] == head
+            is_side &= simplices[other, (j + 2) % 3] == tail
+            shared |= is_side & (neighbors[other, j] == across)
+        if not shared.all():
+            raise InputError(
+                f"the copy is damaged: triangle {across[shared.argmin()]} and its neighbor "
+                f"{other[shared.argmin()]} share no side; compute it again"
+            )
+
+
+def check_starts(starts: Rows, groups: int, items: int) -> None:
+    """Refuse a damaged pickle whose starts do not divide the items into so many groups."""
+    is_whole = starts.shape == (groups + 1,) and starts[0] == 0 and starts[-1] == items
+    if not is_whole or (starts[1:] < starts[:-1]).any():
         raise InputError(
-            f"the copy is damaged: simplices are {simplices.shape} and neighbors "
-            f"{neighbors.shape}; triangulate again"
+            f"the copy is damaged: its starts do not divide {items:,} items into {groups:,} "
+            "groups; compute it again"
         )
 
 

@@ -6,9 +6,9 @@ catch every exception, KeyboardInterrupt among them; trimesh does so around the 
 package that it can do without. There the signal would be lost, and the package would be taken for
 missing until the process ends.
 
-- `kept` encloses calls of other libraries. It remembers what a handler raised inside, and raises it
-  again at its end if it did not come out.
-- `deferred` encloses imports. The handler is called at the end, and at once if a second signal
+- `preserve_signals` encloses calls of other libraries. It remembers what a handler raised inside,
+  and raises it again at its end if it did not come out.
+- `defer_signals` encloses imports. The handler is called at the end, and at once if a second signal
   comes.
 - `opened` opens a file by its descriptor, a plain number that would stay open if the exception came
   between the call that makes it and the variable that holds it.
@@ -117,12 +117,12 @@ class _Guard:
 _CHANGING = (_Guard.__enter__.__code__, _Guard.__exit__.__code__)
 
 
-def kept() -> _Guard:
+def preserve_signals() -> _Guard:
     """Enclose a call of code that may catch the exception of a signal's handler."""
     return _Guard(defers=False)
 
 
-def deferred() -> _Guard:
+def defer_signals() -> _Guard:
     """Enclose an import: a signal takes effect at the end, the second one at once."""
     return _Guard(defers=True)
 

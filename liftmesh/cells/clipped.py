@@ -14,6 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.frozen import check_numbers, check_starts
 from liftmesh.base.options import counted, shown
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
@@ -47,6 +48,18 @@ class ClippedCells:
         self.corners = read_only(rings.points[taken])
         self._sources = rings.sources[taken]
         self.beyond = read_only(self._sources[:, 2])
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        groups = len(self.points)
+        ends = len(self.rings) - 1, len(self.ring_corners) - 1, len(self.corners)
+        each = self.parts, self.rings, self.ring_corners
+        for starts, items in zip(each, ends, strict=True):
+            check_starts(starts, groups, items)
+            groups = items
+        check_starts(self.domain.starts, len(self.domain.is_hole), len(self.domain.corners))
+        check_numbers(-1, len(self.points), self.beyond, self._sources[:, 2])
+        check_numbers(0, len(self.points), self.duplicates, self.hidden)
 
     def __repr__(self) -> str:
         full = np.count_nonzero(np.diff(self.parts))

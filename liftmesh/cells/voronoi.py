@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import read_only
+from liftmesh.base.frozen import check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import counted
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
@@ -191,6 +192,13 @@ class Cells(ClippedCells):
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
         self._dual = dual
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        dual = self._dual
+        check_copied(len(self.points), dual.simplices, dual.neighbors, dual.chain)
+        check_adjacent(dual.simplices, dual.neighbors)
+        check_numbers(0, len(dual.vertices), dual.simplex_to_vertex)
 
     @cached_property
     def corner_kinds(self) -> NDArray[np.uint8]:

@@ -2,8 +2,8 @@
 
 What is not replaced: the inputs, and without ``--overwrite`` any file with content. An output that
 is an input, by whatever name, option or link, is refused always, also where it would be read wholly
-before: the output may hold less. So is a file in a folder that is an input, and one that is read
-beside an input.
+before: the output may hold less. So is a file in a folder that is an input, one that is read beside
+an input, and a buffer or an image of a glTF file that is an input.
 """
 
 from __future__ import annotations
@@ -82,6 +82,10 @@ def check_lost(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bo
         for each in read:
             if _is_part(target, each):
                 raise _same(each, target)
+            if _is_named(target, each):
+                raise typer.BadParameter(
+                    f"{target} is a part of {each}, and would be lost: give another name"
+                )
         if not overwrite and holds_data(target):
             raise typer.BadParameter(
                 f"{target} exists, and would be lost: give another name for what is written, or "
@@ -117,6 +121,16 @@ def _is_part(target: Path, source: Path) -> bool:
         status = os.fstat(sys.stdin.fileno()) if is_stream(source) else where.stat()
         return os.path.samestat(status, place.stat()) and place.is_file()
     return place == where
+
+
+def _is_named(target: Path, source: Path) -> bool:
+    """Whether a file is a buffer or an image of a glTF file that is an input."""
+    is_model = source.suffix.lower() in (".gltf", ".glb") and source.is_file()
+    if not is_model or not target.is_file():
+        return False
+    from liftmesh.io.formats.gltf.beside import named_in
+
+    return any(_is_part(target, each) for each in named_in(source))
 
 
 def _same(one: Path, other: Path) -> typer.BadParameter:

@@ -17,7 +17,7 @@ SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
 HELP = (
     "Volumes are counted where there are faces only; their unit is that of x, y and z. With "
     "--within, those of all polygons together come first, then those of each: by the property or "
-    "column name, or by the number."
+    "column --by, or by the number."
 )
 EXAMPLES = [
     "liftmesh volume before.ply after.ply --json",
@@ -41,12 +41,21 @@ def run(
     within: Annotated[
         Path | None, option("FILE", "Measure inside of polygons alone, cut at their borders.")
     ] = None,
+    by: Annotated[
+        str | None,
+        options.option(
+            "PROPERTY", "The property or column that names the polygons, 'name' by default."
+        ),
+    ] = None,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, measure it, and print what was found."""
     outputs.check_stdout()
+    if by is not None and within is None:
+        raise typer.BadParameter("--by goes with --within")
+    named = "name" if by is None else by
     if within is not None:
         within.open("rb").close()
     if other is not None and level is not None:
@@ -60,7 +69,7 @@ def run(
             if within is None:
                 measures["surface_area"] = surface.area()
             else:
-                parts = surface.volume_by_polygon(within, level or 0.0)
+                parts = surface.volume_by_polygon(within, level or 0.0, by=named)
                 measures["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = surfaces.read(other, reading)
@@ -69,7 +78,7 @@ def run(
         with terminal.stage("laying the surfaces over each other"):
             measures = _values(surface.cut_and_fill(after, polygon=within))
             if within is not None:
-                works = surface.cut_and_fill_by_polygon(after, within)
+                works = surface.cut_and_fill_by_polygon(after, within, by=named)
                 measures["polygons"] = _by_name({key: _values(work) for key, work in works.items()})
     _print(measures, rows_of, as_json=json)
 

@@ -17,7 +17,7 @@ from difflib import get_close_matches
 from typing import Any
 
 _OPTION_NAMES = (
-    "band", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
+    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
     "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
     "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip

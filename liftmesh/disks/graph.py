@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Mask, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
-from liftmesh.base.frozen import FrozenResult
+from liftmesh.base.frozen import FrozenResult, check_copied, check_numbers
 from liftmesh.base.options import NonFinite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.kinds import TriangulationKind, as_weights
@@ -29,6 +29,11 @@ class DiskGraph(FrozenResult):
     hidden: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+
+    def _check_copy(self) -> None:
+        rows = len(self.radii)
+        check_copied(rows, self.simplices, self.neighbors, self.hidden, self.duplicates)
+        check_numbers(0, rows, self.convex_hull, self.skipped)
 
 
 def as_disks(

@@ -23,7 +23,7 @@ from liftmesh._typing import Floats
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
-from liftmesh.base.interruption import deferred
+from liftmesh.base.interruption import defer_signals
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
@@ -190,7 +190,7 @@ class LazyFunction:
 
     def _imported(self) -> Callable[..., Any]:
         if self._function is None:
-            with deferred():
+            with defer_signals():
                 self._function = getattr(import_module(self.module), self.name)
         return self._function
 

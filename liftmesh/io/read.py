@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
-from liftmesh.base.interruption import kept
+from liftmesh.base.interruption import preserve_signals
 from liftmesh.base.options import Returns, as_count
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
@@ -178,7 +178,7 @@ def read(  # noqa: PLR0913 - options are keywords
     name = name_of(source)
     found = format_of(source, format, name, find_format)
     read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
-    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, kept():
+    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, preserve_signals():
         cloud = _labelled(read_whole(stream, name), found, name)
     return _changed(cloud, color_depth, crs, to_crs, name)
 
@@ -325,18 +325,18 @@ def _chunks(
     name: str,
 ) -> Iterator[Cloud]:
     with place as stream:
-        with kept():
+        with preserve_signals():
             pieces = iter(chunks(stream))
             chunk = next(pieces, _NO_MORE)
         while chunk is not _NO_MORE:
             yield _labelled(chunk, found, name)
-            with kept():  # not around the yield: the caller's code is none of ours
+            with preserve_signals():  # not around the yield: the caller's code is none of ours
                 chunk = next(pieces, _NO_MORE)
 
 
 def _selected_chunks(pieces: Iterator[Cloud], selector: Selector) -> Iterator[Cloud]:
     for piece in pieces:
-        with kept():
+        with preserve_signals():
             chosen = selected(piece, selector)
         yield chosen
 

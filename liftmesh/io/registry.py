@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import freeze
-from liftmesh.base.interruption import deferred, kept
+from liftmesh.base.interruption import defer_signals, preserve_signals
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, UnsupportedTypeError
 from liftmesh.io.format import Format, LazyFunction
@@ -186,7 +186,7 @@ def as_cloud(source: Any, **options: Any) -> Cloud:
     if options:
         made: Cloud = _with_options(source, options)
         return made
-    with kept():
+    with preserve_signals():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
         cloud = None if adapter is None else adapter.to_cloud(source)
     if adapter is None:
@@ -196,7 +196,7 @@ def as_cloud(source: Any, **options: Any) -> Cloud:
 
 def rows_of(source: Any, *, has_heights: bool = True) -> Any:
     """Return the points of a cloud or mesh; what NumPy makes an array of is returned as it is."""
-    with kept():
+    with preserve_signals():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
     if adapter is None or adapter.to_cloud is plain.from_array:
         return source
@@ -294,7 +294,7 @@ def _entries(group: str) -> list[EntryPoint]:
 
 def _loaded(entry: EntryPoint, kind: type[Entry]) -> Entry:
     """Load the object of an entry point and check its type."""
-    with deferred():  # around the clause: a time limit is no fault of the plugin
+    with defer_signals():  # around the clause: a time limit is no fault of the plugin
         try:
             loaded = entry.load()
         except (Exception, SystemExit) as error:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from liftmesh.base.interruption import kept
+from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.faces import checked_faces
@@ -187,6 +187,6 @@ def _write(
         stream.write(held.getbuffer())
         return origin, size
     begin = stream.tell()
-    with kept():
+    with preserve_signals():
         origin = writer(stream, cloud, **options)
     return origin, stream.tell() - begin

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
-from liftmesh.base.frozen import FrozenResult
+from liftmesh.base.frozen import FrozenResult, check_numbers
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.planar.points import rows_of
@@ -214,6 +214,11 @@ class LowerHull(FrozenResult):
     q: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
+
+    def _check_copy(self) -> None:
+        check_numbers(0, len(self.vertices), self.faces)
+        if self.neighbors is not None:
+            check_numbers(-1, len(self.faces), self.neighbors)
 
     def __repr__(self) -> str:
         return f"<LowerHull of {len(self.faces):,} facets over {len(self.vertices):,} points>"

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only
-from liftmesh.base.frozen import cached_property
+from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
@@ -445,6 +445,12 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
         self.overflowed = diagram.overflowed
         self._neighbors = solution["neighbors"]
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        check_copied(len(self._points), self.simplices, self._neighbors, self.duplicates)
+        check_adjacent(self.simplices, self._neighbors)
+        check_numbers(0, len(self.vertices), self.simplex_to_vertex)
 
     @cached_property
     def _found(self) -> Regions:

@@ -132,8 +132,8 @@ def classify_ground(
         "rigidness": rigidness, "threshold": threshold, "unit_known": is_known,
         "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
-    if bare > _MOST_BARE * cells:
-        warnings.warn(bare_warning(counts), DataWarning, stacklevel=2)
+    if warning := bare_warning(counts):
+        warnings.warn(warning, DataWarning, stacklevel=2)
     return replace(
         source,
         attributes={**source.attributes, **_classes(source, ground)},
@@ -202,6 +202,8 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
     return np.frombuffer(done.stdout, np.uint8).astype(np.bool_)
 
 
+# The first argument is the path of modules, which must not begin with the current folder. It reads
+# float64 coordinates from stdin, and writes a byte for each row to stdout: 1 is ground.
 _PROGRAM = """
 import json, os, sys
 sys.path[:] = json.loads(sys.argv[1])

@@ -29,6 +29,8 @@ from liftmesh.base.arrays import as_number
 from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
+from liftmesh.io.selection import found_selection
+from liftmesh.io.surface_rows import check_grounds
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.predicates import orient2d
@@ -146,11 +148,11 @@ def volume_of(surface: SurfaceData, level: float = 0.0, *, polygon: object = Non
 
 
 def volumes_by_polygon(
-    surface: SurfaceData, polygon: object, level: float = 0.0
+    surface: SurfaceData, polygon: object, level: float = 0.0, *, by: str = "name"
 ) -> dict[str | int, Volume]:
     """Compute the volumes between the faces and a level in each of several polygons."""
     at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
-    volumes = _in_each(surface, polygon, partial(_level_within, surface, at))
+    volumes = _in_each(surface, polygon, partial(_level_within, surface, at), by)
     return {name: Volume(*each, at, unit) for name, each in volumes}
 
 
@@ -171,12 +173,12 @@ def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = 
 
 
 def cut_and_fill_by_polygon(
-    surface: SurfaceData, other: SurfaceData, polygon: object
+    surface: SurfaceData, other: SurfaceData, polygon: object, *, by: str = "name"
 ) -> dict[str | int, Earthwork]:
     """Compute the volumes between this surface and another one in each of several polygons."""
     _check(surface, other)
     unit = cubic_metres_of(surface)
-    volumes = _in_each(surface, polygon, partial(_between_within, surface, other))
+    volumes = _in_each(surface, polygon, partial(_between_within, surface, other), by)
     return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
 
 
@@ -259,6 +261,8 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
             "the surfaces have different coordinate systems: read one with to_crs= that of the "
             "other, or replace(crs=None) if they are the same"
         )
+    files = ("the file of this surface", surface), ("the file of the other surface", other)
+    check_grounds((name, found_selection(each.metadata)) for name, each in files)
 
 
 def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
@@ -339,13 +343,16 @@ def _in_all(
 
 
 def _in_each(
-    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
+    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured], by: str
 ) -> Iterator[tuple[str | int, Measured]]:
     """Measure each region by itself."""
     seen = set()
-    for region in regions_in(plane_system(surface), polygon):
+    for region in regions_in(plane_system(surface), polygon, by):
         if region.name in seen:
-            raise InputError(f"two polygons have the name {region.name!r}: give each its own")
+            raise InputError(
+                f"two polygons have the name {region.name!r}: give each its own, or by= a property "
+                "that differs"
+            )
         seen.add(region.name)
         try:
             yield region.name, measure(region.polygons)

@@ -153,6 +153,10 @@ def _name(cloud: Cloud, number: int) -> str:
     return source if isinstance(source, str) else f"cloud {number}"
 
 
+def _first_of(names: Sequence[str]) -> str:
+    return f"{names[0]} and {len(names) - 1} more" if len(names) > 1 else names[0]
+
+
 def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
     """Return the coordinate system of all; those that state none are taken to have it."""
     stated = [(each.crs, name) for each, name in zip(parts, names, strict=True) if each.crs]
@@ -160,9 +164,8 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         return None
     if len(stated) < len(parts):
         without = [name for each, name in zip(parts, names, strict=True) if not each.crs]
-        rest = f" and {len(without) - 1} more" if len(without) > 1 else ""
-        message = f"{without[0]}{rest} without a coordinate system: taken to be that of the others"
-        warnings.warn(message, DataWarning, stacklevel=3)
+        message = "without a coordinate system: taken to be that of the others"
+        warnings.warn(f"{_first_of(without)} {message}", DataWarning, stacklevel=3)
     crs, first = stated[0]
     for other, name in stated[1:]:
         if is_same(crs, other):
@@ -222,17 +225,21 @@ def _colors(parts: Sequence[Cloud], names: Sequence[str], left_out: list[str]) -
 
 def _of_one_depth(parts: Sequence[Cloud]) -> Sequence[Cloud]:
     """Take dark tiles of LAS for 16-bit ones where others are: their numbers mean the same."""
-    layouts = [each.metadata.get(_LAYOUT) for each in parts]
-    if not all(isinstance(each, Mapping) for each in layouts):
-        return parts
+    layouts = _layouts(parts)
     types = {each.colors.dtype for each in parts if each.colors is not None}
-    if types != {np.dtype(np.uint8), np.dtype(np.uint16)}:
+    if not layouts or types != {np.dtype(np.uint8), np.dtype(np.uint16)}:
         return parts
-    shallow = [each.get("color_depth") == 8 for each in layouts]  # type: ignore[union-attr]
     return [
-        each.with_color_depth(16) if is_8 else each
-        for each, is_8 in zip(parts, shallow, strict=True)
+        each.with_color_depth(16) if layout.get("color_depth") == 8 else each
+        for each, layout in zip(parts, layouts, strict=True)
     ]
+
+
+def _layouts(parts: Sequence[Cloud]) -> list[Mapping[str, Any]]:
+    """Return what lidar says of its scales for each part; nothing if one is no lidar."""
+    layouts = [each.metadata.get(_LAYOUT) for each in parts]
+    known = [each for each in layouts if isinstance(each, Mapping)]
+    return known if len(known) == len(parts) else []
 
 
 def _stacked(
@@ -244,8 +251,7 @@ def _stacked(
     if len(lacking) == len(names):
         return None
     if lacking:
-        rest = f" and {len(lacking) - 1} more" if len(lacking) > 1 else ""
-        left_out.append(f"{what} (not in {lacking[0]}{rest})")
+        left_out.append(f"{what} (not in {_first_of(lacking)})")
         return None
     if len({each.shape[1:] for each in present}) > 1 or not _have_common_type(present):
         left_out.append(f"{what} (of different types)")
@@ -282,9 +288,8 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
     for key in ("source", "format"):
         labels = [each.metadata[key] for each in parts if is_read(each.metadata)]
         entries |= {key: Label(", ".join(dict.fromkeys(labels)))} if labels else {}
-    layouts = [each.metadata.get(_LAYOUT) for each in parts]
-    if all(isinstance(each, Mapping) for each in layouts):
-        entries[_LAYOUT] = _common_layout(layouts)  # type: ignore[arg-type]
+    if layouts := _layouts(parts):
+        entries[_LAYOUT] = _common_layout(layouts)
     told = common_transformation([transformation_of(each.metadata) for each in parts])
     entries |= {TRANSFORMATION: told} if told else {}
     if any(map(_selection, parts)):

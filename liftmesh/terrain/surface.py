@@ -558,7 +558,9 @@ class Surface(SurfaceData):
         """
         return measures.volume_of(self, level, polygon=polygon)
 
-    def volume_by_polygon(self, polygon: object, level: float = 0.0) -> dict[str | int, Volume]:
+    def volume_by_polygon(
+        self, polygon: object, level: float = 0.0, *, by: str = "name"
+    ) -> dict[str | int, Volume]:
         """Compute the volumes between the faces and a level in each of several polygons.
 
         Parameters
@@ -567,6 +569,8 @@ class Surface(SurfaceData):
             As for `cut_and_fill_by_polygon`.
         level : float, default 0
             A height above the plane.
+        by : str, default "name"
+            As for `cut_and_fill_by_polygon`.
 
         Returns
         -------
@@ -576,7 +580,7 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            As for `volume`, or two polygons have one name.
+            As for `volume`, or two polygons have one name, or none has the property.
         FormatError, MissingDependencyError, OSError
             As for `volume`.
 
@@ -588,7 +592,7 @@ class Surface(SurfaceData):
         >>> round(found[0].above, 9)
         8.0
         """
-        return measures.volumes_by_polygon(self, polygon, level)
+        return measures.volumes_by_polygon(self, polygon, level, by=by)
 
     def cut_and_fill(self, other: Surface, *, polygon: object = None) -> Earthwork:
         """Compute the volumes between this surface and another one.
@@ -610,8 +614,9 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            The surfaces are over different planes or in different coordinate systems, or have no
-            area in common; the polygon is invalid; or a volume is beyond the largest double.
+            The surfaces are over different planes or in different coordinate systems, have no area
+            in common, or are one of ground and one of a file without any, of which all rows were
+            read; the polygon is invalid; or a volume is beyond the largest double.
         FormatError
             A file of a polygon is invalid.
         MissingDependencyError
@@ -642,7 +647,7 @@ class Surface(SurfaceData):
         return measures.cut_and_fill(self, other, polygon=polygon)
 
     def cut_and_fill_by_polygon(
-        self, other: Surface, polygon: object
+        self, other: Surface, polygon: object, *, by: str = "name"
     ) -> dict[str | int, Earthwork]:
         """Compute the volumes between this surface and another one in each of several polygons.
 
@@ -653,18 +658,22 @@ class Surface(SurfaceData):
         polygon : object
             As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
             itself, whatever others cover.
+        by : str, default "name"
+            The property or column that has the names of polygons.
 
         Returns
         -------
         dict of str or int to Earthwork
-            By the property or column ``name`` where it is a text, else by the number, from 0; zeros
-            for a polygon that has no area in common with the faces.
+            By the property or column `by` where it is a text, or any number if it is not ``name``,
+            as text; else by the number of the polygon, from 0; zeros for a polygon that has no area
+            in common with the faces.
 
         Raises
         ------
         InputError
             The surfaces are over different planes or in different coordinate systems, a polygon is
-            invalid, two have one name, or a volume is beyond the largest double.
+            invalid, two have one name, none has the property, or a volume is beyond the largest
+            double.
         FormatError, MissingDependencyError, OSError
             As for `cut_and_fill`.
 
@@ -681,7 +690,7 @@ class Surface(SurfaceData):
         >>> round(found["A 7"].fill, 9)
         4.0
         """
-        return measures.cut_and_fill_by_polygon(self, other, polygon)
+        return measures.cut_and_fill_by_polygon(self, other, polygon, by=by)
 
     def solid(
         self,

@@ -11,8 +11,9 @@ Polygons from files and objects, in the coordinate system of a surface.
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -21,6 +22,7 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices
+from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import check_system, read_shapes
@@ -31,6 +33,8 @@ _PAIRS = 1 << 20  # of edges and points that are compared at once
 _LONG = 1 << 12  # points that are compared with one edge alone
 _ROUNDING = 2.0**-48  # of the ends of an edge, in a point between them
 _SMALLEST = 2.0**-1070
+_NAME = "name"  # the property that regions have their names from
+_SHOWN = 12  # names in a message
 Polygon: TypeAlias = list[Floats]
 T = TypeVar("T")
 
@@ -48,15 +52,15 @@ def polygons_in(crs: str | None, polygon: object) -> list[Polygon]:
     return [each for region in regions_in(crs, polygon) for each in region.polygons]
 
 
-def regions_in(crs: str | None, polygon: object) -> list[Region]:
+def regions_in(crs: str | None, polygon: object, by: str = _NAME) -> list[Region]:
     """Convert what is given to regions, and see that they are in the system of a surface."""
     if not isinstance(polygon, str | os.PathLike):
         check_system(crs, polygon, "the polygon")
-        return as_regions(polygon)
+        return as_regions(polygon, by)
     path = Path(polygon)
     shapes = read_shapes(path, "polygons", crs)
     try:
-        return as_regions(shapes)
+        return as_regions(shapes, by)
     except InputError as error:
         raise FormatError(f"{path}: {error}") from error
 
@@ -66,29 +70,58 @@ def as_polygons(polygon: object) -> list[Polygon]:
     return _found(_polygons(getattr(polygon, "__geo_interface__", polygon)))
 
 
-def as_regions(polygon: object) -> list[Region]:
-    """Convert what is given to regions: the features of a collection, or all in one."""
+def as_regions(polygon: object, by: str = _NAME) -> list[Region]:
+    """Convert what is given to regions: the features of a collection, or all in one.
+
+    If another property than ``name`` has the names, numbers are names, too.
+    """
     described: Any = getattr(polygon, "__geo_interface__", polygon)
-    is_collection = isinstance(described, Mapping) and described.get("type") == "FeatureCollection"
-    if not is_collection:
+    kind = described.get("type") if isinstance(described, Mapping) else None
+    if kind != "FeatureCollection" and by == _NAME:
         return [Region(0, as_polygons(polygon))]
-    features = described.get("features") or ()
+    features = [described] if kind == "Feature" else ()
+    if kind == "FeatureCollection":
+        features = described.get("features") or ()
     is_list = isinstance(features, list | tuple)
     if not (is_list and all(isinstance(each, Mapping) for each in features)):
         raise InputError("the polygon is no GeoJSON: give features as a list of objects")
+    _check_there(by, features)
     return _found(
         [
-            Region(_name_of(each, number), polygons)
+            Region(_name_of(each, by, number), polygons)
             for number, each in enumerate(features)
             if (polygons := _polygons(each))
         ]
     )
 
 
-def _name_of(feature: Mapping[str, Any], number: int) -> str | int:
-    properties = feature.get("properties")
-    name = properties.get("name") if isinstance(properties, Mapping) else None
+def _check_there(by: str, features: Sequence[Mapping[str, Any]]) -> None:
+    """Raise if no feature has a property that is asked for."""
+    names = [*dict.fromkeys(str(key) for each in features for key in _properties(each))]
+    if by == _NAME or by in names:
+        return
+    if not isinstance(by, str):
+        raise InputError(f"by is {shown(by)}: give the name of a property")
+    rest = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
+    raise InputError(
+        f"no polygon has the property {by!r}, but {', '.join(map(repr, names[:_SHOWN]))}{rest}: "
+        "give by= one of these"
+        if names
+        else f"no polygon has the property {by!r}, nor any other: by= is for features and tables"
+    )
+
+
+def _name_of(feature: Mapping[str, Any], by: str, number: int) -> str | int:
+    name: Any = _properties(feature).get(by)
+    is_number = isinstance(name, int | float | np.integer | np.floating)
+    if is_number and by != _NAME and math.isfinite(name):
+        name = str(int(name) if name == int(name) else name)
     return name if isinstance(name, str) and name else number
+
+
+def _properties(feature: Mapping[str, Any]) -> Mapping[str, Any]:
+    found = feature.get("properties")
+    return found if isinstance(found, Mapping) else {}
 
 
 def _polygons(described: object) -> list[Polygon]:

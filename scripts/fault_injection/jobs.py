@@ -19,6 +19,7 @@ from typing import Protocol
 
 import numpy as np
 import rasterio
+from jobs import BY_TRIMESH, CLOUDS, OLD, Command, commands, make_files
 
 import liftmesh
 from liftmesh import Cloud, LiftmeshError
@@ -27,7 +28,7 @@ from liftmesh.cli.exit_codes import BAD_INPUT, DONE, USAGE
 
 WRITTEN = ("ply", "obj", "npz", "off", "stl", "glb", "gltf", "las", "laz")
 ONLY_WRITTEN = ("xml", "3mf", "vtu")
-OLD = b"what was there before\n"
+FORKED = ("triangulate", "verify", "info", "contour", "raster", "solid")
 LONGEST = 60  # seconds after which a case hangs
 
 
@@ -70,12 +71,9 @@ class Job:
 def jobs(samples: Path, rows: int) -> list[Job]:
     """List all jobs; the files that they read are made in a folder of their own."""
     points = np.random.default_rng(rows).random((rows, 3)).round(3)
-    mesh = liftmesh.triangulate(points).to_cloud()
-    for kind in WRITTEN:
-        liftmesh.write(samples / f"mesh.{kind}", mesh)
-    np.save(samples / "mesh.npy", mesh.points)
-    lines = [" ".join(map(str, row)) for row in mesh.points.tolist()]
-    (samples / "mesh.xyz").write_text("\n".join(lines))
+    surface = liftmesh.triangulate(points)
+    make_files(samples, [f"mesh.{kind}" for kind in (*WRITTEN, *CLOUDS)], surface)
+    mesh = surface.to_cloud()
     _with_a_buffer_file(samples)
     _rasters(samples)
     readers = [_reader(samples, kind) for kind in (*WRITTEN, "npy", "xyz", "tif", "agr")]
@@ -168,38 +166,28 @@ def _with_names(mesh: Cloud) -> Job:
 
 
 def _commands(samples: Path) -> list[Job]:
-    lines = {
-        "triangulate mesh.xyz new.ply": "new.ply",
-        "triangulate mesh.ply new.npz": "new.npz",
-        "triangulate mesh.npz new.glb": "new.glb",
-        "triangulate mesh.xyz - --format obj": "",
-        "verify mesh.ply --certificate new.json": "new.json",
-        "info mesh.npy --json": "",
-        "info mesh.obj": "",
-        "contour mesh.ply new.geojson --interval 1e-1": "new.geojson",
-        "raster mesh.npz new.tif --resolution 1e-1": "new.tif",
-        "solid mesh.ply new.stl --thickness 1": "new.stl",
-    }
-    for line in lines:  # imports what the forks would import
-        main([str(samples / word) if "." in word else word for word in line.split()])
-    return [_command(samples, line.split(), target) for line, target in lines.items()]
+    """List those commands of which a fork does the work, not trimesh."""
+    chosen = [
+        each
+        for each in commands()
+        if each.name in FORKED and not any(name.endswith(BY_TRIMESH) for name in each.sources)
+    ]
+    for each in chosen:  # imports what the forks would import
+        main(each.words(samples, samples))
+    return [_command(samples, each) for each in chosen]
 
 
-def _command(samples: Path, words: list[str], target: str) -> Job:
+def _command(samples: Path, command: Command) -> Job:
     def prepare(folder: Path) -> None:
-        shutil.copyfile(samples / words[1], folder / words[1])
-        if target:
-            (folder / target).write_bytes(OLD)
+        for name in command.sources:
+            shutil.copyfile(samples / name, folder / name)
+        for name in command.targets:
+            (folder / name).write_bytes(OLD)
 
     def run(folder: Path, watch: Watch) -> Ended:
-        is_file = [word.startswith("mesh.") or word == target for word in words]
-        placed = [
-            str(folder / word) if file else word for word, file in zip(words, is_file, strict=True)
-        ]
-        placed += ["--overwrite"] if target else []
-        return _forked(placed, folder, watch)
+        return _forked(command.words(folder, folder), folder, watch)
 
-    return Job(" ".join(words), prepare, run, target or words[1])
+    return Job(command.line, prepare, run, (command.targets or command.sources)[0])
 
 
 def _forked(words: list[str], folder: Path, watch: Watch) -> Ended:

@@ -23,10 +23,11 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from jobs import LONG_COMMANDS
 from process_state import hear_ctrl_c
 
 from interrupt.campaign import Interrupt, JobResult, interrupt_command, interrupt_job
-from interrupt.jobs import COMMANDS, JOBS, prepare
+from interrupt.jobs import JOBS, prepare
 
 
 def main() -> None:
@@ -53,7 +54,7 @@ def read_options() -> Namespace:
     """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    known = [*JOBS, *COMMANDS]
+    known = [*JOBS, *LONG_COMMANDS]
     add("--rows", type=int, default=10_000_000)
     add("--rounds", type=int, default=5, help="interrupts of each job")
     add("--jobs", nargs="+", choices=known, default=known, metavar="JOB", help=", ".join(known))

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import random
 import re
+import resource
 import select
 import signal
 import subprocess
@@ -19,9 +21,10 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+from jobs import LONG_COMMANDS
 from process_state import MEGA, RETURNING, State, halted
 
-from interrupt.jobs import COMMANDS, UNFINISHED
+from interrupt.jobs import UNFINISHED
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
@@ -33,7 +36,7 @@ ENDS = {
 }
 NOT_REACHED = "ended before"
 AGAIN = "the files of a run after all of them"
-AT_ONCE = 0.3  # seconds in which a process ends whose result is there
+AT_ONCE = 0.3  # CPU seconds in which a process ends whose result is there
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,13 +108,27 @@ def _attempt(child: subprocess.Popen[str], delay: float | None) -> dict[str, Any
     child.stdin.write("again\n")
     child.stdin.flush()
     _answer(child)
-    sent = None
-    if delay is not None:
-        time.sleep(delay)
-        sent = time.monotonic()
+    if delay is None:
+        return {**_answer(child), "until": 0.0, "went_on": 0.0}
+    time.sleep(delay)
+    with halted(child):
+        computed = _computed(child)
         child.send_signal(signal.SIGINT)
+        sent = time.monotonic()
     answer = _answer(child)
-    return {**answer, "until": answer["ended"] - sent if sent else 0.0}
+    went_on = answer["computed"] - computed
+    return {**answer, "until": answer["ended"] - sent, "went_on": went_on}
+
+
+def _computed(child: subprocess.Popen[str]) -> float:
+    """The CPU seconds of a process, which other work of the machine does not change."""
+    return time.clock_gettime(~child.pid << 3 | 2)  # its clock, as clock_getcpuclockid(3) says
+
+
+def _of_ended() -> float:
+    """The CPU seconds of all children that have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def _interrupted(
@@ -122,7 +139,7 @@ def _interrupted(
 ) -> Interrupt:
     answer = _attempt(child, delay)
     if not answer["place"]:
-        return _ended_before(delay, answer["until"])
+        return _ended_before(delay, answer["went_on"])
     return Interrupt(
         delay,
         answer["place"],
@@ -133,7 +150,7 @@ def _interrupted(
 
 def _ended_before(delay: float, seconds: float) -> Interrupt:
     """A run that a signal did not end: it is over at once, unless the signal was lost."""
-    lost = (f"went on for {seconds:.2f} s as if there were no signal",)
+    lost = (f"went on for {seconds:.2f} CPU seconds as if there were no signal",)
     return Interrupt(delay, NOT_REACHED, 0.0, lost if seconds > AT_ONCE else ())
 
 
@@ -167,7 +184,7 @@ def _changes(folder: Path, before: dict[str, int], own: Path | None = None) -> I
 
 def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
     """Interrupt a command, in a new process each time."""
-    words = COMMANDS[job]
+    words = tuple(LONG_COMMANDS[job].words(folder, folder / "out"))
     child, began = _started(words, folder)
     code = child.wait(TIMEOUT)
     whole = time.monotonic() - began
@@ -195,8 +212,7 @@ def _started(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str
         stderr=subprocess.PIPE,
         text=True,
     )
-    source = str(folder / words[1])
-    while source not in _open_files(child.pid) and child.poll() is None:
+    while words[1] not in _open_files(child.pid) and child.poll() is None:
         time.sleep(0.001)
     return child, time.monotonic()
 
@@ -218,17 +234,18 @@ def _signalled(
     files: dict[str, int],
     output: str,
 ) -> Interrupt:
+    others = _of_ended()
     child, began = _started(words, folder)
     time.sleep(max(0.0, began + delay - time.monotonic()))
     with halted(child):
         opened, told = _open_files(child.pid), _told(child)
+        computed = _computed(child) if child.returncode is None else math.inf
         child.send_signal(number)
         sent = time.monotonic()
     out, err = child.communicate(timeout=TIMEOUT)
     seconds, out = time.monotonic() - sent, told + out
     if child.returncode == 0:
-        # How long Python takes to end when all is told depends on the machine's other work.
-        return _ended_before(delay, 0.0 if told == out else seconds)
+        return _ended_before(delay, 0.0 if told == out else _of_ended() - others - computed)
     faults = list(_changes(folder, files))
     # It may have begun to print its results.
     if (child.returncode, err) != ENDS[number] or not _without_figures(output).startswith(
@@ -251,6 +268,6 @@ def _without_figures(text: str) -> str:
 
 
 def _stage(opened: list[str], folder: Path, words: tuple[str, ...]) -> str:
-    if str(folder / words[1]) in opened:
+    if words[1] in opened:
         return "reading"
     return "writing" if any(name.startswith(str(folder / "out")) for name in opened) else "working"

@@ -16,10 +16,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from jobs import Action
 from process_state import State
 
 import liftmesh
-from interrupt.jobs import JOBS, Action
+from interrupt.jobs import action_of
 
 PACKAGE = Path(liftmesh.__file__).parent
 # The kernel's stage, by the last share of progress that it reported (see `work` in its sources).
@@ -30,7 +31,7 @@ KERNEL = ("delaunay.solve", "delaunay.solution_of", "regular.solve")
 def main(name: str, folder: str) -> None:
     """Run the job once for each line of stdin."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    action = JOBS[name](Path(folder))
+    action = action_of(name, Path(folder))
     before = State.now()
     answer(ready=True)
     for _ in sys.stdin:
@@ -57,7 +58,12 @@ def attempt(action: Action) -> dict[str, Any]:
         signal.signal(signal.SIGINT, signal.SIG_IGN)
         place = where(error.__traceback__, shares[-1])
     ended = time.monotonic()  # the exception's references are released by now
-    return {"ended": ended, "seconds": ended - began, "place": place}
+    return {
+        "ended": ended,
+        "seconds": ended - began,
+        "place": place,
+        "computed": time.process_time(),
+    }
 
 
 def where(traceback: TracebackType | None, share: float) -> str:

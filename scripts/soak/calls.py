@@ -13,6 +13,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from distributions import DISTRIBUTIONS
+from jobs import CALLS
 from numpy.random import Generator
 
 import liftmesh
@@ -71,10 +72,6 @@ def _verify(rows: np.ndarray, rng: Generator) -> object:
     return liftmesh.verify(rows, simplices).to_json()
 
 
-def _find_simplex(rows: np.ndarray, rng: Generator) -> object:
-    return _triangulation(rows).find_simplex(rng.random((100, 2)))
-
-
 def _disks(rows: np.ndarray, rng: Generator) -> object:
     radii = rng.random(len(rows)) * 10.0 ** rng.integers(-4, 1)
     planar = np.where(np.abs(rows[:, :2]) < 1e-30, 0, rows[:, :2])
@@ -82,12 +79,6 @@ def _disks(rows: np.ndarray, rng: Generator) -> object:
     if rng.random() < 0.5:
         graph = replace(graph, hidden=rng.integers(-1, len(rows) + 1, 3))
     return graph.verify().to_json(), graph.cell_sides((0, 0, 1, 1), 0.01)
-
-
-def _stars(rows: np.ndarray, rng: Generator) -> object:
-    metrics = np.zeros((len(rows), 2, 2))
-    metrics[:, 0, 0], metrics[:, 1, 1] = 1, 1 + rng.random(len(rows))
-    return liftmesh.anisotropic_stars(rows[:, :2], metrics).consistent
 
 
 def _sample(rows: np.ndarray, rng: Generator) -> object:
@@ -145,6 +136,10 @@ def _wrong(rows: np.ndarray, rng: Generator) -> object:
     return wrong[rng.integers(len(wrong))]()
 
 
+def _of_list(name: str) -> Call:
+    return lambda rows, rng: CALLS[name](rows, rng)(lambda _: None)
+
+
 def _with_progress(rows: np.ndarray, rng: Generator) -> object:
     limit = rng.random()
 
@@ -177,8 +172,8 @@ def _stop(*_: Any) -> None:
 # The last one interrupts one of the others. Formats that trimesh reads and writes take many times
 # as long as the rest.
 SMALL: tuple[Call, ...] = (
-    _delaunay, _regular, _triangulate, _verify, _find_simplex, _sample, _lower_hull, _predicates,
-    _copies, _wrong, _with_progress, _broken_file, _files("ply", "obj", "npz"), _disks, _stars,
+    _delaunay, _regular, _triangulate, _verify, _sample, _lower_hull, _predicates, _copies, _wrong,
+    _with_progress, _broken_file, _files("ply", "obj", "npz"), _disks, *map(_of_list, CALLS),
     _signalled,
 )  # fmt: skip
 RARE: tuple[Call, ...] = (_of_two_threads, _files("off", "stl", "glb"))

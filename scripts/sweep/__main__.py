@@ -25,9 +25,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from jobs import commands
 from process_state import hear_ctrl_c
 
-from sweep.jobs import all_jobs, learn, prepare
+from sweep.jobs import learn, prepare
 from sweep.runs import AFTER, BEFORE, DURING, Run, plan, run
 
 
@@ -52,7 +53,7 @@ def read_options() -> Namespace:
     add("--first", type=int, default=0, help="number of the first run")
     add("--seed", type=int, default=0)
     add("--rows", type=int, default=3000, help="of the files that are read")
-    known = sorted({job.command for job in all_jobs()})
+    known = sorted({job.name for job in commands()})
     add("--commands", nargs="+", choices=known, default=known, metavar="COMMAND", help="only these")
     add("--most", type=float, default=1.0, help="seconds from the signal to the end")
     add("--second", type=float, default=0.2, help="seconds from the second signal to the end")
@@ -65,8 +66,8 @@ def read_options() -> Namespace:
 
 def sweep(folder: Path, options: Namespace) -> Iterator[Run]:
     """Yield the runs; print the faults."""
-    prepare(folder, options.rows)
-    jobs = [job for job in all_jobs() if job.command in options.commands]
+    jobs = [job for job in commands() if job.name in options.commands]
+    prepare(folder, options.rows, jobs)
     known = learn(folder, jobs)
     end = time.monotonic() + options.seconds
 

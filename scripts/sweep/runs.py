@@ -17,9 +17,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from jobs import OLD, Command
 from process_state import halted
 
-from sweep.jobs import COMMAND, OLD, Job, Known, fill
+from sweep.jobs import COMMAND, Known, fill, kind_of, words_of
 
 TIMEOUT = 60.0
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
@@ -27,7 +28,7 @@ BEFORE, DURING, AFTER = "before the first line", "during the command", "after th
 
 _MESSAGES = {signal.SIGINT: b"interrupted", signal.SIGTERM: b"terminated by SIGTERM"}
 _LATE = 0.8  # share of the expected time: few commands should take longer
-_TICK = 0.02  # seconds by which a file's time may be late
+_TICK = 0.02  # CPU seconds after a signal in which a call that had begun may end
 _DECIDING = 0.03  # CPU seconds from the decision about the exit code until signals are ignored
 
 
@@ -36,14 +37,14 @@ class Plan:
     """What to do in a run: the job, the signals, at what share of its time, the gap between."""
 
     number: int
-    job: Job
+    job: Command
     signals: tuple[signal.Signals, ...]
     share: float
     gap: float
 
     def __str__(self) -> str:
         names = " and ".join(each.name for each in self.signals)
-        return f"run {self.number}: {' '.join(self.job.words)}: {names} at {self.share:.0%}"
+        return f"run {self.number}: {self.job.line}: {names} at {self.share:.0%}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,12 +64,12 @@ class _End:
     code: int
     out: bytes
     err: bytes
-    sent: float  # time of day
+    heard: float  # time of day when it had computed a little after the signal
     seconds: float  # from the last signal
     stage: str
 
 
-def plan(number: int, seed: int, jobs: list[Job]) -> Plan:
+def plan(number: int, seed: int, jobs: list[Command]) -> Plan:
     """Draw a run: any job, either signal, any moment, and a second signal now and then."""
     draw = random.Random(f"{seed} {number}")
     job = draw.choice(jobs)
@@ -91,7 +92,7 @@ def run(planned: Plan, folder: Path, known: Known, most: float, second: float) -
 
 def _signalled(planned: Plan, place: Path, known: Known) -> _End:
     child = subprocess.Popen(
-        [*COMMAND, *planned.job.words],
+        [*COMMAND, *words_of(planned.job)],
         cwd=place,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -100,8 +101,9 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
     with halted(child):
         stage = _stage(child)
         child.send_signal(planned.signals[0])
-        sent, last = time.time(), time.monotonic()
-    is_late = stage == DURING and _ignores(child)
+        computed, last = _computed(child), time.monotonic()
+    ignores, heard = _watched(child, computed)
+    is_late = stage == DURING and ignores
     for each in planned.signals[1:]:
         time.sleep(planned.gap)
         last = time.monotonic()
@@ -112,20 +114,20 @@ def _signalled(planned: Plan, place: Path, known: Known) -> _End:
         child.kill()
     if child.returncode == 0 and is_late:
         stage = AFTER
-    return _End(child.returncode, out, err, sent, time.monotonic() - last, stage)
+    return _End(child.returncode, out, err, heard, time.monotonic() - last, stage)
 
 
 def _wait(child: subprocess.Popen[bytes], planned: Plan, known: Known) -> None:
     """Wait for the moment of the signal; learn how long a command of this kind takes."""
     began = time.monotonic()
-    expected = known.seconds[planned.job.kind]
+    expected = known.seconds[kind_of(planned.job)]
     try:
         child.wait(planned.share * expected)
     except subprocess.TimeoutExpired:
         if planned.share > _LATE:
-            known.seconds[planned.job.kind] = 1.3 * expected
+            known.seconds[kind_of(planned.job)] = 1.3 * expected
     else:
-        known.seconds[planned.job.kind] = time.monotonic() - began
+        known.seconds[kind_of(planned.job)] = time.monotonic() - began
 
 
 def _stage(child: subprocess.Popen[bytes]) -> str:
@@ -143,14 +145,18 @@ def _stage(child: subprocess.Popen[bytes]) -> str:
     return DURING if caught & bit else BEFORE
 
 
-def _ignores(child: subprocess.Popen[bytes]) -> bool:
-    """Whether a process begins to ignore signals: it had just decided about its exit code."""
-    end = _computed(child) + _DECIDING
-    while _computed(child) < end:
-        if _stage(child) == AFTER:
-            return True
+def _watched(child: subprocess.Popen[bytes], computed: float) -> tuple[bool, float]:
+    """Whether a process begins to ignore signals, and the time of day at which it had heard one.
+
+    If it ignores them, it had just decided about its exit code.
+    """
+    ignores, heard = False, math.inf
+    while (since := _computed(child) - computed) < _DECIDING:
+        if heard == math.inf and since >= _TICK:
+            heard = time.time()
+        ignores = ignores or _stage(child) == AFTER
         time.sleep(0.002)
-    return False
+    return ignores, min(heard, time.time())
 
 
 def _computed(child: subprocess.Popen[bytes]) -> float:
@@ -204,8 +210,8 @@ def _of_files(planned: Plan, end: _End, place: Path, known: Known) -> Iterator[s
     for path in place.iterdir():
         if path.name.startswith("."):
             yield f"{path.name} was left behind"
-        elif path.name in planned.job.outputs and path.read_bytes() != OLD:
+        elif path.name in planned.job.targets and path.read_bytes() != OLD:
             if path.read_bytes() != known.written[planned.job][path.name]:
                 yield f"{path.name} is not whole"
-            if path.stat().st_ctime > end.sent + _TICK and not _was_lost(end):
-                yield f"{path.name} was written {path.stat().st_ctime - end.sent:.3f} s later"
+            if path.stat().st_ctime > end.heard and not _was_lost(end):
+                yield f"{path.name} was written {path.stat().st_ctime - end.heard:.3f} s later"

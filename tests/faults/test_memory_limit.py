@@ -207,3 +207,60 @@ def test_a_command_says_so_in_one_line(
     # Python itself loses its way, now and then, where there is no room for what it compiles.
     assert len(others) < (1 if imported else len(failures) / 2), others
     assert len({files for *_, files in [*failures, *done]}) == 1
+
+
+SHAPES = """
+    import json, os, sys
+    import numpy
+    from liftmesh.cli import main
+
+    words, most, limits = sys.argv[1].split(), *map(int, sys.argv[2:])
+    report = os.dup(1)
+    os.dup2(os.open("told", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 1)
+
+    def code(more):
+        child = os.fork()
+        if child == 0:
+            os.dup2(os.open("complaint", os.O_WRONLY | os.O_CREAT | os.O_TRUNC), 2)
+            if more is not None:
+                limit(more)
+            end = main(words)
+            sys.stdout.flush()
+            os._exit(end)
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+    few = [{"cloud.npy": "few.npy"}.get(each, each) for each in words]
+    assert main(few) == 0  # all is imported
+    assert code(None) == 0
+    ends = [(code(most * number // limits), open("complaint").read()[-300:])
+            for number in range(1, limits + 1)]
+    os.write(report, json.dumps(ends).encode())
+"""
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "sample cloud.npy out.csv --at pts.gpkg --method sibson --overwrite",
+        "volume cloud.npy --within lot.geojson --json",
+    ],
+    ids=lambda words: words.split()[0],
+)
+def test_no_signal_ends_a_command_with_shapes(
+    words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    geopandas = pytest.importorskip("geopandas")
+    points = np.random.default_rng(0).random((60_000, 3))
+    np.save(tmp_path / "cloud.npy", points)
+    np.save(tmp_path / "few.npy", points[:1000])
+    places = geopandas.points_from_xy(*points[:20_000, :2].T, crs="EPSG:25832")
+    geopandas.GeoDataFrame(geometry=places).to_file(tmp_path / "pts.gpkg")
+    lot = {"type": "Polygon", "coordinates": [[[0.2, 0.2], [0.8, 0.2], [0.5, 0.8], [0.2, 0.2]]]}
+    (tmp_path / "lot.geojson").write_text(json.dumps(lot))
+    monkeypatch.chdir(tmp_path)
+    ends = json.loads(output(SHAPES, words, 64 * MEGA, 8))
+    # The C library ends a process whose new thread has no room for its own data.
+    others = [each for each in ends if "thread-local data" not in each[1]]
+    assert {end for end, _ in others} <= {exit_codes.DONE, exit_codes.BAD_INPUT}, ends
+    assert all(end == 127 for end, said in ends if "thread-local data" in said), ends
+    assert {end for end, _ in ends} != {exit_codes.DONE}, ends

@@ -132,7 +132,7 @@ class Layout:
             layout = cls(*_header(stream))
         except (OSError, MemoryError):  # of the stream
             raise
-        except SystemError as error:  # what Python makes of memory that it runs out of
+        except SystemError as error:  # pragma: no cover - how Python tells that memory ended
             raise MemoryError from error
         except Exception as error:  # the header is a Python literal: its parser raises many kinds
             raise FormatError(

@@ -19,7 +19,7 @@ from liftmesh.base import arrays
 from liftmesh.base.arrays import is_masked_array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
-from liftmesh.base.interruption import kept
+from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
@@ -76,7 +76,7 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
             f"{', '.join(f'{name}=' for name in given)} cannot be given: a "
             f"{qualified_name(source)} has no columns"
         )
-    with kept():
+    with preserve_signals():
         return to_cloud(source, validate_table_options(**given))
 
 

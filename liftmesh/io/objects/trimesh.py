@@ -24,7 +24,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
-from liftmesh.base.interruption import kept
+from liftmesh.base.interruption import preserve_signals
 from liftmesh.io.faces import checked_faces, faces_of, narrowed
 from liftmesh.io.metadata import NOTE, Unread, not_read, user_entries
 from liftmesh.optional import load
@@ -94,7 +94,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     """Convert a cloud with faces to a trimesh mesh."""
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
-    with kept():
+    with preserve_signals():
         mesh: trimesh.Trimesh = library.Trimesh(
             vertices=cloud.points.copy(),
             faces=faces_of(cloud),
@@ -111,7 +111,7 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     """Convert the rows of a cloud to a trimesh point cloud."""
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
-    with kept():
+    with preserve_signals():
         points: trimesh.PointCloud = library.PointCloud(
             cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
         )

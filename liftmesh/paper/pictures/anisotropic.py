@@ -20,10 +20,15 @@ from liftmesh.paper.pictures.style import (
     ORANGE,
     SKY,
     VERMILION,
+    area_key,
     blank_axes,
+    captions,
+    draw_lines,
     legend_below,
+    line_key,
     new_figure,
     styled,
+    unit_circle,
 )
 from liftmesh.planar.anisotropic import anisotropic_stars
 from liftmesh.planar.delaunay import delaunay
@@ -48,15 +53,14 @@ def metric_points() -> Floats:
     return np.random.default_rng(4).uniform(0.0, 10.0, (40, 2))
 
 
-def circle_through(corners: Floats, metric: Floats, count: int = 181) -> Floats:
+def circle_through(corners: Floats, metric: Floats) -> Floats:
     """Compute the circle of a metric through three points."""
     a, b, c = corners
     heights = np.einsum("ni,ij,nj->n", corners, metric, corners)
     center = np.linalg.solve(2 * np.array([b - a, c - a]) @ metric, heights[1:] - heights[0])
     radius = np.sqrt((a - center) @ metric @ (a - center))
-    angles = np.linspace(0.0, 2 * np.pi, count)
     root = np.linalg.inv(np.linalg.cholesky(metric)).T
-    around: Floats = center + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1) @ root.T
+    around: Floats = center + radius * unit_circle() @ root.T
     return around
 
 
@@ -66,17 +70,20 @@ def figure_metric() -> Figure:
     figure = new_figure(7.2, 4.2)
     points = metric_points()
     for column, metric in enumerate((((1.0, 0.0), (0.0, 1.0)), METRIC)):
-        axes = blank_axes(figure, (0.5 * column, 0.17, 0.5, 0.83))
-        axes.set(xlim=_LIMITS, ylim=_LIMITS)
+        axes = blank_axes(figure, (0.5 * column, 0.17, 0.5, 0.83), _LIMITS)
         _draw_circles(axes, delaunay(points, metric=metric), np.array(metric))
-    figure.text(0.25, 0.12, r"(a) $x^2 + y^2$", ha="center")
-    figure.text(0.75, 0.12, r"(b) $x^2 + 2.4\,xy + 3\,y^2$", ha="center")
-    _metric_legend(figure)
+    captions(figure, 0.12, {0.25: r"(a) $x^2 + y^2$", 0.75: r"(b) $x^2 + 2.4\,xy + 3\,y^2$"})
+    legend_below(
+        figure,
+        line_key("point", color=INK, marker="o", ls="", ms=3.6),
+        line_key("edge", color=BLUE, lw=1.0),
+        line_key("empty circle of the metric", color=ORANGE, lw=1.2),
+        area_key("its triangle", ORANGE, 0.5),
+    )
     return figure
 
 
 def _draw_circles(axes: Axes, found: Triangulation, metric: Floats) -> None:
-    lines = load("matplotlib.collections", extra="plot").LineCollection
     corners = found.points[found.simplices]
     circles = [circle_through(each, metric) for each in corners]
     inside = [k for k, each in enumerate(circles) if is_inside(each)]
@@ -84,27 +91,13 @@ def _draw_circles(axes: Axes, found: Triangulation, metric: Floats) -> None:
         axes.fill(*circles[k].T, fc=ORANGE, alpha=0.16, lw=0)
         axes.fill(*corners[k].T, fc=ORANGE, alpha=0.4, lw=0)
         axes.plot(*circles[k].T, color=ORANGE, lw=1.2, gid=f"circle {k}")
-    axes.add_collection(
-        lines(list(found.points[found.edges]), colors=BLUE, linewidths=1.0, gid="edges")
-    )
+    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
     axes.plot(*found.points.T, marker="o", ls="", ms=3.0, color=INK, mew=0, zorder=6, gid="points")
 
 
 def is_inside(circle: Floats) -> bool:
     """Whether a circle is within the picture."""
     return bool((circle > _LIMITS[0]).all() and (circle < _LIMITS[1]).all())
-
-
-def _metric_legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    patch = load("matplotlib.patches", extra="plot").Patch
-    handles = [
-        line([], [], color=INK, marker="o", ls="", ms=3.6, label="point"),
-        line([], [], color=BLUE, lw=1.0, label="edge"),
-        line([], [], color=ORANGE, lw=1.2, label="empty circle of the metric"),
-        patch(fc=ORANGE, alpha=0.5, lw=0, label="its triangle"),
-    ]
-    legend_below(figure, handles)
 
 
 STARS = 140
@@ -137,23 +130,19 @@ def figure_stars() -> Figure:
     for column, (draw, text) in enumerate(
         ((_ellipses, "(a) a metric for each point"), (_triangles, "(b) triangles that agree"))
     ):
-        axes = blank_axes(figure, (0.5 * column + 0.01, 0.17, 0.48, 0.82))
-        axes.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02))
+        axes = blank_axes(figure, (0.5 * column + 0.01, 0.17, 0.48, 0.82), (-0.02, 1.02))
         draw(axes, stars)
-        figure.text(0.25 + 0.5 * column, 0.11, text, ha="center")
-    _stars_legend(figure)
+        captions(figure, 0.11, {0.25 + 0.5 * column: text})
+    legend_below(
+        figure,
+        line_key("unit circle of the metric", color=SKY, lw=1.1),
+        line_key("point", color=INK, marker="o", ls="", ms=2.5),
+        line_key("triangle of three stars", color=BLUE, lw=1.0),
+        line_key("inconsistent star", color=VERMILION, marker="o", ls="", ms=3),
+        fontsize=7.5,
+        columnspacing=1.0,
+    )
     return figure
-
-
-def _stars_legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    handles = [
-        line([], [], color=SKY, lw=1.1, label="unit circle of the metric"),
-        line([], [], color=INK, marker="o", ls="", ms=2.5, label="point"),
-        line([], [], color=BLUE, lw=1.0, label="triangle of three stars"),
-        line([], [], color=VERMILION, marker="o", ls="", ms=3, label="inconsistent star"),
-    ]
-    legend_below(figure, handles, fontsize=7.5, columnspacing=1.0)
 
 
 def _ellipses(axes: Axes, stars: AnisotropicStars) -> None:
@@ -208,16 +197,21 @@ def figure_adaptive() -> Figure:
     shown: dict[str, Any] = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0}
     titles = ("(a) 4,096 pixels", f"(b) triangles of {KEPT} of them", "(c) interpolated")
     for column, title in enumerate(titles):
-        axes: Any = blank_axes(figure, (column / 3 + 0.01, 0.22, 0.313, 0.76))
-        axes.set(xlim=(-0.5, SIZE - 0.5), ylim=(-0.5, SIZE - 0.5))
+        box = (column / 3 + 0.01, 0.22, 0.313, 0.76)
+        axes: Any = blank_axes(figure, box, (-0.5, SIZE - 0.5))
         if column == 0:
             axes.imshow(example_image(), origin="lower", **shown)
         elif column == 1:
             _draw_triangles(axes, found, points)
         else:
             axes.tripcolor(found, points[:, 2], shading="gouraud", rasterized=True, **shown)
-        figure.text(column / 3 + 1 / 6, 0.15, title, ha="center")
-    _image_legend(figure)
+        captions(figure, 0.15, {column / 3 + 1 / 6: title})
+    legend_below(
+        figure,
+        line_key("pixel that stays", color=INK, marker="o", ls="", ms=2.6),
+        line_key("edge", color=BLUE, lw=0.9),
+        area_key("triangle across an edge of the image", ORANGE, 0.6),
+    )
     return figure
 
 
@@ -228,14 +222,3 @@ def _draw_triangles(axes: Any, found: Any, points: Floats) -> None:
         axes.fill(*each[:, :2].T, fc=ORANGE, alpha=0.55, lw=0)
     axes.triplot(found, color=BLUE, lw=0.7)
     axes.plot(*points[:, :2].T, marker="o", ls="", ms=1.8, color=INK, mew=0, zorder=6)
-
-
-def _image_legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    patch = load("matplotlib.patches", extra="plot").Patch
-    handles = [
-        line([], [], color=INK, marker="o", ls="", ms=2.6, label="pixel that stays"),
-        line([], [], color=BLUE, lw=0.9, label="edge"),
-        patch(fc=ORANGE, alpha=0.6, lw=0, label="triangle across an edge of the image"),
-    ]
-    legend_below(figure, handles)

@@ -28,9 +28,12 @@ from liftmesh.paper.pictures.style import (
     Space,
     View,
     blank_axes,
+    captions,
     label,
     new_figure,
+    on_ground,
     styled,
+    unit_circle,
 )
 from liftmesh.paper.region import Ellipse
 from liftmesh.planar.delaunay import delaunay
@@ -87,9 +90,7 @@ class CrossSection:
 
     def circle(self, count: int = 181) -> Floats:
         """Return points of (C)."""
-        angles = np.linspace(0, 2 * np.pi, count)
-        around = np.column_stack([np.cos(angles), np.sin(angles)])
-        points: Floats = self.center + self.radius * around
+        points: Floats = self.center + self.radius * unit_circle(count)
         return points
 
     def on_plane(self, points: ArrayLike) -> Floats:
@@ -140,7 +141,7 @@ def _ground(space: Space) -> None:
     square = np.array([[-1.5, -1.4, 0], [2.0, -1.4, 0], [2.0, 1.6, 0], [-1.5, 1.6, 0]])
     space.faces([square], facecolors="#f3f1ec", edgecolors=FAINT, lw=0.7, zorder=0.5)
     space.name(square[1], "$Oxy$", (-26, 10), fontsize=12)
-    circle = _flat(SECTION.circle())
+    circle = on_ground(SECTION.circle())
     space.faces([circle], facecolors=ORANGE, alpha=0.25, zorder=1)
     space.line(circle, color=VERMILION, lw=1.6, zorder=1.6, gid="C")
     space.name(circle[172], r"$(\mathcal{C})$", (-16, -3), color=VERMILION)
@@ -148,8 +149,7 @@ def _ground(space: Space) -> None:
 
 def _paraboloid(space: Space) -> None:
     """Draw the paraboloid's outline, its rim, and some meridians and parallels."""
-    angles, radii = np.linspace(0, 2 * np.pi, 145), np.linspace(0, np.sqrt(TOP), 40)
-    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    around, radii = unit_circle(145), np.linspace(0, np.sqrt(TOP), 40)
     rim = lift(around * radii[-1])
     solid = np.vstack([lift(around * radius) for radius in radii])
     outline = solid[delaunay(space.view.flat(solid)).convex_hull[:, 0]]
@@ -198,10 +198,6 @@ def _drops(space: Space, lifted: Floats) -> None:
     space.dots(lifted * (1, 1, 0), color=INK, ms=3.6, gid="abp'")
 
 
-def _flat(points: Floats) -> Floats:
-    return np.column_stack([points, np.zeros(len(points))])
-
-
 def _seen(space: Space, points: Floats, **look: Any) -> None:
     """Draw a line on the paraboloid: solid if visible, pale if hidden by the paraboloid."""
     hidden = behind_paraboloid(points, space.view)
@@ -232,7 +228,7 @@ def figure_4_2() -> Figure:
         axes.set(xlim=(-0.75, 2.45 - 0.73 * column), ylim=(-0.95, 1.2))
         where = "outside" if letter == "a" else "inside"
         text = rf"({letter}) $q$ {where} $(\mathcal{{C}})$"
-        figure.text(left + width / 2, 0.04, text, ha="center")
+        captions(figure, 0.04, {left + width / 2: text})
     return figure
 
 

@@ -25,7 +25,10 @@ from liftmesh.paper.pictures.style import (
     VERMILION,
     YELLOW,
     blank_axes,
+    captions,
+    draw_lines,
     legend_below,
+    line_key,
     new_figure,
     styled,
 )
@@ -65,13 +68,21 @@ def figure_farthest() -> Figure:
     figure = new_figure(7.2, 4.2)
     found, hidden = farthest_points(example_points())
     for column, draw in enumerate((_triangles, _cells)):
-        axes = blank_axes(figure, (0.5 * column + 0.02, 0.18, 0.46, 0.79))
-        axes.set(xlim=_LIMITS, ylim=_LIMITS)
+        axes = blank_axes(figure, (0.5 * column + 0.02, 0.18, 0.46, 0.79), _LIMITS)
         draw(axes, found)
         _points(axes, found, hidden)
-    figure.text(0.25, 0.12, "(a) farthest-point Delaunay", ha="center")
-    figure.text(0.75, 0.12, "(b) in the colour of the farthest corner", ha="center")
-    _legend(figure)
+    texts = {0.25: "(a) farthest-point Delaunay", 0.75: "(b) in the colour of the farthest corner"}
+    captions(figure, 0.12, texts)
+    legend_below(
+        figure,
+        line_key("corner", marker="o", ls="", ms=6.0, mec=INK, mew=0.9, mfc=SKY),
+        line_key("hidden point", marker="o", ls="", ms=3.6, mew=0.0, color=VERMILION),
+        line_key("edge", color=BLUE, lw=1.0),
+        line_key("circle around all points", color=ORANGE, lw=1.2),
+        line_key("side of a cell", color=INK, lw=1.1),
+        columnspacing=1.2,
+        handletextpad=0.5,
+    )
     return figure
 
 
@@ -89,21 +100,18 @@ def corners(found: Triangulation) -> Rows:
 
 
 def _triangles(axes: Axes, found: Triangulation) -> None:
-    lines = load("matplotlib.collections", extra="plot").LineCollection
     three = found.points[found.simplices]
     circles = [circle_through(each, np.eye(2)) for each in three]
     by_size = np.argsort([np.ptp(each[:, 0]) for each in circles])
     for k, color in zip(by_size[[*_SHOWN]], (ORANGE, GREEN), strict=True):
         axes.fill(*three[k].T, fc=color, alpha=0.25, lw=0)
         axes.plot(*circles[k].T, color=color, lw=1.2, gid=f"circle {k}")
-    edges = list(found.points[found.edges])
-    axes.add_collection(lines(edges, colors=BLUE, linewidths=1.0, gid="edges"))
+    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
 
 
 def _cells(axes: Axes, found: Triangulation) -> None:
     """Shade every place in the colour of the corner that is farthest from it."""
     to_rgb = load("matplotlib.colors", extra="plot").to_rgb
-    lines = load("matplotlib.collections", extra="plot").LineCollection
     side = (np.arange(_PIXELS) + 0.5) / _PIXELS * (_LIMITS[1] - _LIMITS[0]) + _LIMITS[0]
     sites = found.points[corners(found)]
     distances = (side[None, :, None] - sites[:, 0]) ** 2 + (side[:, None, None] - sites[:, 1]) ** 2
@@ -115,18 +123,4 @@ def _cells(axes: Axes, found: Triangulation) -> None:
         interpolation="nearest",
         gid="cells",
     )
-    sides = list(cell_sides(found, inward=True))
-    axes.add_collection(lines(sides, colors=INK, linewidths=1.1, gid="sides"))
-
-
-def _legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    marks: dict[str, Any] = {"marker": "o", "ls": ""}
-    handles = [
-        line([], [], ms=6.0, mec=INK, mew=0.9, mfc=SKY, label="corner", **marks),
-        line([], [], ms=3.6, mew=0.0, color=VERMILION, label="hidden point", **marks),
-        line([], [], color=BLUE, lw=1.0, label="edge"),
-        line([], [], color=ORANGE, lw=1.2, label="circle around all points"),
-        line([], [], color=INK, lw=1.1, label="side of a cell"),
-    ]
-    legend_below(figure, handles, columnspacing=1.2, handletextpad=0.5)
+    draw_lines(axes, cell_sides(found, inward=True), INK, 1.1, "sides")

@@ -8,6 +8,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.paper.pictures.style import (
+    ARROW,
     BLUE,
     FAINT,
     INK,
@@ -66,8 +67,7 @@ def _frame(axes: Axes) -> None:
     axes.set_aspect("equal")
     axes.set(xlim=(4.9, -0.7), ylim=(-1.7, 4.5))
     for tip, name, away in (((4.6, 0), "$y$", (-2, -9)), ((0, 4.4), "$z$", (9, 0))):
-        arrow = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", tip, (0, 0), arrowprops=arrow)
+        axes.annotate("", tip, (0, 0), arrowprops=ARROW)
         label(axes, tip, name, away)
     label(axes, (0, 0), "$O$", (7, -8))
 

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.optional import load
 from liftmesh.paper.geometry import Plane
 from liftmesh.paper.pictures.style import (
     BLUE,
@@ -19,7 +18,10 @@ from liftmesh.paper.pictures.style import (
     Space,
     View,
     blank_axes,
+    captions,
     new_figure,
+    on_ground,
+    space_axes,
     styled,
 )
 from liftmesh.paper.printed import SQUARE, Vertex
@@ -111,12 +113,12 @@ def figure_2_2() -> Figure:
         _hull(space, triangulation.lifted(q), triangulation.convex_hull[:, 0])
         _vertex(space, resolve_q(q, triangulation.points))
         axes.set(xlim=(-2.2, 2.6), ylim=(-2.05, 2.35))
-        figure.text(0.25 + 0.5 * column, 0.04, text, ha="center")
+        captions(figure, 0.04, {0.25 + 0.5 * column: text})
     return figure
 
 
 def _triangulation(space: Space, points: Floats, simplices: Rows) -> None:
-    flat = np.column_stack([points, np.zeros(len(points))])
+    flat = on_ground(points)
     space.coordinate_axes((2.75, 2.75, 2.35 / space.view.rise))
     space.faces(flat[simplices], edgecolors=INK, lw=0.6, zorder=2, gid="triangulation")
     space.dots(flat, color=INK, ms=2.8, zorder=2.5)
@@ -189,14 +191,12 @@ def figure_5_2() -> Figure:
 
 
 def _data(q: Vertex) -> Figure:
-    load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
     figure = new_figure(8.6, 4.1)
     points = square_points()
     lifted = lift(points, q)
     vertex = (*resolve_q(q, points), 0.0)
     for column, (azimuth, elevation) in enumerate(DIRECTIONS):
-        box = (0.035 + 0.465 * column, 0.01, 0.455, 0.99)
-        axes: Any = figure.add_axes(box, projection="3d", computed_zorder=False)
+        axes = space_axes(figure, (0.035 + 0.465 * column, 0.01, 0.455, 0.99))
         _scatter(axes, lifted, vertex)
         axes.view_init(elev=elevation, azim=azimuth)
         axes.set_title(f"({'ab'[column]})", y=-0.02)

@@ -18,8 +18,10 @@ from liftmesh.paper.pictures.style import (
     VERMILION,
     Space,
     blank_axes,
+    captions,
     label,
     new_figure,
+    on_ground,
     styled,
 )
 from liftmesh.planar.lifting import lift
@@ -46,12 +48,11 @@ def figure_4_3() -> Figure:
     space = Space(blank_axes(figure, (0.0, 0.04, 0.5, 0.96)), VIEW)
     draw_section(space)
     box = _box_corners(SECTION)
-    _box(space.axes, space.view.flat(np.column_stack([box, np.zeros(len(box))])))
+    _box(space.axes, space.view.flat(on_ground(box)))
     _above_and_below(space)
     plan = blank_axes(figure, (0.5, 0.15, 0.49, 0.84))
     _plan(plan, SECTION)
-    for left, text in ((0.25, "(a)"), (0.745, "(b)")):
-        figure.text(left, 0.015, text, ha="center")
+    captions(figure, 0.015, {0.25: "(a)", 0.745: "(b)"})
     return figure
 
 

@@ -60,8 +60,7 @@ def _running_times(table: TableName, results: Sequence[Row]) -> Figure:
         _printed(axes, table)
         _measured(axes, rows)
         _scales(axes, scale)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=3 if rows else 2, frameon=False)
+    _legend(figure, columns=3 if rows else 2)
     return figure
 
 

@@ -11,7 +11,7 @@ the order in which they are drawn.
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ParamSpec, TypeVar
 
@@ -30,6 +30,8 @@ R = TypeVar("R")
 INK, SOFT, FAINT, GRID = "#1a1a1a", "#6e6e6e", "#c9c9c9", "#dddddd"
 BLUE, SKY, GREEN, ORANGE = "#0072b2", "#56b4e9", "#009e73", "#e69f00"
 VERMILION, PURPLE, YELLOW = "#d55e00", "#cc79a7", "#f0e442"
+
+ARROW = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
 
 _SETTINGS = {
     "font.family": "STIXGeneral",
@@ -73,25 +75,71 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
-def blank_axes(figure: Figure, box: tuple[float, float, float, float]) -> Axes:
+def blank_axes(
+    figure: Figure,
+    box: tuple[float, float, float, float],
+    limits: tuple[float, float] | None = None,  # of x and y alike
+) -> Axes:
     """Add axes for a drawing to scale: no frame, no ticks, equal units."""
     axes = figure.add_axes(box)
     axes.set_axis_off()
     axes.set_aspect("equal")
     axes.margins(0.06)
+    if limits is not None:
+        axes.set(xlim=limits, ylim=limits)
     return axes
 
 
-def legend_below(figure: Figure, handles: Sequence[Any], **options: Any) -> None:
+def space_axes(figure: Figure, box: tuple[float, float, float, float]) -> Any:
+    """Add matplotlib's own 3-D axes, where what is drawn later covers what was drawn before."""
+    load("mpl_toolkits.mplot3d", extra="plot")  # makes them known
+    return figure.add_axes(box, projection="3d", computed_zorder=False)
+
+
+def captions(figure: Figure, height: float, texts: Mapping[float, str]) -> None:
+    """Write what the panels are, each centred at its share of the width."""
+    for x, text in texts.items():
+        figure.text(x, height, text, ha="center")
+
+
+def line_key(text: str, **look: Any) -> Any:
+    """Make an entry of a legend for a line, or for a mark with ``ls=""``."""
+    return load("matplotlib.lines", extra="plot").Line2D([], [], label=text, **look)
+
+
+def area_key(text: str, color: str, alpha: float) -> Any:
+    """Make an entry of a legend for an area."""
+    patch = load("matplotlib.patches", extra="plot").Patch
+    return patch(fc=color, alpha=alpha, lw=0, label=text)
+
+
+def legend_below(figure: Figure, *keys: Any, **options: Any) -> None:
     """Explain what is drawn, in one line at the bottom."""
     figure.legend(
-        handles=handles,
+        handles=keys,
         loc="lower center",
-        ncols=len(handles),
+        ncols=len(keys),
         frameon=False,
         labelcolor=SOFT,
         **options,
     )
+
+
+def draw_lines(axes: Axes, lines: Iterable[Floats], color: str, width: float, gid: str) -> None:
+    """Draw many lines as one object."""
+    collection = load("matplotlib.collections", extra="plot").LineCollection
+    axes.add_collection(collection([*lines], colors=color, linewidths=width, gid=gid))
+
+
+def on_ground(points: Floats) -> Floats:
+    """Put planar points on the plane Oxy in space."""
+    return np.column_stack([points, np.zeros(len(points))])
+
+
+def unit_circle(count: int = 181) -> Floats:
+    """Compute points of the unit circle, the first of which is also the last."""
+    angles = np.linspace(0, 2 * np.pi, count)
+    return np.column_stack([np.cos(angles), np.sin(angles)])
 
 
 def label(
@@ -191,9 +239,8 @@ class Space:
     def arrow(self, start: ArrayLike, tip: ArrayLike, **options: Any) -> None:
         """Draw an arrow."""
         ends = self.view.flat(np.array([start, tip]))
-        look = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0}
         patch = load("matplotlib.patches", extra="plot").FancyArrowPatch(
-            *map(tuple, ends), mutation_scale=9, **{**look, **options}
+            *map(tuple, ends), mutation_scale=9, **{**ARROW, **options}
         )
         self.axes.add_patch(patch)
         self.axes.update_datalim(ends)

@@ -24,9 +24,14 @@ from liftmesh.paper.pictures.style import (
     SKY,
     VERMILION,
     blank_axes,
+    captions,
+    draw_lines,
     legend_below,
+    line_key,
     new_figure,
+    space_axes,
     styled,
+    unit_circle,
 )
 from liftmesh.planar.regular import regular
 
@@ -64,13 +69,17 @@ def figure_power() -> Figure:
     centers, radii = example_circles()
     found = regular(centers, radii=radii)
     for column, draw in enumerate((_edges, _sides)):
-        axes = blank_axes(figure, (0.5 * column, 0.165, 0.5, 0.83))
-        axes.set(xlim=_LIMITS, ylim=_LIMITS)
+        axes = blank_axes(figure, (0.5 * column, 0.165, 0.5, 0.83), _LIMITS)
         _circles(axes, found, radii)
         draw(axes, found)
-    figure.text(0.25, 0.12, "(a) regular triangulation", ha="center")
-    figure.text(0.75, 0.12, "(b) power diagram", ha="center")
-    _power_legend(figure)
+    captions(figure, 0.12, {0.25: "(a) regular triangulation", 0.75: "(b) power diagram"})
+    legend_below(
+        figure,
+        line_key("circle", color=SKY, lw=1.1),
+        line_key("hidden circle", color=VERMILION, lw=1.1, ls=(0, (3, 2))),
+        line_key("edge", color=BLUE, lw=1.0),
+        line_key("side of a cell", color=INK, lw=1.1),
+    )
     return figure
 
 
@@ -92,14 +101,11 @@ def _shade(color: str) -> tuple[float, float, float]:
 
 
 def _edges(axes: Axes, found: RegularTriangulation) -> None:
-    lines = load("matplotlib.collections", extra="plot").LineCollection
-    edges = found.points[found.edges]
-    axes.add_collection(lines(list(edges), colors=BLUE, linewidths=1.0, gid="edges"))
+    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
 
 
 def _sides(axes: Axes, found: RegularTriangulation) -> None:
-    lines = load("matplotlib.collections", extra="plot").LineCollection
-    axes.add_collection(lines(list(cell_sides(found)), colors=INK, linewidths=1.1, gid="cells"))
+    draw_lines(axes, cell_sides(found), INK, 1.1, "cells")
 
 
 def cell_sides(found: Triangulation, *, inward: bool = False) -> Floats:
@@ -125,18 +131,8 @@ def _outward(found: Triangulation, triangle: Indices, corner: Indices) -> Floats
     return unit
 
 
-def _power_legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    handles = [
-        line([], [], color=SKY, lw=1.1, label="circle"),
-        line([], [], color=VERMILION, lw=1.1, ls=(0, (3, 2)), label="hidden circle"),
-        line([], [], color=BLUE, lw=1.0, label="edge"),
-        line([], [], color=INK, lw=1.1, label="side of a cell"),
-    ]
-    legend_below(figure, handles)
-
-
 _DISK_LIMITS = (-1.2, 9.0)
+_GROUND = -1.4  # height at which disks are drawn below the paraboloid
 _DISJOINT = [[-0.9, -0.5, 0.45], [0.9, -0.6, 0.3], [0.1, 0.95, 0.5], [1.3, 0.8, 0.25]]
 
 
@@ -155,41 +151,28 @@ def example_disks(*, overlapping: bool) -> tuple[Floats, Floats]:
 @styled
 def figure_disks() -> Figure:
     """Draw disjoint and overlapping disks with graph and cells, and lifted disks with a plane."""
-    load("mpl_toolkits.mplot3d", extra="plot")  # makes the 3-D axes known
     figure = new_figure(7.4, 3.1)
     for column, overlapping in enumerate((False, True)):
-        axes = blank_axes(figure, (0.33 * column, 0.18, 0.33, 0.81))
-        axes.set(xlim=_DISK_LIMITS, ylim=_DISK_LIMITS)
+        axes = blank_axes(figure, (0.33 * column, 0.18, 0.33, 0.81), _DISK_LIMITS)
         _graph(axes, apollonius(*example_disks(overlapping=overlapping)))
-    solid: Any = figure.add_axes((0.66, 0.16, 0.34, 0.86), projection="3d", computed_zorder=False)
-    _lifted(solid, np.array(_DISJOINT))
-    for x, text in (
-        (0.165, "(a) disjoint disks"),
-        (0.495, "(b) overlapping disks"),
-        (0.83, "(c) a supporting plane"),
-    ):
-        figure.text(x, 0.12, text, ha="center")
-    _disks_legend(figure)
+    _lifted(space_axes(figure, (0.66, 0.16, 0.34, 0.86)), np.array(_DISJOINT))
+    captions(figure, 0.12, {0.165: "(a) disjoint disks", 0.495: "(b) overlapping disks"})
+    captions(figure, 0.12, {0.83: "(c) a supporting plane"})
+    keys = {
+        "disk": SKY,
+        "hidden disk, or one apart": VERMILION,
+        "edge, or lifted disk": BLUE,
+        "side of a cell": INK,
+        "no supporting plane": GREEN,
+        "plane and its circle": ORANGE,
+    }
+    entries = (line_key(text, color=color, lw=1.2) for text, color in keys.items())
+    legend_below(figure, *entries, fontsize=7.5, columnspacing=1.0)
     return figure
-
-
-def _disks_legend(figure: Figure) -> None:
-    line = load("matplotlib.lines", extra="plot").Line2D
-    named = (
-        (SKY, "disk"),
-        (VERMILION, "hidden disk, or one apart"),
-        (BLUE, "edge, or lifted disk"),
-        (INK, "side of a cell"),
-        (GREEN, "no supporting plane"),
-        (ORANGE, "plane and its circle"),
-    )
-    handles = [line([], [], color=color, lw=1.2, label=label) for color, label in named]
-    legend_below(figure, handles, fontsize=7.5, columnspacing=1.0)
 
 
 def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
     patches = load("matplotlib.patches", extra="plot")
-    lines = load("matplotlib.collections", extra="plot").LineCollection
     hidden = set(graph.hidden.tolist())
     for row, (center, radius) in enumerate(zip(graph.centers, graph.radii, strict=True)):
         color = VERMILION if row in hidden else SKY
@@ -198,29 +181,26 @@ def _graph(axes: Axes, graph: ApolloniusGraph) -> None:
     for triangle in graph.simplices[graph.circles[:, 2] < 0]:
         corners = graph.centers[triangle]
         axes.add_patch(patches.Polygon(corners, fc=GREEN, alpha=0.45, lw=0, gid="unsupported"))
-    edges = graph.centers[graph.edges]
-    axes.add_collection(lines(list(edges), colors=BLUE, linewidths=0.6, gid="edges"))
-    sides = [
-        line for _, line in graph.cell_sides((*_DISK_LIMITS[:1] * 2, *_DISK_LIMITS[1:] * 2), 0.01)
-    ]
-    axes.add_collection(lines(sides, colors=INK, linewidths=1.2, gid="cells"))
+    draw_lines(axes, graph.centers[graph.edges], BLUE, 0.6, "edges")
+    low, high = _DISK_LIMITS
+    sides = (line for _, line in graph.cell_sides((low, low, high, high), 0.01))
+    draw_lines(axes, sides, INK, 1.2, "cells")
 
 
 def _lifted(axes: Any, disks: Floats) -> None:
     graph = apollonius(disks[:, :2], disks[:, 2])
     x, y, radius = graph.circles[0]
-    angles = np.linspace(0, 2 * np.pi, 181)
-    around = np.column_stack([np.cos(angles), np.sin(angles)])
+    around = unit_circle()
     _paraboloid(axes)
     for row, (*center, size) in enumerate(disks.tolist()):
         points = center + size * around
         color = BLUE if row in graph.simplices[0] else VERMILION
         axes.plot(*points.T, (points**2).sum(1), color=color, lw=1.8, gid="lifted")
-        axes.plot(*points.T, 0 * angles - 1.4, color=color, lw=1.2)
+        axes.plot(*points.T, _GROUND, color=color, lw=1.2)
     plane = np.array([2 * x, 2 * y, radius**2 - x**2 - y**2])
     circle = np.array([x, y]) + radius * around
     axes.plot(*circle.T, (circle**2).sum(1), color=ORANGE, lw=1.6, gid="section")
-    axes.plot(*circle.T, 0 * angles - 1.4, color=ORANGE, lw=1.2)
+    axes.plot(*circle.T, _GROUND, color=ORANGE, lw=1.2)
     corners = np.array([[-1.5, -1.5], [1.7, -1.5], [1.7, 1.6], [-1.5, 1.6]])
     heights = corners @ plane[:2] + plane[2]
     solid = load("mpl_toolkits.mplot3d.art3d", extra="plot").Poly3DCollection

@@ -1,0 +1,260 @@
+"""What campaigns do with liftmesh: calls of the library, commands, and the files that they read.
+
+`soak` makes the calls on small points and `interrupt` on large ones; `sweep` and `fault_injection`
+run the commands with every format, `interrupt` those that are long.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.random import Generator
+from worst_points import tiny_and_far_cluster
+
+import liftmesh
+
+Progress: TypeAlias = Callable[[float], None]
+Action: TypeAlias = Callable[[Progress], object]
+Call: TypeAlias = Callable[[np.ndarray, Generator], Action]
+
+MESHES = ("stl", "glb", "gltf", "ply", "obj", "off", "npz")
+CLOUDS = ("npy", "xyz", "csv")
+BY_TRIMESH = ("stl", "glb", "gltf")
+STDOUT = "-"
+OLD = b"what was there before\n"  # in every file that is replaced
+SEED = 5
+
+# --- commands -----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command line; words after ``<`` are files that it reads, and after ``>`` that it writes."""
+
+    line: str
+
+    @property
+    def name(self) -> str:
+        return self.line.split()[0]
+
+    @property
+    def sources(self) -> list[str]:
+        return [word[1:] for word in self.line.split() if word[0] == "<"]
+
+    @property
+    def targets(self) -> list[str]:
+        return [word[1:] for word in self.line.split() if word[0] == ">"]
+
+    @property
+    def by_trimesh(self) -> bool:
+        """Whether trimesh reads or writes one of its files, which takes longer."""
+        return any(file.endswith(BY_TRIMESH) for file in (*self.sources, *self.targets))
+
+    def words(self, sources: Path | str, targets: Path | str) -> list[str]:
+        """Return the arguments, with files in these folders; files that are there are replaced."""
+        folders = {"<": sources, ">": targets}
+        placed = [
+            str(Path(folders[word[0]], word[1:])) if word[0] in folders else word
+            for word in self.line.split()
+        ]
+        return [*placed, "--overwrite"] if self.targets else placed
+
+
+def commands() -> list[Command]:
+    """List every command with every format that it reads; the formats it writes take turns."""
+    return list(map(Command, _lines()))
+
+
+def _lines() -> Iterator[str]:
+    yield "--version"
+    targets = [*(f">new.{kind}" for kind in MESHES), f"{STDOUT} --format ply"]
+    for k, kind in enumerate((*MESHES, *CLOUDS)):
+        yield f"info <mesh.{kind}"
+        yield f"compare <mesh.{kind} --lower >lower.ply --hull >hull.glb"
+        yield f"triangulate <mesh.{kind} {targets[k % len(targets)]}"
+    yield "info <mesh.npy --json"
+    for kind in MESHES:
+        yield f"verify <mesh.{kind} --certificate >new.json"
+    yield "contour <mesh.ply >lines.geojson --interval 0.1"
+    yield "raster <mesh.npz >heights.tif --resolution 0.01"
+    yield "solid <mesh.ply >block.stl --thickness 1"
+    yield "sample <mesh.obj >heights.csv --at <mesh.xyz"
+    yield "profile <mesh.ply >profile.csv --along 0,0 --along 1,1"
+    yield "volume <mesh.ply <mesh.npz --json"
+    yield "simplify <mesh.ply >few.ply --max-error 0.1 --json"
+    yield "thin <mesh.npy >thin.ply --adaptive 100"
+    yield "paper --n 50 --seeds 1 --no-figures --out made"
+
+
+LONG_COMMANDS = {
+    "liftmesh triangulate, PLY": Command("triangulate <cloud.ply >mesh.ply"),
+    "liftmesh triangulate, text": Command("triangulate <cloud.xyz >mesh.obj"),
+    "liftmesh verify": Command("verify <mesh.ply"),
+    "liftmesh info": Command("info <scales.ply"),
+    "liftmesh simplify": Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
+}
+
+# --- files --------------------------------------------------------------------------------------
+
+
+def make_files(folder: Path, names: Iterable[str], mesh: liftmesh.Surface) -> None:
+    """Write files; their names say what is in them, a mesh, its points, or others, and how."""
+    for name in names:
+        path = folder / name
+        content = _content(path.stem, mesh)
+        if path.suffix == ".npy":
+            np.save(path, content.vertices if content is mesh else content)
+        elif path.suffix in {".xyz", ".csv"}:
+            liftmesh.write(path, mesh.vertices)
+        else:
+            liftmesh.write(path, content, **({"encoding": "ascii"} if path.stem == "text" else {}))
+
+
+def _content(stem: str, mesh: liftmesh.Surface) -> Any:
+    points = mesh.vertices
+    if stem == "scales":  # nearest neighbours are at distances of two scales
+        return tiny_and_far_cluster(len(points), np.random.default_rng(SEED)) @ np.eye(2, 3)
+    return {"mesh": mesh, "waves": waves(points)}.get(stem, points)
+
+
+def waves(points: np.ndarray) -> np.ndarray:
+    """Return points at heights of long waves and short ones."""
+    x, y, noise = points.T
+    heights = np.sin(7 * x) + np.sin(19 * (x + y)) / 9 + np.sin(90 * (x - 2 * y)) / 40
+    return np.column_stack([x, y, heights + noise / 200])
+
+
+# --- calls: each prepares its input, and returns what is done -------------------------------------
+
+
+def _delaunay(points: np.ndarray, _: Generator, **options: Any) -> Action:
+    planar = np.ascontiguousarray(points[:, :2])
+    return lambda progress: liftmesh.delaunay(planar, **options, progress=progress)
+
+
+def _regular(points: np.ndarray, rng: Generator, **options: Any) -> Action:
+    planar = np.ascontiguousarray(points[:, :2])
+    weights = rng.random(len(planar)) * np.ptp(planar) ** 2 / len(planar)
+    return lambda progress: liftmesh.regular(planar, weights=weights, **options, progress=progress)
+
+
+def _triangulate(points: np.ndarray, _: Generator) -> Action:
+    several = points.copy()
+    some = len(points) // 5  # have the position of another, and another height
+    several[:some, :2] = points[len(points) - some :, :2]
+    return lambda progress: liftmesh.triangulate(
+        several, plane="fit", duplicates="mean", progress=progress
+    )
+
+
+def _verify(points: np.ndarray, _: Generator, **options: Any) -> Action:
+    faces = liftmesh.triangulate(points).faces
+    return lambda progress: liftmesh.verify(points, faces, **options, progress=progress)
+
+
+def _disks(
+    points: np.ndarray, rng: Generator, ask: Callable[[np.ndarray, np.ndarray], Action]
+) -> Action:
+    centers = np.where(np.abs(points[:, :2]) < 1e-30, 0, points[:, :2])
+    return ask(centers, (rng.random(len(centers)) * 0.5 / len(centers) ** 0.5).round(6))
+
+
+def _apollonius(centers: np.ndarray, radii: np.ndarray) -> Action:
+    return lambda progress: liftmesh.apollonius(centers, radii, progress=progress)
+
+
+def _verify_disks(centers: np.ndarray, radii: np.ndarray) -> Action:
+    graph = liftmesh.apollonius(centers, radii)
+    return lambda progress: graph.verify(threads=1, progress=progress)
+
+
+def _cell_sides(centers: np.ndarray, radii: np.ndarray) -> Action:
+    few = max(3, len(centers) // 20)
+    graph = liftmesh.apollonius(centers[:few], radii[:few])
+    return lambda _: graph.cell_sides((0, 0, 1, 1), 1e-4)
+
+
+def _stars(points: np.ndarray, _: Generator) -> Action:
+    planar = np.ascontiguousarray(points[:, :2])
+    metrics = np.zeros((len(planar), 2, 2))
+    across = planar[:, 0] - planar[:, 0].min()
+    metrics[:, 0, 0], metrics[:, 1, 1] = 1, 1 + 3 * across / (across.max() or 1)
+    return lambda progress: liftmesh.anisotropic_stars(planar, metrics, progress=progress)
+
+
+def _find_simplex(points: np.ndarray, _: Generator) -> Action:
+    planar = np.ascontiguousarray(points[:, :2])
+    few = liftmesh.delaunay(planar[: max(len(planar) // 10, 3)])
+    return lambda _: few.find_simplex(planar)
+
+
+def _surface(points: np.ndarray, _: Generator, ask: Callable[[liftmesh.Surface], object]) -> Action:
+    """Ask a surface of a tenth of the rows."""
+    surface = liftmesh.triangulate(points[: max(len(points) // 10, 3)])
+    return lambda _: ask(surface)
+
+
+def _raster(surface: liftmesh.Surface) -> object:
+    """Make a raster of a million pixels, or of fewer if there are few rows."""
+    side = min(10 * len(surface.vertices) ** 0.5, 1000)
+    return surface.raster(max(np.ptp(surface.vertices[:, :2], axis=0)) / side)
+
+
+def _contours(surface: liftmesh.Surface) -> object:
+    return surface.contours(interval=0.05)
+
+
+def _sample(surface: liftmesh.Surface) -> object:
+    """Sample between every vertex and the next one."""
+    points = surface.vertices[:, :2]
+    return surface.sample((points + np.roll(points, 1, axis=0)) / 2, "sibson")
+
+
+def _profile(surface: liftmesh.Surface) -> object:
+    """Cross the unit square many times."""
+    at = np.linspace(0, 1, 80)
+    return surface.profile(np.column_stack([at, np.arange(80) % 2]))
+
+
+def _cut_and_fill(points: np.ndarray, _: Generator) -> Action:
+    one, two = (liftmesh.triangulate(points[k::20]) for k in range(2))
+    return lambda _: one.cut_and_fill(two)
+
+
+def _simplify(points: np.ndarray, _: Generator, prune: bool) -> Action:
+    rows = waves(points)
+    return lambda progress: liftmesh.simplify(rows, max_error=0.01, prune=prune, progress=progress)
+
+
+def _thin_adaptively(points: np.ndarray, _: Generator) -> Action:
+    rows = waves(points)[::10]
+    return lambda _: liftmesh.thin(rows, adaptive=max(len(rows) // 10, 64))
+
+
+CALLS: dict[str, Call] = {
+    "delaunay, 1 thread": partial(_delaunay, threads=1),
+    "delaunay": _delaunay,
+    "regular, 1 thread": partial(_regular, threads=1),
+    "regular": _regular,
+    "triangulate": _triangulate,
+    "verify, 1 thread": partial(_verify, threads=1),
+    "verify": _verify,
+    "apollonius": partial(_disks, ask=_apollonius),
+    "verify disks": partial(_disks, ask=_verify_disks),
+    "cell sides of disks": partial(_disks, ask=_cell_sides),
+    "anisotropic stars": _stars,
+    "find_simplex": _find_simplex,
+    "raster": partial(_surface, ask=_raster),
+    "contours": partial(_surface, ask=_contours),
+    "cut and fill": _cut_and_fill,
+    "sample by Sibson": partial(_surface, ask=_sample),
+    "profile": partial(_surface, ask=_profile),
+    "simplify": partial(_simplify, prune=True),
+    "simplify without the last pass": partial(_simplify, prune=False),
+    "thin adaptively": _thin_adaptively,
+}
