@@ -5,7 +5,7 @@ on, as they are stored. The transform of the file gives x and y, also if it is r
 pixel is an area or a point, GDAL has taken into account. Scale and offset of the band give z. What
 has no value (nodata, a mask, NaN) is left out and counted; where the file says of no number that it
 stands for none, one that looks so is refused (`missing`). What the file does not say of its place
-may stand beside it (`beside_rasters`). Without a transform a pixel has the size 1, and the first
+may stand beside it (`sidecars.py`). Without a transform a pixel has the size 1, and the first
 row is the northern one.
 
 A GeoTIFF is handed over in memory, to the driver of its format alone: so no other file is opened,
