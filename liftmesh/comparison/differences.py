@@ -91,10 +91,10 @@ def first_of_each(indices: Indices) -> Mask:
 
 def _cells_of(cells: Cells, lower: Rows, match: Indices, theirs: Indices) -> Rows:
     """Return the cell of each unmatched facet; a repeated facet has the cell of its match."""
-    found = cells.containing(lower[theirs])
+    owners = cells.containing(lower[theirs])
     repeated = match[theirs] >= 0
-    found[repeated] = cells.labels[match[theirs[repeated]]]
-    return found
+    owners[repeated] = cells.labels[match[theirs[repeated]]]
+    return owners
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,17 +132,17 @@ class Cells:
         shared = np.ones(len(owner), dtype=bool)
         for k in range(3):
             shared &= self._has(triangles[owner, k] * np.int64(self.count) + cell)
-        found = np.full(len(triangles), -1, dtype=np.int32)
-        found[owner[shared]] = cell[shared]
-        return found
+        owners = np.full(len(triangles), -1, dtype=np.int32)
+        owners[owner[shared]] = cell[shared]
+        return owners
 
     def _has(self, keys: Indices) -> Mask:
         """Whether each key (row, cell) is among the corners."""
         if len(self._corners) == 0:
             return np.zeros(len(keys), dtype=bool)
         place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
-        found: Mask = self._corners[place] == keys
-        return found
+        is_there: Mask = self._corners[place] == keys
+        return is_there
 
 
 def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
