@@ -147,7 +147,7 @@ class Selector:
         self._has_ground = False
 
     def rows(self, count: int, columns: Mapping[str, Array]) -> tuple[Array, bool]:
-        """Find the rows of a block, and whether all rows before are left out: ground begins here."""
+        """Find rows of a block, and whether all rows before are left out: ground begins here."""
         chosen = self._selection
         left = np.arange(count)
         self._rows += count
