@@ -84,7 +84,7 @@ class TriangulationKind:
         return NonFiniteError(f"{named}: remove such rows{advice}", row=row)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
-        """Return the exact side of a lifted row: positive below the plane of three others."""
+        """Return the exact side of the last row: 1 if lifted below the plane of a triangle."""
         if self.name in ("delaunay", "farthest"):
             sign = int(incircle(*points))
             return -sign if self.name == "farthest" else sign
@@ -158,7 +158,7 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
 
 
 def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
-    """Convert weights or radii, without a copy of floats."""
+    """Convert weights or radii, in place where they are floats; masked ones become NaN."""
     try:
         array = np.asanyarray(given)
     except ValueError as error:
