@@ -68,6 +68,15 @@ __all__ = ["delaunay", "local_cluster", "triangulate"]
 _TRIES = 3  # of a task that raises OSError, as a network disk may
 
 
+_SETTINGS = {
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+    "distributed.deploy.lost-worker-timeout": "10 minutes",
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+}
+
+
 def delaunay(  # noqa: PLR0913 - options are keywords
     source: object,
     out: str | os.PathLike[str],
@@ -133,7 +142,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     <Tiled: 1980 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
+    options = Options.validated(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
@@ -211,8 +220,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = SurfaceOptions.checked(duplicates, plane, crs, reading)
-    options = Options.checked(
+    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
     with client_of(client) as used:
@@ -378,13 +387,6 @@ def _tried(task: Callable[..., Any], *arguments: Any) -> Any:
 
 # Tasks are long calls of the kernel: samples of their stacks say nothing, and take a twentieth.
 # Nor does anybody look at pages of a cluster that lasts for a call.
-_SETTINGS = {
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-    "distributed.deploy.lost-worker-timeout": "10 minutes",
-    "distributed.worker.profile.enabled": False,
-    "distributed.admin.tick.interval": "1s",
-}
 
 
 @contextmanager

@@ -92,7 +92,7 @@ def hashed(n: int, tile_rows: int, folder: str | None) -> str:
         TemporaryDirectory(dir=folder) as place,
         patch("liftmesh.tiles.stages.save_shard", hash_shard),
     ):
-        options = Options.checked(place, tile_rows, None, "error", True, "npy", False)
+        options = Options.validated(place, tile_rows, None, "error", True, "npy", False)
         found = open_tiled(triangulated(n, options, Generator(1)))
     mark = "".join(f"{each:016x}" for each in sums)
     print(

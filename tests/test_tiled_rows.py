@@ -16,7 +16,7 @@ from liftmesh.tiles import (
     node,
     parquet as parquet_module,
     pipeline,
-    plan,
+    publish,
     schedule,
     sources,
     stages,
@@ -260,7 +260,7 @@ def test_one_position_repeated_very_often_takes_no_room(tmp_path: Path) -> None:
     assert found.nsimplex == expected.nsimplex
     assert found.verify(points).canonical
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plan, "_STRETCH", 500)
+        patch.setattr(publish, "_STRETCH", 500)
         assert liftmesh.tile(points, tmp_path / "b", tile_rows=4_000, nonfinite="skip").verify(
             points
         )

@@ -1,11 +1,8 @@
-"""Arrays of points from the caller: checked once, and copied only where necessary.
-
-Numbers of any type as floats that the kernel reads: exactly, or not at all.
+"""Arrays and numbers from the caller: checked once, and copied only where necessary.
 
 Float64 and float32 stay as they are. Integers, fractions, decimals and wider floats become float64
-if it holds every one of them; else an error names the first that it does not.
-
-Messages about what is not an array of points: what was given, and how to make points of it.
+if it holds every one of them; else an error names the first that it does not. Messages about what
+is not an array of points say what was given, and how to make points of it.
 """
 
 from __future__ import annotations
@@ -28,11 +25,18 @@ from liftmesh._typing import Array, Floats, Mask, Reals, Rows
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError, NonFiniteError, UnsupportedTypeError
 
+P = ParamSpec("P")
+R = TypeVar("R")
 MOST_ROWS: int = _kernel.MOST_ROWS
-
+POINTS = "points"
 _DOUBLE = np.dtype(np.float64)
 _PIECE = 1 << 16
 _NO_REALS = (str, bytes, complex, np.complexfloating, np.datetime64, np.timedelta64)
+_EXACT_INTEGERS = 2**53
+_LARGEST = float(np.finfo(np.float64).max)
+_LONGEST_SHOWN = 256  # bits
+_ROUNDING = decimal.Context(prec=9, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
+_AXES = ("x", "y", "z")
 
 
 def as_coordinates(points: ArrayLike) -> Reals:
@@ -43,124 +47,6 @@ def as_coordinates(points: ArrayLike) -> Reals:
     _check_shape(array.shape)  # before anything is copied
     array = as_floats(unmasked(array))
     return array if is_readable(array) else array.copy()
-
-
-def as_rows3(points: ArrayLike) -> Floats:
-    """Convert points to float64 rows x, y, z; planar rows get z = 0."""
-    array = _as_array(points)
-    _check_shape(array.shape)
-    narrow = type(array) is np.ndarray and array.dtype.kind in "iuf" and array.itemsize < 8
-    if array.shape[1] == 3 or not narrow:  # as float64, narrow ones would need room of their own
-        array = as_coordinates(array)
-    if array.shape[1] == 3:
-        return widened(array)
-    lifted = np.zeros((len(array), 3))
-    lifted[:, :2] = array
-    return lifted
-
-
-def as_pairs(points: ArrayLike) -> Floats:
-    """Convert planar points of any leading shape to a contiguous (..., 2) array of float64."""
-    array = unmasked(_as_array(points))
-    if array.ndim == 0 or array.shape[-1] != 2:
-        transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
-        hint = ": these are columns; give the transpose" if transposed else ""
-        raise InputError(f"planar points need the shape (..., 2), not {array.shape}{hint}")
-    flat = as_floats(array.reshape(-1, 2))
-    return np.ascontiguousarray(widened(flat)).reshape(array.shape)
-
-
-def widened(array: Array) -> Floats:
-    """Convert floats to float64; those that are float64 stay as they are, in the same memory."""
-    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs, which files may hold
-        return array.astype(np.float64, copy=False)
-
-
-def as_reals(values: ArrayLike) -> Floats:
-    """Convert the numbers of an option to float64."""
-    array = np.asarray(values)
-    objects = array.ravel() if array.dtype.kind == "O" else ()
-    if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
-        raise TypeError("no real numbers")
-    return np.asarray(array, dtype=np.float64)
-
-
-def as_numbers(named: str, values: ArrayLike, wanted: str) -> Floats:
-    """Convert an option that is several numbers; `named` is its name with "is" or "are"."""
-    try:
-        return as_reals(values)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{named} {shown(values)}: {wanted}") from error
-
-
-def as_number(
-    name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
-) -> float:
-    """Convert an option that is one number; `wanted` says which are right."""
-    try:
-        number = float(as_reals(value))
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not is_wanted(number):
-        raise InputError(f"{name} is {shown(value)}: give {wanted}")
-    return number
-
-
-def as_positive(name: str, value: Any, wanted: str) -> float:
-    """Convert an option that is a positive, finite number; True does not count as 1."""
-    is_truth = isinstance(value, bool | np.bool_)
-    return as_number(name, value, wanted, lambda number: not is_truth and 0 < number < math.inf)
-
-
-def as_decimal(value: ArrayLike) -> Fraction:
-    """Convert a number to the decimal that it is printed as: then 0.6 is three times 0.2."""
-    number = float(as_reals(value))
-    if not math.isfinite(number):
-        raise ValueError("no finite number")
-    return Fraction(repr(number))
-
-
-def starts_of_runs(rows: Array) -> Mask:
-    """Tell which rows, (n, k), differ from the one before; the first does."""
-    starts = np.ones(len(rows), np.bool_)
-    starts[1:] = (rows[1:] != rows[:-1]).any(axis=1)
-    return starts
-
-
-def read_only(array: Array) -> Array:
-    """Return a view that cannot be written to, of an array that remains as it is."""
-    view: Array = array.view()
-    # Naming the argument, as the stubs of NumPy ask for, takes longer than making the view.
-    view.setflags(False)  # type: ignore[call-arg]
-    return view
-
-
-def check_finite(points: Reals, *, skippable: bool = True) -> None:
-    """Raise if a row is not finite, naming the first."""
-    finite = np.isfinite(points)
-    if not finite.all():
-        row = int(np.argmin(finite.all(axis=1)))
-        raise non_finite(row, points[row], skippable=skippable)
-
-
-def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
-    """Return the exception for a row that is not finite."""
-    shown = ", ".join(repr(float(value)) for value in values)
-    advice = ", or skip them with nonfinite='skip'"
-    return NonFiniteError(
-        f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
-        row=row,
-    )
-
-
-def used_rows(length: int, triangles: Rows) -> Rows:
-    """List the rows that are corners of triangles."""
-    used = np.zeros(length, dtype=np.bool_)
-    corners = triangles.reshape(-1)
-    for start in range(0, len(corners), _PIECE):
-        # NumPy does not notice when its own conversion of an index runs out of memory.
-        used[corners[start : start + _PIECE].astype(np.intp)] = True
-    return np.flatnonzero(used).astype(np.int32)
 
 
 def _is_usual(points: ArrayLike) -> TypeGuard[Floats]:
@@ -210,12 +96,35 @@ def _check_shape(shape: tuple[int, ...]) -> None:
         )
 
 
-POINTS = "points"
+def as_rows3(points: ArrayLike) -> Floats:
+    """Convert points to float64 rows x, y, z; planar rows get z = 0."""
+    array = _as_array(points)
+    _check_shape(array.shape)
+    narrow = type(array) is np.ndarray and array.dtype.kind in "iuf" and array.itemsize < 8
+    if array.shape[1] == 3 or not narrow:  # as float64, narrow ones would need room of their own
+        array = as_coordinates(array)
+    if array.shape[1] == 3:
+        return widened(array)
+    lifted = np.zeros((len(array), 3))
+    lifted[:, :2] = array
+    return lifted
 
-_EXACT_INTEGERS = 2**53
-_LARGEST = float(np.finfo(np.float64).max)
-_LONGEST_SHOWN = 256  # bits
-_ROUNDING = decimal.Context(prec=9, Emax=decimal.MAX_EMAX, Emin=decimal.MIN_EMIN)
+
+def as_pairs(points: ArrayLike) -> Floats:
+    """Convert planar points of any leading shape to a contiguous (..., 2) array of float64."""
+    array = unmasked(_as_array(points))
+    if array.ndim == 0 or array.shape[-1] != 2:
+        transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
+        hint = ": these are columns; give the transpose" if transposed else ""
+        raise InputError(f"planar points need the shape (..., 2), not {array.shape}{hint}")
+    flat = as_floats(array.reshape(-1, 2))
+    return np.ascontiguousarray(widened(flat)).reshape(array.shape)
+
+
+def widened(array: Array) -> Floats:
+    """Convert floats to float64; those that are float64 stay as they are, in the same memory."""
+    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs, which files may hold
+        return array.astype(np.float64, copy=False)
 
 
 def unmasked(array: Array, name: str = POINTS) -> Array:
@@ -228,6 +137,11 @@ def unmasked(array: Array, name: str = POINTS) -> Array:
     filled = np.array(as_floats(array.filled(0), name), dtype=np.float64)
     filled[mask] = np.nan
     return filled
+
+
+def is_masked_array(values: object) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
+    """Whether this is a masked array, without importing ``numpy.ma``, which takes long."""
+    return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)
 
 
 def is_readable(array: Array) -> bool:
@@ -337,10 +251,91 @@ def _shown(value: Any) -> str:
     return str(value)  # an f-string would round a longdouble to a double
 
 
-P = ParamSpec("P")
-R = TypeVar("R")
+def as_reals(values: ArrayLike) -> Floats:
+    """Convert the numbers of an option to float64."""
+    array = np.asarray(values)
+    objects = array.ravel() if array.dtype.kind == "O" else ()
+    if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):
+        raise TypeError("no real numbers")
+    return np.asarray(array, dtype=np.float64)
 
-_AXES = ("x", "y", "z")
+
+def as_numbers(named: str, values: ArrayLike, wanted: str) -> Floats:
+    """Convert an option that is several numbers; `named` is its name with "is" or "are"."""
+    try:
+        return as_reals(values)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InputError(f"{named} {shown(values)}: {wanted}") from error
+
+
+def as_number(
+    name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
+) -> float:
+    """Convert an option that is one number; `wanted` says which are right."""
+    try:
+        number = float(as_reals(value))
+    except (TypeError, ValueError, OverflowError):
+        number = math.nan
+    if not is_wanted(number):
+        raise InputError(f"{name} is {shown(value)}: give {wanted}")
+    return number
+
+
+def as_positive(name: str, value: Any, wanted: str) -> float:
+    """Convert an option that is a positive, finite number; True does not count as 1."""
+    is_truth = isinstance(value, bool | np.bool_)
+    return as_number(name, value, wanted, lambda number: not is_truth and 0 < number < math.inf)
+
+
+def as_decimal(value: ArrayLike) -> Fraction:
+    """Convert a number to the decimal that it is printed as: then 0.6 is three times 0.2."""
+    number = float(as_reals(value))
+    if not math.isfinite(number):
+        raise ValueError("no finite number")
+    return Fraction(repr(number))
+
+
+def starts_of_runs(rows: Array) -> Mask:
+    """Tell which rows, (n, k), differ from the one before; the first does."""
+    starts = np.ones(len(rows), np.bool_)
+    starts[1:] = (rows[1:] != rows[:-1]).any(axis=1)
+    return starts
+
+
+def read_only(array: Array) -> Array:
+    """Return a view that cannot be written to, of an array that remains as it is."""
+    view: Array = array.view()
+    # Naming the argument, as the stubs of NumPy ask for, takes longer than making the view.
+    view.setflags(False)  # type: ignore[call-arg]
+    return view
+
+
+def check_finite(points: Reals, *, skippable: bool = True) -> None:
+    """Raise if a row is not finite, naming the first."""
+    finite = np.isfinite(points)
+    if not finite.all():
+        row = int(np.argmin(finite.all(axis=1)))
+        raise non_finite(row, points[row], skippable=skippable)
+
+
+def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
+    """Return the exception for a row that is not finite."""
+    shown = ", ".join(repr(float(value)) for value in values)
+    advice = ", or skip them with nonfinite='skip'"
+    return NonFiniteError(
+        f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
+        row=row,
+    )
+
+
+def used_rows(length: int, triangles: Rows) -> Rows:
+    """List the rows that are corners of triangles."""
+    used = np.zeros(length, dtype=np.bool_)
+    corners = triangles.reshape(-1)
+    for start in range(0, len(corners), _PIECE):
+        # NumPy does not notice when its own conversion of an index runs out of memory.
+        used[corners[start : start + _PIECE].astype(np.intp)] = True
+    return np.flatnonzero(used).astype(np.int32)
 
 
 def wrong_shape(shape: tuple[int, ...]) -> InputError:
@@ -418,8 +413,3 @@ def _is_column(value: object) -> bool:
     except ValueError:
         return False
     return array.ndim == 1 and array.dtype.kind in "biuf"
-
-
-def is_masked_array(values: object) -> TypeGuard[np.ma.MaskedArray[Any, Any]]:
-    """Whether this is a masked array, without importing ``numpy.ma``, which takes long."""
-    return "numpy.ma" in sys.modules and isinstance(values, np.ma.MaskedArray)

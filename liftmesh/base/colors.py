@@ -1,4 +1,4 @@
-"""Conversion of colours between unsigned integers over their full range and floats in [0, 1].
+"""Colours: whole numbers over their full range, or floats in [0, 1], and how many bits they mean.
 
 trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either, and text files just numbers. An
 integer k of b bits is the float k / (2^b - 1); rounding to the nearest step inverts this, so 8-bit
@@ -9,13 +9,11 @@ Where colours are recognised: `recognized` and `ColorScale` find the type of num
 called red, green and blue; `objects.trimesh` reads colours only where the object defines them.
 Where precision is lost: PLY, unless written with ``colors="exact"``, and glTF round to 8 bits.
 
-The depth of whole-number colours: how many bits per channel their numbers mean.
-
-A type says how much it can hold, not how much was meant. LAS keeps colours in 16 bits, and most
-programs put 8-bit values there; NumPy makes 64-bit integers of any list. So the values decide,
-all of a file's or object's together: colours up to 255 are 8-bit, up to 65,535 16-bit, and larger
-ones use the full range of their type. A part is never judged by itself: a dark corner of a 16-bit
-image holds no value above 255 either.
+The type of whole numbers says how much it can hold, not how much was meant. LAS keeps colours in 16
+bits, and most programs put 8-bit values there; NumPy makes 64-bit integers of any list. So the
+values decide the depth, all of a file's or object's together: colours up to 255 are 8-bit, up to
+65,535 16-bit, and larger ones use the full range of their type. A part is never judged by itself: a
+dark corner of a 16-bit image holds no value above 255 either.
 """
 
 from __future__ import annotations
@@ -28,6 +26,8 @@ from numpy.typing import NDArray
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
+
+DEPTHS = (8, 16, 32, 64)
 
 # Error of k/255 when printed with six digits, or in single precision.
 _PRINTED = 1e-6
@@ -112,17 +112,6 @@ class ColorScale:
         return _levels(values).astype(np.uint8) if self._eighths else values
 
 
-def _levels(values: Floats) -> Floats:
-    scaled: Floats = np.rint(values * 255.0)
-    return scaled
-
-
-def _full_scale(dtype: np.dtype[Any]) -> float:
-    if dtype.kind == "u":
-        return float(np.iinfo(dtype).max)
-    return 255.0 if dtype.kind == "i" else 1.0
-
-
 def check_colors(colors: Array) -> Array:
     """Validate type, shape and range of colours; the error names the row."""
     colors = np.asarray(colors)
@@ -147,7 +136,15 @@ def _check_range(colors: Array, top: float) -> None:
     )
 
 
-DEPTHS = (8, 16, 32, 64)
+def _full_scale(dtype: np.dtype[Any]) -> float:
+    if dtype.kind == "u":
+        return float(np.iinfo(dtype).max)
+    return 255.0 if dtype.kind == "i" else 1.0
+
+
+def _levels(values: Floats) -> Floats:
+    scaled: Floats = np.rint(values * 255.0)
+    return scaled
 
 
 def judged(colors: Array) -> tuple[Array, int | None]:

@@ -3,11 +3,10 @@
 `copy` and `pickle` make writable arrays of read-only ones. A result is therefore copied and pickled
 through its constructor, which makes them read-only again.
 
-Properties that are computed when first asked for, without a lock.
-
-In Python 3.10 and 3.11 `functools.cached_property` holds one lock for all instances of a class: two
-threads cannot compute a property of two triangulations at a time, and a process that is forked
-meanwhile finds it held for ever. From 3.12 on there is no lock, and this module is that property.
+Properties that are computed when first asked for have no lock here. In Python 3.10 and 3.11
+`functools.cached_property` holds one for all instances of a class: two threads cannot compute a
+property of two triangulations at a time, and a process that is forked meanwhile finds it held for
+ever. From 3.12 on there is none, and `cached_property` is that of `functools`.
 """
 
 from __future__ import annotations
@@ -28,21 +27,6 @@ Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 
-class FrozenDict(dict[Key, Value]):
-    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take."""
-
-    __slots__ = ()
-
-    def _refuse(self, *_args: object, **_named: object) -> NoReturn:
-        raise TypeError("this dictionary is read-only: change a copy, dict(...)")
-
-    __setitem__ = __delitem__ = __ior__ = _refuse
-    clear = pop = popitem = setdefault = update = _refuse
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (dict(self),)
-
-
 class FrozenResult:
     """Base of frozen dataclasses that are read-only throughout, also in copies and pickles."""
 
@@ -59,16 +43,6 @@ class FrozenResult:
         """Refuse a damaged pickle, whose numbers lead out of its arrays."""
 
 
-def _loaded(kind: type[FrozenResult], *values: Any) -> FrozenResult:
-    """Make a result of a pickle.
-
-    A `__setstate__` would not do: in Python 3.10, frozen dataclasses with slots replace it.
-    """
-    result = kind(*values)
-    result._check_copy()  # noqa: SLF001 - of this class
-    return result
-
-
 def freeze(result: Any) -> None:
     """Make all arrays and mappings of a frozen dataclass read-only; called when it is made."""
     for each in fields(result):
@@ -83,6 +57,29 @@ def _frozen(value: Any) -> Any:
     return FrozenDict(
         {key: read_only(v) if isinstance(v, np.ndarray) else v for key, v in value.items()}
     )
+
+
+class FrozenDict(dict[Key, Value]):
+    """A dictionary that cannot be changed, which `dataclasses.asdict`, `json` and `pickle` take."""
+
+    __slots__ = ()
+
+    def _refuse(self, *_args: object, **_named: object) -> NoReturn:
+        raise TypeError("this dictionary is read-only: change a copy, dict(...)")
+
+    __setitem__ = __delitem__ = __ior__ = _refuse
+    clear = pop = popitem = setdefault = update = _refuse
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (dict(self),)
+
+
+def _loaded(kind: type[FrozenResult], *values: Any) -> FrozenResult:
+    """Make a result of a pickle."""
+    # A `__setstate__` would not do: in Python 3.10, frozen dataclasses with slots replace it.
+    result = kind(*values)
+    result._check_copy()  # noqa: SLF001 - of this class
+    return result
 
 
 def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> None:

@@ -196,74 +196,71 @@ class LazyFunction:
 
 
 def configured(
-    reader: Callable[..., Read], found: Format, name: str, options: Mapping[str, Any]
+    reader: Callable[..., Read], file_format: Format, name: str, options: Mapping[str, Any]
 ) -> Callable[..., Read]:
     """Set the options of a reader, once they are checked."""
     if not options:
         return reader
-    if found.options is None:
+    if file_format.options is None:
         raise FormatError(
             f"{name}: {', '.join(f'{each}=' for each in options)} cannot be given: "
-            f"{found.name} files are read without options"
+            f"{file_format.name} files are read without options"
         )
     try:
-        inspect.signature(found.options).bind(**options)
+        inspect.signature(file_format.options).bind(**options)
     except TypeError as error:
-        taken = ", ".join(inspect.signature(found.options).parameters)
-        raise FormatError(f"{name}: {error}: {found.name} takes {taken}") from error
-    return partial(reader, options=found.options(**options))
+        taken = ", ".join(inspect.signature(file_format.options).parameters)
+        raise FormatError(f"{name}: {error}: {file_format.name} takes {taken}") from error
+    return partial(reader, options=file_format.options(**options))
 
 
-def check_needs(found: Format, cloud: Cloud) -> None:
+def check_needs(file_format: Format, cloud: Cloud) -> None:
     """Raise if a cloud lacks what the format needs."""
-    if "points" in found.needs and not len(cloud):
-        raise FormatError(
-            f"a cloud without points cannot be written as {found.name.upper()}: write PLY or NPZ"
-        )
-    if "faces" in found.needs and (cloud.faces is None or not len(cloud.faces)):
-        raise FormatError(
-            f"a cloud without faces cannot be written as {found.name.upper()}: write PLY"
-        )
-    if "finite" in found.needs:
-        _check_finite(found, cloud)
+    kind = file_format.name.upper()
+    if "points" in file_format.needs and not len(cloud):
+        raise FormatError(f"a cloud without points cannot be written as {kind}: write PLY or NPZ")
+    if "faces" in file_format.needs and (cloud.faces is None or not len(cloud.faces)):
+        raise FormatError(f"a cloud without faces cannot be written as {kind}: write PLY")
+    if "finite" in file_format.needs:
+        _check_finite(file_format, cloud)
 
 
-def check_before(found: Format, cloud: Cloud) -> None:
+def check_before(file_format: Format, cloud: Cloud) -> None:
     """Raise for rows that cannot be written, before there are faces."""
-    if "finite" in found.needs and "points" in found.keeps:
-        _check_finite(found, replace(cloud, faces=None))
-    if "colors" in found.keeps and cloud.colors is not None:
+    if "finite" in file_format.needs and "points" in file_format.keeps:
+        _check_finite(file_format, replace(cloud, faces=None))
+    if "colors" in file_format.keeps and cloud.colors is not None:
         check_colors(cloud.colors)
-    if found.check is not None:
-        found.check(cloud)
+    if file_format.check is not None:
+        file_format.check(cloud)
 
 
-def _check_finite(found: Format, cloud: Cloud) -> None:
-    held = _held(found, cloud)
+def _check_finite(file_format: Format, cloud: Cloud) -> None:
+    held = _held(file_format, cloud)
     bad = ~np.isfinite(held).all(axis=1)
     if bad.any():
         row = int(np.argmax(bad))
         if cloud.faces is not None and len(held) < len(cloud):
             row = int(used_rows(len(cloud), cloud.faces)[row])
         raise FormatError(
-            f"vertex {row} is {cloud.points[row].tolist()}: {found.name} holds finite coordinates "
-            "only: remove such rows, or write PLY or OBJ"
+            f"vertex {row} is {cloud.points[row].tolist()}: {file_format.name} holds finite "
+            "coordinates only: remove such rows, or write PLY or OBJ"
         )
 
 
 def dropped(
-    found: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
+    file_format: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
 ) -> tuple[str, ...]:
     """List what a cloud has and its file does not keep, attributes and metadata by name."""
-    losses = () if found.loses is None else found.loses(cloud, options)
-    kept = set(found.keeps) - set(losses)
+    losses = () if file_format.loses is None else file_format.loses(cloud, options)
+    kept = set(file_format.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
     lost = [word for word in CONTENT if word not in kept and _has(cloud, word)]
     if {"alpha", "deep_colors"} <= {*lost} and fits_eight_bits(cloud.colors[:, :3]):  # type: ignore[index]
         lost.remove("deep_colors")  # only alpha has more than eight bits
     is_said = "float64" in losses
-    if "float64" not in kept and (is_said or not fits_single(_held(found, cloud), origin)):
+    if "float64" not in kept and (is_said or not fits_single(_held(file_format, cloud), origin)):
         lost.append("float64")
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
@@ -307,13 +304,13 @@ def dropped_values(name: str) -> str:
     return f"{name} (values)" if name in CONTENT else name
 
 
-def renamed(found: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
+def renamed(file_format: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
     """List the attributes that a file holds under other names, with these."""
-    return () if found.renames is None else tuple(found.renames(cloud).items())
+    return () if file_format.renames is None else tuple(file_format.renames(cloud).items())
 
 
-def _held(found: Format, cloud: Cloud) -> Floats:
+def _held(file_format: Format, cloud: Cloud) -> Floats:
     """The points that a file holds: all, or those of the faces."""
-    if "points" in found.keeps or cloud.faces is None:
+    if "points" in file_format.keeps or cloud.faces is None:
         return cloud.points
     return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)

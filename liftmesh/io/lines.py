@@ -214,14 +214,14 @@ class Lines:
         """Remember the comments behind the first line that is none."""
         behind = ~rows if self._has_rows else ~rows & np.logical_or.accumulate(rows)
         first, count = self.remarks
-        found = numbers[behind]
-        if len(found):
-            self.remarks = (first or int(found[0]), count + len(found))
+        remarks = numbers[behind]
+        if len(remarks):
+            self.remarks = (first or int(remarks[0]), count + len(remarks))
 
     def _plain(self, data: bytes) -> bytes:
         """Put blanks in place of white space that is not ASCII, byte by byte."""
         self._check_encoding(data)
-        return _WIDE_BLANKS[self._encoding].sub(lambda found: b" " * len(found[0]), data)
+        return _WIDE_BLANKS[self._encoding].sub(lambda match: b" " * len(match[0]), data)
 
     def _check_encoding(self, data: bytes) -> None:
         try:
@@ -253,12 +253,12 @@ def _begin_with(data: bytes, places: Integers, marks: tuple[str, ...]) -> Mask:
     """Whether each line begins with one of the marks."""
     octets = np.frombuffer(data, np.uint8)
     begins, lengths = places[:, 0], places[:, 1] - places[:, 0]
-    found = np.zeros(len(places), dtype=np.bool_)
+    is_marked = np.zeros(len(places), dtype=np.bool_)
     for mark in marks:
         at = begins[lengths >= len(mark)]
         same = [octets[at + k] == octet for k, octet in enumerate(mark.encode())]
-        found[lengths >= len(mark)] |= np.logical_and.reduce(same)
-    return found
+        is_marked[lengths >= len(mark)] |= np.logical_and.reduce(same)
+    return is_marked
 
 
 def _last_of_lines(data: bytes) -> Mask:

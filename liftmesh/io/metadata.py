@@ -115,12 +115,12 @@ def unread(metadata: Mapping[str, Any]) -> tuple[str, ...]:
 
 def lifted_by(metadata: Mapping[str, object]) -> dict[str, Any]:
     """Return by what the points of a mesh were lifted when it was triangulated."""
-    found = metadata.get(LIFTED)  # a file may hold anything of that name
-    if not isinstance(found, dict) or len(found) != 1:
+    entry = metadata.get(LIFTED)  # a file may hold anything of that name
+    if not isinstance(entry, dict) or len(entry) != 1:
         return {}
-    kind, value = next(iter(found.items()))
+    kind, value = next(iter(entry.items()))
     is_name = kind in {"weights", "radii"} and isinstance(value, str)
-    return found if is_name or (kind == "metric" and _is_matrix(value)) else {}
+    return entry if is_name or (kind == "metric" and _is_matrix(value)) else {}
 
 
 def _is_matrix(value: object) -> bool:
@@ -133,8 +133,8 @@ def _is_matrix(value: object) -> bool:
 
 def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
     """Return which columns of a table are the coordinates, colours and normals of a cloud."""
-    found = metadata.get("columns")
-    return found if isinstance(found, NotedColumns) else {}
+    entry = metadata.get("columns")
+    return entry if isinstance(entry, NotedColumns) else {}
 
 
 def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
@@ -145,15 +145,15 @@ def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
 
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that files store, as JSON will give them back."""
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     left = _MOST
     for key, value in user_entries(metadata).items():
         text = None if key in _NOTES else _text(key, value)
         size = 0 if text is None else len(text) + _LINE * (len(value) if is_lines(value) else 0)
         if text is not None and size <= left and _has_short_lines(key, value, text):
-            found[key] = json.loads(text)[key]
+            entries[key] = json.loads(text)[key]
             left -= size
-    return found
+    return entries
 
 
 def _has_short_lines(key: str, value: Any, text: str) -> bool:
@@ -207,10 +207,10 @@ def statements(entries: Mapping[str, Any], *lines: str) -> list[str]:
     """Comments that state entries, each in one line of ASCII."""
     plain = [key for key in lines if key in entries and is_lines(entries[key])]
     texts = [_text(key, value) for key, value in entries.items() if key not in plain]
-    found = [f"{_STATED}{text}" for text in texts]
+    comments = [f"{_STATED}{text}" for text in texts]
     for key in plain:
-        found += [_line(key, each) for each in entries[key]]
-    return found
+        comments += [_line(key, each) for each in entries[key]]
+    return comments
 
 
 def _line(key: str, line: str) -> str:
@@ -252,10 +252,10 @@ def stated(comments: Iterable[str]) -> dict[str, Any]:
 
 def parsed(text: str) -> dict[str, Any] | None:
     """Parse an object of entries; None if a text is anything else. Lines become tuples again."""
-    found = parsed_or_none(text) if len(text) <= _MOST else None
-    if not isinstance(found, dict):
+    entries = parsed_or_none(text) if len(text) <= _MOST else None
+    if not isinstance(entries, dict):
         return None
-    return _with_lines({key: found[key] for key in found if key not in _NOTES})
+    return _with_lines({key: entries[key] for key in entries if key not in _NOTES})
 
 
 def _with_lines(entries: dict[str, Any]) -> dict[str, Any]:

@@ -94,10 +94,10 @@ def fits_single(points: Floats, origin: Origin | None) -> bool:
 
 def checked_origin(values: object, name: str) -> Origin:
     """Check an origin that a file states."""
-    found = finite_numbers(values, 3)
-    if found is None:
+    numbers = finite_numbers(values, 3)
+    if numbers is None:
         raise FormatError(f"{name}: the origin is {shown(values)}: expected three finite numbers")
-    return (found[0], found[1], found[2])
+    return (numbers[0], numbers[1], numbers[2])
 
 
 SINGLE, DOUBLE = 24, 53  # bits of a significand

@@ -176,10 +176,13 @@ def read(  # noqa: PLR0913 - options are keywords
         check_system(crs)
     source = at_home(source)
     name = name_of(source)
-    found = format_of(source, format, name, find_format)
-    read_whole = _selecting(_reader(found, name, limit, options), found, chosen)
-    with opened(source, name, limit, may_be_compressed=found.gzip) as stream, preserve_signals():
-        cloud = _labelled(read_whole(stream, name), found, name)
+    file_format = format_of(source, format, name, find_format)
+    read_whole = _selecting(_reader(file_format, name, limit, options), file_format, chosen)
+    with (
+        opened(source, name, limit, may_be_compressed=file_format.gzip) as stream,
+        preserve_signals(),
+    ):
+        cloud = _labelled(read_whole(stream, name), file_format, name)
     return _changed(cloud, color_depth, crs, to_crs, name)
 
 
@@ -257,16 +260,18 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         check_system(crs)
     source = at_home(source)
     name = name_of(source)
-    found = format_of(source, format, name, find_format)
-    if found.read_chunks is None:
-        whole = _reader(found, name, limit, options)
-        chunks = split(_selecting(whole, found, chosen if found.selects else None))
-        chosen = None if found.selects else chosen
+    file_format = format_of(source, format, name, find_format)
+    if file_format.read_chunks is None:
+        whole = _reader(file_format, name, limit, options)
+        chunks = split(_selecting(whole, file_format, chosen if file_format.selects else None))
+        chosen = None if file_format.selects else chosen
     else:
-        chunks = _limited(configured(found.read_chunks, found, name, options), found, limit)
+        chunks = _limited(
+            configured(file_format.read_chunks, file_format, name, options), file_format, limit
+        )
         chunks = of_one_depth(chunks, color_depth)
-    place = opened(source, name, limit, may_be_compressed=found.gzip)
-    pieces = _chunks(place, found, partial(chunks, name=name, rows=rows), name)
+    place = opened(source, name, limit, may_be_compressed=file_format.gzip)
+    pieces = _chunks(place, file_format, partial(chunks, name=name, rows=rows), name)
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))
     known: dict[str, Operation] = {}
@@ -320,7 +325,7 @@ def _depth(piece: Cloud) -> int | None:
 
 def _chunks(
     place: AbstractContextManager[BinaryIO],
-    found: Format,
+    file_format: Format,
     chunks: Callable[[BinaryIO], Iterator[Cloud]],
     name: str,
 ) -> Iterator[Cloud]:
@@ -329,7 +334,7 @@ def _chunks(
             pieces = iter(chunks(stream))
             chunk = next(pieces, _NO_MORE)
         while chunk is not _NO_MORE:
-            yield _labelled(chunk, found, name)
+            yield _labelled(chunk, file_format, name)
             with preserve_signals():  # not around the yield: the caller's code is none of ours
                 chunk = next(pieces, _NO_MORE)
 
@@ -341,30 +346,32 @@ def _selected_chunks(pieces: Iterator[Cloud], selector: Selector) -> Iterator[Cl
         yield chosen
 
 
-def _selecting(reader: Reader, found: Format, chosen: Selection | None) -> Reader:
+def _selecting(reader: Reader, file_format: Format, chosen: Selection | None) -> Reader:
     """Let a reader leave out rows: as it reads, or afterwards."""
     if chosen is None:
         return reader
-    if found.selects:
+    if file_format.selects:
         return partial(reader, selection=chosen)
     return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
 
 
-def _reader(found: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
-    if found.read is None:
+def _reader(file_format: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
+    if file_format.read is None:
         raise FormatError(
-            f"{name}: {found.name} files are written, not read: keep the mesh as PLY, too"
+            f"{name}: {file_format.name} files are written, not read: keep the mesh as PLY, too"
         )
-    return _limited(configured(found.read, found, name, options), found, limit)
+    return _limited(configured(file_format.read, file_format, name, options), file_format, limit)
 
 
-def _limited(reader: Callable[..., Read], found: Format, limit: int | None) -> Callable[..., Read]:
+def _limited(
+    reader: Callable[..., Read], file_format: Format, limit: int | None
+) -> Callable[..., Read]:
     """Set the limit of a reader, if its format expands; others take none."""
-    return partial(reader, max_bytes=limit) if found.expands else reader
+    return partial(reader, max_bytes=limit) if file_format.expands else reader
 
 
-def _labelled(cloud: Cloud, found: Format, name: str) -> Cloud:
-    metadata = noted(cloud.metadata, source=Label(name), format=Label(found.name))
+def _labelled(cloud: Cloud, file_format: Format, name: str) -> Cloud:
+    metadata = noted(cloud.metadata, source=Label(name), format=Label(file_format.name))
     return replace(cloud, metadata=metadata)
 
 

@@ -131,18 +131,19 @@ def find_format(wanted: str, name: str) -> Format:
 
 def find_written(wanted: str, name: str) -> Format:
     """Find the format of a file to be written, as `find_format`; none is compressed with gzip."""
-    found = find_format(wanted, name)
+    file_format = find_format(wanted, name)
     if wanted.lower().endswith(".gz"):
         raise FormatError(f"{name}: gzip is read only: leave out .gz, and compress the file")
-    return found
+    return file_format
 
 
-def _compressed(found: Format, name: str) -> Format:
-    if not found.gzip:
+def _compressed(file_format: Format, name: str) -> Format:
+    if not file_format.gzip:
         raise FormatError(
-            f"{name}: {found.name} files are not read compressed with gzip: decompress it first"
+            f"{name}: {file_format.name} files are not read compressed with gzip: "
+            "decompress it first"
         )
-    return found
+    return file_format
 
 
 def as_cloud(source: Any, **options: Any) -> Cloud:

@@ -68,7 +68,7 @@ def validate_selection(
     """Check the conditions that a caller gives."""
     if returns is not None:
         check_option("returns", returns, Returns)
-    found = Selection(
+    selection = Selection(
         classes=_classes(classes),
         returns=returns,
         bbox=None if bbox is None else _box(bbox),
@@ -77,7 +77,7 @@ def validate_selection(
         withheld=as_switch("withheld", withheld),
         resolution=None if resolution is None else _length(resolution),
     )
-    return None if found == Selection() else found
+    return None if selection == Selection() else selection
 
 
 def _classes(value: ClassChoice) -> frozenset[int] | Literal["ground"] | None:
@@ -277,10 +277,10 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
 
 def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
     """Return how many rows of a cloud were selected and left out when it was read."""
-    found = metadata.get("selection")  # a caller may say anything of that name
-    if not isinstance(found, Mapping) or not {"rows", "selected"} <= found.keys():
+    entry = metadata.get("selection")  # a caller may say anything of that name
+    if not isinstance(entry, Mapping) or not {"rows", "selected"} <= entry.keys():
         return {}
-    return {**found} if all(isinstance(each, int) for each in found.values()) else {}
+    return {**entry} if all(isinstance(each, int) for each in entry.values()) else {}
 
 
 def selection_sentence(counts: Mapping[str, int]) -> str:

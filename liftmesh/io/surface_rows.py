@@ -68,13 +68,13 @@ def for_chunks(
     names: Sequence[str | os.PathLike[str]], choices: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
     """Return the conditions on the rows of files that are read in chunks."""
-    found = [for_surface(name, choices) for name in names]
-    asked = {k: each for k, each in enumerate(found) if each.get("classes") == "ground"}
+    conditions = [for_surface(name, choices) for name in names]
+    asked = {k: each for k, each in enumerate(conditions) if each.get("classes") == "ground"}
     counts = {k: _ground_of(os.fspath(names[k]), each) for k, each in asked.items()}
     check_grounds((os.fspath(names[k]), each) for k, each in counts.items())
     for k, each in asked.items():
         each["classes"] = GROUND if counts[k]["ground"] else "all"
-    return found
+    return conditions
 
 
 def _ground_of(name: str, choices: Mapping[str, Any]) -> dict[str, int]:

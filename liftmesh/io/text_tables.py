@@ -158,8 +158,8 @@ def _check_widths(block: Block, name: str, width: int | None, delimiter: str | N
     most = width or MOST_COLUMNS
     for text, number in block:
         if len(text.split(delimiter, most)) > most:
-            found = text.count(delimiter) + 1 if delimiter else _count_words(text)
-            raise FormatError(f"{name}: line {number}: expected {expected} values, found {found:,}")
+            count = text.count(delimiter) + 1 if delimiter else _count_words(text)
+            raise FormatError(f"{name}: line {number}: expected {expected} values, found {count:,}")
 
 
 def line_error(

@@ -137,43 +137,45 @@ def write(
     """
     target = at_home(target)
     name = name_of(target)
-    found = format_of(target, format, name, find_written)
+    file_format = format_of(target, format, name, find_written)
     suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
-    options = {**found.suffix_options.get(suffix, {}), **options}
-    writer = writer_of(found, name, options)
+    options = {**file_format.suffix_options.get(suffix, {}), **options}
+    writer = writer_of(file_format, name, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
-    check_needs(found, cloud)
+    check_needs(file_format, cloud)
     if not isinstance(target, str | os.PathLike):
         check_stream(target, "write")
         origin, size = _write(target, cloud, writer, options)
-        lost = dropped(found, cloud, options, origin)
-        return Written(None, found.name, size, origin, lost, renamed(found, cloud))
-    is_replaced = found.name not in _KEPT if overwrite is None else overwrite
+        lost = dropped(file_format, cloud, options, origin)
+        return Written(None, file_format.name, size, origin, lost, renamed(file_format, cloud))
+    is_replaced = file_format.name not in _KEPT if overwrite is None else overwrite
     with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
         with watched(stream):
             origin, size = _write(stream, cloud, writer, options)
-        lost, names = dropped(found, cloud, options, origin), renamed(found, cloud)
-    return Written(Path(target), found.name, size, origin, lost, names)
+        lost, names = dropped(file_format, cloud, options, origin), renamed(file_format, cloud)
+    return Written(Path(target), file_format.name, size, origin, lost, names)
 
 
-def writer_of(found: Format, name: str, options: Mapping[str, Any]) -> Callable[..., Origin | None]:
+def writer_of(
+    file_format: Format, name: str, options: Mapping[str, Any]
+) -> Callable[..., Origin | None]:
     """Return the writer of a format."""
-    if found.write is None:
+    if file_format.write is None:
         raise FormatError(
-            f"{name}: {found.name} files cannot be written ({found.description}): "
+            f"{name}: {file_format.name} files cannot be written ({file_format.description}): "
             "write PLY, OBJ or NPZ"
         )
-    signature = inspect.signature(found.write)
+    signature = inspect.signature(file_format.write)
     try:
         signature.bind(None, None, **options)
     except TypeError as error:
         taken = [*signature.parameters][2:]
         raise FormatError(
-            f"{name}: {error}: {found.name} takes {', '.join(taken) or 'no options'}"
+            f"{name}: {error}: {file_format.name} takes {', '.join(taken) or 'no options'}"
         ) from error
-    return found.write
+    return file_format.write
 
 
 def _write(

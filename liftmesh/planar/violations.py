@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from liftmesh._typing import Array, Reals
@@ -59,6 +59,14 @@ _OF_LIFTED = {
 }
 
 
+def counted_flaw(
+    kind: str, count: int, meanings: Mapping[str, tuple[str, str]], first: Iterable[Offender]
+) -> Flaw:
+    """Make a flaw whose text says how often it occurs; meanings are for one place and several."""
+    one, more = meanings[kind]
+    return Flaw(kind, count, f"1 {one}" if count == 1 else f"{count:,} {more}", tuple(first))
+
+
 class Violations:
     """The places that the kernel reports: a method for each kind of flaw describes one of them."""
 
@@ -68,10 +76,8 @@ class Violations:
 
     def flaw(self, kind: str, count: int, places: list[Place]) -> Flaw:
         """Describe one kind of flaw, with its first places."""
-        one, more = self._meanings[kind]
         describe = getattr(self, f"_{kind}")
-        text = f"1 {one}" if count == 1 else f"{count:,} {more}"
-        return Flaw(kind, count, text, tuple(describe(*place) for place in places))
+        return counted_flaw(kind, count, self._meanings, [describe(*place) for place in places])
 
     def _points(self, *rows: int) -> tuple[tuple[float, float], ...]:
         return tuple((float(x), float(y)) for x, y in self._rows[list(rows), :2])

@@ -38,9 +38,9 @@ if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.tiled_data import TiledData
 
-
 _SHARDS = "shards.npy"
 _CUTS = "cuts.npy"
+_BLOCK = 1 << 18  # triangles that are looked at at once
 
 
 def link_all(runner: Runner, context: RunContext, done: Sequence[Done]) -> dict[str, str]:
@@ -92,9 +92,6 @@ def paired(edges: Integers) -> tuple[Integers, Integers]:
     is_open = np.ones(len(edges), dtype=np.bool_)
     is_open[one] = is_open[other] = False
     return np.column_stack((edges[one, 2:], edges[other, 2:])), edges[is_open]
-
-
-_BLOCK = 1 << 18  # triangles that are looked at at once
 
 
 class AdjacencyProof:

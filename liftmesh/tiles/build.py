@@ -114,7 +114,7 @@ def tile(  # noqa: PLR0913 - options are keywords
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    options = Options.checked(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
+    options = Options.validated(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
     tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
@@ -225,8 +225,8 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    surface = SurfaceOptions.checked(duplicates, plane, crs, reading)
-    options = Options.checked(
+    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
     tiled = open_tiled(triangulated(source, options, Serial(count, progress)))

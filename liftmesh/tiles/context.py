@@ -27,6 +27,7 @@ _LEAST_ROWS = 500  # of a file even then: it takes a few kilobytes anyway
 _OF_ROWS = ("", "-values")  # the ends of the names of what is sorted by tile
 _BESIDE = ("-begins", "-boxes", "-skipped", "-duplicates")
 _BESIDE_VALUES = ("-apart",)
+JOB = "job.json"
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,9 @@ class Groups:
             tiles = self.tiles_of(group)
             rows = slice(begins[tiles.start], begins[tiles.stop])
             found |= {
-                f"{suffix(group)}{what}": arrays[what][rows] for what in _OF_ROWS if what in arrays
+                f"{group_suffix(group)}{what}": arrays[what][rows]
+                for what in _OF_ROWS
+                if what in arrays
             }
         return found
 
@@ -67,20 +70,19 @@ class Groups:
         """List what `apart` returns."""
         beside = [*_BESIDE, *(_BESIDE_VALUES if with_values else ())]
         groups = [group for group in range(self.count) if group not in without]
-        return beside + [end for group in groups for end in of_rows(group, with_values=with_values)]
+        return beside + [
+            end for group in groups for end in row_files(group, with_values=with_values)
+        ]
 
 
-def suffix(group: int) -> str:
+def group_suffix(group: int) -> str:
     """Return what the names of the files of a group have behind the name of the chunk."""
     return f"-{group:02d}"
 
 
-def of_rows(group: int, *, with_values: bool) -> list[str]:
+def row_files(group: int, *, with_values: bool) -> list[str]:
     """List the ends of the names of the rows of a group in each chunk."""
-    return [f"{suffix(group)}{what}" for what in (_OF_ROWS if with_values else _OF_ROWS[:1])]
-
-
-JOB = "job.json"
+    return [f"{group_suffix(group)}{what}" for what in (_OF_ROWS if with_values else _OF_ROWS[:1])]
 
 
 @dataclass(frozen=True)

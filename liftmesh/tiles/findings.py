@@ -8,7 +8,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.planar.certificate import Flaw, Offender
-from liftmesh.planar.violations import MEANINGS
+from liftmesh.planar.violations import MEANINGS, counted_flaw
 
 _SHOWN = 16
 _MEANINGS = {
@@ -71,13 +71,7 @@ class Findings:
 
     def add_edges(self, kind: str, rows: Integers) -> None:
         """Count edges between shards; the rows are the corners of a triangle, and the apex."""
-        first = [
-            Offender(
-                f"the circumcircle of rows {_listed(each[:3])} contains row {each[3]}",
-                tuple(each.tolist()),
-            )
-            for each in rows[:_SHOWN]
-        ]
+        first = [Offender(_contains(each), tuple(each.tolist())) for each in rows[:_SHOWN]]
         self.add(kind, len(rows), first)
 
     def add_flaws(
@@ -94,12 +88,11 @@ class Findings:
 
     def flaws(self) -> tuple[Flaw, ...]:
         """Return all flaws; that of ties is the last."""
-        found = []
-        for kind, count in self._counts.items():
-            one, more = _MEANINGS[kind]
-            text = f"1 {one}" if count == 1 else f"{count:,} {more}"
-            found.append(Flaw(kind, count, text, tuple(self._first[kind])))
-        return tuple(sorted(found, key=lambda flaw: flaw.kind == "not_canonical"))
+        flaws = [
+            counted_flaw(kind, count, _MEANINGS, self._first[kind])
+            for kind, count in self._counts.items()
+        ]
+        return tuple(sorted(flaws, key=lambda flaw: flaw.kind == "not_canonical"))
 
 
 def _offender(
@@ -110,12 +103,16 @@ def _offender(
     if kind in ("not_delaunay", "not_canonical"):
         triangle, apex = at // 3, corners[other // 3, other % 3]
         rows = records[:, 0][np.append(corners[triangle], apex)]
-        text = f"the circumcircle of rows {_listed(rows[:3])} contains row {rows[3]}"
+        text = _contains(rows)
     else:
         triangle = at
         rows = records[:, 0][corners[triangle]]
         text = f"triangle {triangle} of rows {_listed(rows)} is {kind}"
     return Offender(f"{shard}: {text}", tuple(rows.tolist()), (), (triangle,))
+
+
+def _contains(rows: Array) -> str:
+    return f"the circumcircle of rows {_listed(rows[:3])} contains row {rows[3]}"
 
 
 def _listed(rows: Array) -> str:

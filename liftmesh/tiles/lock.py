@@ -2,8 +2,8 @@
 
 A run changes and removes what a run has made, and nothing else. It works in a scratch folder of its
 own, with a marker in it, and writes to `out` under few names. While it works, `out` also holds a
-claim, a locked file; if that is still there but not locked, the run was stopped. Files of such
-names without a claim, and without a manifest that names them, are somebody else's.
+lock file; if that is still there but not locked, the run was stopped. Files of such names without a
+lock file, and without a manifest that names them, are somebody else's.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from liftmesh.tiles.store import load_json, save_json
 if TYPE_CHECKING:
     from liftmesh.tiles.source_chunks import SourceChunk
 
-CLAIM = ".liftmesh-run"
+LOCK_FILE = ".liftmesh-run"
 MARKER = "scratch.json"
 
 _SHARD = re.compile(
@@ -44,7 +44,7 @@ _NOTE = re.compile(
     rf"|(job|plan|(run|tile|seam)-\d{{5,}})\.json|{_TEMPORARY}"
 )
 _ATTEMPTS = 100  # at making folders that other runs remove, which had made them
-_CLAIM_BYTES = 1 << 16
+_LOCK_BYTES = 1 << 16
 _UNABLE = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
 
 
@@ -144,21 +144,21 @@ def _remove_unnamed(out: Path, began: int) -> None:
 
 @contextmanager
 def _lock_file(out: Path, made: list[Path]) -> Iterator[int]:
-    """Lock the claim of a folder; both are made if they are missing."""
-    path = out / CLAIM
+    """Lock the file of a folder; both are made if they are missing."""
+    path = out / LOCK_FILE
     while True:
         with ExitStack() as stack:
             lock = _open(path, made, stack)
             _lock(lock, path)
             if path.exists() and os.path.samestat(path.stat(), os.fstat(lock)):
-                _check_claim(lock, path)
+                _check_lock(lock, path)
                 yield lock
                 return
         # It may have been removed between the two calls: then once more.
 
 
 def _open(path: Path, made: list[Path], stack: ExitStack, attempts: int = _ATTEMPTS) -> int:
-    """Open a claim, never through a link; another run may remove the folders that it has made."""
+    """Open a lock file, never by a link; another run may remove the folders that it has made."""
     flags = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_NONBLOCK
     try:
         _make_folders(path.parent, made)
@@ -178,7 +178,7 @@ def _lock(lock: int, path: Path) -> None:
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        holder = _claim(lock).get("holder", "another process")
+        holder = _holder(lock).get("holder", "another process")
         raise InputError(
             f"{path.parent} is being written by {holder}: wait for it, or choose another folder"
         ) from None
@@ -187,11 +187,11 @@ def _lock(lock: int, path: Path) -> None:
             raise
 
 
-def _check_claim(lock: int, path: Path) -> None:
+def _check_lock(lock: int, path: Path) -> None:
     """Raise if the file is not what a run leaves; nothing has been written to it."""
     found = os.fstat(lock)
     is_alone = stat.S_ISREG(found.st_mode) and found.st_nlink == 1
-    if not is_alone or (found.st_size and {*_claim(lock)} != {"holder", "scratch"}):
+    if not is_alone or (found.st_size and {*_holder(lock)} != {"holder", "scratch"}):
         raise _not_ours(path)
 
 
@@ -201,10 +201,10 @@ def _not_ours(path: Path) -> InputError:
     )
 
 
-def _claim(lock: int) -> dict[str, str]:
+def _holder(lock: int) -> dict[str, str]:
     """Read what the holder of a lock says; nothing if it says nothing."""
     try:
-        said = json.loads(os.pread(lock, _CLAIM_BYTES, 0))
+        said = json.loads(os.pread(lock, _LOCK_BYTES, 0))
     except (ValueError, RecursionError, OSError):
         return {}
     return said if isinstance(said, dict) and all(map(_is_text, said.values())) else {}
@@ -220,10 +220,10 @@ def _take(lock: int, context: RunContext, made: list[Path], *, anew: bool) -> No
     try:
         if not before:
             _check_out(context.out)
-        _take_scratch(Path(_claim(lock).get("scratch", context.scratch)), context, made, anew=anew)
+        _take_scratch(Path(_holder(lock).get("scratch", context.scratch)), context, made, anew=anew)
     except BaseException:
-        if not before:  # the claim is new
-            (context.out / CLAIM).unlink()
+        if not before:  # the lock file is new
+            (context.out / LOCK_FILE).unlink()
         raise
     holder = f"process {os.getpid()} on {socket.gethostname()}"
     text = json.dumps({"holder": holder, "scratch": str(context.scratch)})
@@ -246,7 +246,7 @@ def _take_scratch(before: Path, context: RunContext, made: list[Path], *, anew: 
 
 
 def _out_of(scratch: Path) -> object:
-    """Return the folder that a run in this scratch folder writes to: a claim may name any other."""
+    """Return the folder that a run in this scratch folder writes to: a lock file may name any."""
     try:
         return load_json(scratch / MARKER).get("out")
     except FormatError:
@@ -280,7 +280,7 @@ def _remove(scratch: Path) -> None:
 
 
 def _leave(context: RunContext) -> None:
-    """Remove the scratch folder, and the claim unless there are shards without a manifest."""
+    """Remove the scratch folder, and the lock file unless there are shards without a manifest."""
     _remove(context.scratch)
     if (context.out / MANIFEST).exists() or not _shards(context.out):
-        (context.out / CLAIM).unlink()
+        (context.out / LOCK_FILE).unlink()

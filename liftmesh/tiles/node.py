@@ -112,7 +112,7 @@ class Vertices:
     heights: Floats
 
 
-def numbered(part: Frontier) -> tuple[Frontier, Integers]:
+def numbered_by_place(part: Frontier) -> tuple[Frontier, Integers]:
     """Call the points of a node by their places, from 0 on."""
     records = np.array(part.records)
     places = records.copy()
@@ -120,7 +120,7 @@ def numbered(part: Frontier) -> tuple[Frontier, Integers]:
     return replace(part, records=places), records
 
 
-def of_rows(
+def choose_vertices(
     found: Merged, records: Integers, values: Array, policy: str, repeated: Floats
 ) -> Vertices:
     """Choose the row that stands for each position, and name it instead of the place."""

@@ -35,6 +35,54 @@ _WHOLE = {
     "metric": "the merges of tiles know Delaunay triangles alone",
     "max_edge": "what trimming takes away depends on faces all along the border",
 }
+TILE_ROWS = 1_500_000  # about 300 MB
+_LEAST = 16  # rows of a tile
+_PROCESS_BYTES = 100_000_000  # of a process without work
+ROW_BYTES = 200  # of a tile
+SURFACE_ROW_BYTES = 400  # with a few values
+_SHARE = 0.6  # of a limit: beyond that Dask takes measures
+_FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
+SCRATCH = ".liftmesh-tiles"
+
+
+@dataclass(frozen=True)
+class Options:
+    """The options of `tile`, checked; a size of None is for the run to choose."""
+
+    context: RunContext
+    tile_rows: int | None
+    skips: bool
+    resumes: bool
+    surface: SurfaceOptions | None = None
+
+    @property
+    def reading(self) -> Reading:
+        """How the rows of the source are read."""
+        return Reading(is_planar=True) if self.surface is None else self.surface.reading
+
+    @classmethod
+    def validated(
+        cls,
+        out: str | os.PathLike[str],
+        tile_rows: int | Literal["auto"],
+        scratch: str | os.PathLike[str] | None,
+        nonfinite: NonFinite,
+        resume: bool,
+        shards: ShardFormat,
+        neighbors: bool,
+        surface: SurfaceOptions | None = None,
+    ) -> Options:
+        """Check the options."""
+        check_option("nonfinite", nonfinite, NonFinite)
+        resumes = as_switch("resume", resume)
+        is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
+        rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
+        check_option("shards", shards, ShardFormat)
+        if surface is not None:
+            surface.check_shards(shards)
+        is_linked = as_switch("neighbors", neighbors)
+        context = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
+        return cls(context, rows, nonfinite == "skip", resumes, surface)
 
 
 @dataclass(frozen=True)
@@ -45,7 +93,7 @@ class SurfaceOptions:
     reading: Reading
 
     @classmethod
-    def checked(
+    def validated(
         cls, duplicates: str, plane: object, crs: str | None, options: Mapping[str, Any]
     ) -> SurfaceOptions:
         """Check the options."""
@@ -79,6 +127,27 @@ class SurfaceOptions:
         }
 
 
+def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | None) -> RunContext:
+    """Name the folders of a run."""
+    target = Path(os.path.abspath(as_folder("out", out)))  # noqa: PTH100 - links stay
+    if scratch is None:
+        return RunContext(target, target / SCRATCH)
+    tag = hashlib.sha256(os.fsencode(target)).hexdigest()[:16]
+    place = os.path.abspath(as_folder("scratch", scratch))  # noqa: PTH100 - as above
+    return RunContext(target, Path(place) / f"{SCRATCH}-{tag}")
+
+
+def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
+    """Return how large tiles may be."""
+    least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
+    if memory < least:
+        raise InputError(
+            f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
+            f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
+        )
+    return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)
+
+
 def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
     """Check that options of reading can be written down, to read the same rows again."""
     return {name: _plain(name, value) for name, value in options.items()}
@@ -97,88 +166,3 @@ def _plain(name: str, value: Any) -> Any:
         return [_plain(name, each) for each in value]
     except TypeError as error:
         raise InputError(f"{name} is {shown(value)}: give numbers, names or lists") from error
-
-
-TILE_ROWS = 1_500_000  # about 300 MB
-
-
-_LEAST = 16  # rows of a tile
-
-
-_PROCESS_BYTES = 100_000_000  # of a process without work
-
-
-ROW_BYTES = 200  # of a tile
-
-
-SURFACE_ROW_BYTES = 400  # with a few values
-
-
-_SHARE = 0.6  # of a limit: beyond that Dask takes measures
-
-
-_FEWEST = 50_000  # rows of a tile: with fewer, most of them would go up
-
-
-@dataclass(frozen=True)
-class Options:
-    """The options of `tile`, checked; a size of None is for the run to choose."""
-
-    context: RunContext
-    tile_rows: int | None
-    skips: bool
-    resumes: bool
-    surface: SurfaceOptions | None = None
-
-    @property
-    def reading(self) -> Reading:
-        """How the rows of the source are read."""
-        return Reading(is_planar=True) if self.surface is None else self.surface.reading
-
-    @classmethod
-    def checked(
-        cls,
-        out: str | os.PathLike[str],
-        tile_rows: int | Literal["auto"],
-        scratch: str | os.PathLike[str] | None,
-        nonfinite: NonFinite,
-        resume: bool,
-        shards: ShardFormat,
-        neighbors: bool,
-        surface: SurfaceOptions | None = None,
-    ) -> Options:
-        """Check the options."""
-        check_option("nonfinite", nonfinite, NonFinite)
-        resumes = as_switch("resume", resume)
-        is_auto = isinstance(tile_rows, str) and tile_rows == "auto"
-        rows = None if is_auto else as_count("tile_rows", tile_rows, _LEAST)
-        check_option("shards", shards, ShardFormat)
-        if surface is not None:
-            surface.check_shards(shards)
-        is_linked = as_switch("neighbors", neighbors)
-        context = replace(folders_of(out, scratch), shards=shards, neighbors=is_linked)
-        return cls(context, rows, nonfinite == "skip", resumes, surface)
-
-
-def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> int:
-    """Return how large tiles may be."""
-    least = int((_PROCESS_BYTES + _FEWEST * row_bytes * threads) / _SHARE)
-    if memory < least:
-        raise InputError(
-            f"{memory / 1e6:,.0f} MB of memory do not hold a process with a tile for each of its "
-            f"{threads} threads: {least / 1e6:,.0f} MB are needed at least"
-        )
-    return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)
-
-
-SCRATCH = ".liftmesh-tiles"
-
-
-def folders_of(out: str | os.PathLike[str], scratch: str | os.PathLike[str] | None) -> RunContext:
-    """Name the folders of a run."""
-    target = Path(os.path.abspath(as_folder("out", out)))  # noqa: PTH100 - links stay
-    if scratch is None:
-        return RunContext(target, target / SCRATCH)
-    tag = hashlib.sha256(os.fsencode(target)).hexdigest()[:16]
-    place = os.path.abspath(as_folder("scratch", scratch))  # noqa: PTH100 - as above
-    return RunContext(target, Path(place) / f"{SCRATCH}-{tag}")

@@ -77,7 +77,7 @@ def triangulated(
 
 @dataclass(frozen=True)
 class Run:
-    """What is triangulated, and how, in folders that are claimed."""
+    """What is triangulated, and how, in folders that are locked."""
 
     context: RunContext
     chunks: Sequence[SourceChunk]

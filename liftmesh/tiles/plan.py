@@ -12,10 +12,9 @@ of them goes into a tile; the others are duplicates of that one.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from liftmesh.errors import FormatError
 _EVERYWHERE = (-np.inf, -np.inf, np.inf, np.inf)
 _LEVELS = 5  # of cuts, below which the boxes of tiles count by themselves
 _FEW = 16  # points of a sample whose spread says as much as their triangulation
+_OFTEN = 100  # of a sample with 2,000 points for each tile
 
 
 @dataclass(frozen=True)
@@ -229,10 +229,6 @@ def _crossings(part: Floats, simplices: Rows, axis: int, wanted: int) -> int:
     return int(((corners > 0) & (corners < 3)).sum())
 
 
-_OFTEN = 100  # of a sample with 2,000 points for each tile
-_STRETCH = 1 << 22  # rows
-
-
 def positions_of(rows: Floats) -> Array:
     """Return x and y as one number for each row, where 0 and -0 are equal."""
     found: Array = np.ascontiguousarray(rows + 0.0).view(np.complex128).reshape(-1)
@@ -286,34 +282,3 @@ def _needed(which: Integers, heights: Floats, policy: str) -> Integers:
     elif policy == "highest":
         levels = levels[np.r_[which[levels][1:] != which[levels][:-1], True]]
     return levels
-
-
-def merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator[Integers]:
-    """Merge lists of duplicates."""
-    lowest: dict[int, int] = {}
-    named = np.array(sorted({row for path in apart for row in _kept(path)}), dtype=np.int64)
-    for begin in range(0, rows, _STRETCH):
-        found = _stretch(files, begin)
-        lowest |= dict(found[np.isin(found[:, 0], named)].tolist())
-        others = _stretch(apart, begin)
-        known, place = np.unique(others[:, 1], return_inverse=True)
-        others[:, 1] = np.array([lowest.get(row, row) for row in known.tolist()] or [0])[place]
-        both = np.concatenate((found, others))
-        yield both[np.argsort(both[:, 0])]
-
-
-def _kept(path: Path) -> list[int]:
-    """List the rows that duplicates of a chunk name, a stretch at a time."""
-    pairs = np.load(path, mmap_mode="r")
-    stretches = (pairs[i : i + _STRETCH, 1] for i in range(0, len(pairs), _STRETCH))
-    return sorted({row for each in stretches for row in np.unique(each).tolist()})
-
-
-def _stretch(files: Sequence[Path], begin: int) -> Integers:
-    """Read the pairs of a stretch of rows from lists in their order."""
-    found = [np.empty((0, 2), dtype=np.int64)]
-    for path in files:
-        pairs = np.load(path, mmap_mode="r")
-        first, last = np.searchsorted(pairs[:, 0], (begin, begin + _STRETCH))
-        found.append(np.array(pairs[first:last]))
-    return np.concatenate(found)

@@ -138,13 +138,18 @@ class Proof:
         corners = self._corners(records, ~tile)
         is_bare = np.ones(len(records), dtype=np.bool_)
         is_bare[corners.reshape(-1)] = False
-        places = duplicated(records.view(np.float64)[:, 1:], is_bare)
-        self.found.add("invalid_index", int((~is_bare[places[:, 0]]).sum()))
-        self._check_duplicates(records[places, 0])
+        pairs = duplicated(records.view(np.float64)[:, 1:], is_bare)
+        pairs, values = self._chosen_rows(tile, records, pairs)
+        self.found.add("invalid_index", int((~is_bare[pairs[:, 0]]).sum()))
+        self._check_duplicates(records[pairs, 0])
         is_bare[:] = True
-        is_bare[places[:, 0]] = False  # nothing may name them
-        loose = Loose(records, np.empty((0, 3), dtype=np.int32), is_bare)
+        is_bare[pairs[:, 0]] = False  # nothing may name them
+        loose = Loose(records, np.empty((0, 3), dtype=np.int32), is_bare, values)
         return self._checked(loose, corners, ~tile)
+
+    def _chosen_rows(self, tile: int, records: Integers, pairs: Integers) -> tuple[Integers, Any]:  # noqa: ARG002 - for surfaces
+        """Return the rows left out with those that stand for them, and the values of all."""
+        return pairs, None
 
     def _check_apart(self) -> None:
         """Check what no tile knows of duplicates: nothing is left, unless policies choose."""
@@ -317,26 +322,17 @@ class SurfaceProof(Proof):
     def _sorted(self, records: Array, first: int) -> dict[str, Array]:
         return sorted_by_tile(self._plan, records, first, self._policy)
 
-    def _tile(self, tile: int) -> Loose:
-        records = tile_records(self._context, tile)
+    def _chosen_rows(self, tile: int, records: Integers, pairs: Integers) -> tuple[Integers, Any]:
         values = np.array(tile_values(self._context, tile))
-        corners = self._corners(records, ~tile)
-        is_bare = np.ones(len(records), dtype=np.bool_)
-        is_bare[corners.reshape(-1)] = False
         positions = records.view(np.float64)[:, 1:]
-        pairs = duplicated(positions, is_bare).astype(np.int32)
         policy = "first" if self._policy == "error" else self._policy  # overhangs are counted
-        choice = choose_rows(pairs, values["z"], positions, policy)
+        choice = choose_rows(pairs.astype(np.int32), values["z"], positions, policy)
         self._overhangs += int(np.count_nonzero(choice.overhanging))
-        self.found.add("invalid_index", int((~is_bare[choice.left_out]).sum()))
-        left_out = np.column_stack((choice.left_out, choice.representatives))
-        self._check_duplicates(records[left_out, 0])
-        is_bare[:] = True
-        is_bare[choice.left_out] = False  # nothing may name them
-        self._keep(records[is_bare, 0], positions[is_bare], values["z"][is_bare])
+        stays = np.ones(len(records), dtype=np.bool_)
+        stays[choice.left_out] = False
+        self._keep(records[stays, 0], positions[stays], values["z"][stays])
         values["z"][choice.moved] = choice.new_heights
-        loose = Loose(records, np.empty((0, 3), dtype=np.int32), is_bare, values)
-        return self._checked(loose, corners, ~tile)
+        return np.column_stack((choice.left_out, choice.representatives)), values
 
     def _keep(self, rows: Integers, positions: Floats, heights: Floats) -> None:
         """Remember the rows that are chosen at positions of very many rows."""

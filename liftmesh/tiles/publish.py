@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,7 +17,6 @@ from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.context import Done, RunContext, label
 from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
 from liftmesh.tiles.node import overhangs_apart
-from liftmesh.tiles.plan import merged
 from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
 
 if TYPE_CHECKING:
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.source_chunks import SourceChunk
 
 _DUPLICATES = "duplicates.npy"
+_STRETCH = 1 << 22  # rows whose duplicates are merged at a time
 
 
 def publish(
@@ -47,7 +47,7 @@ def publish(
     counts |= {"rows": rows, "vertices": rows - counts["duplicates"] - counts["skipped"]}
     counts["triangles"] = sum(each.triangles for each in done)
     _check(counts, is_flat=done[-1].is_flat)
-    blocks = merged(listed.tiles, listed.chunks, rows)
+    blocks = _merged(listed.tiles, listed.chunks, rows)
     save_blocks(context.out / _DUPLICATES, (listed.count, 2), blocks)
     save_json(context.out / PLAN, plan.as_dict())
     written = [each for each in _by_kind(done) if each.triangles]
@@ -71,24 +71,6 @@ def publish(
     save_json(context.out / MANIFEST, {**manifest, "seal": seal(manifest)})
 
 
-@dataclass(frozen=True)
-class _Duplicates:
-    """How many there are, and the lists of tiles and of chunks that hold them."""
-
-    count: int
-    tiles: list[Path]
-    chunks: list[Path]
-
-    @classmethod
-    def of(cls, context: RunContext, done: Sequence[Done], runs: int) -> _Duplicates:
-        stems = [label(each.name) for each in done if each.duplicates]
-        tiles = [context.scratch / f"{stem}-duplicates.npy" for stem in stems]
-        chunks = [context.scratch / f"run-{number:05d}-duplicates.npy" for number in range(runs)]
-        sizes = {path: len(np.load(path, mmap_mode="r")) for path in chunks}
-        count = sum(sizes.values()) + sum(each.duplicates for each in done)
-        return cls(count, tiles, [path for path, size in sizes.items() if size])
-
-
 def _check(counts: Mapping[str, int], *, is_flat: bool) -> None:
     rows, vertices, skipped = counts["rows"], counts["vertices"], counts["skipped"]
     left_out = f", {skipped} of them skipped as not finite," if skipped else ""
@@ -108,13 +90,98 @@ def _check(counts: Mapping[str, int], *, is_flat: bool) -> None:
         )
 
 
+def _check_edges(context: RunContext, root: Done, hull: int) -> None:
+    left = np.load(context.scratch / f"{label(root.name)}-edges.npy", mmap_mode="r")
+    if len(left) != hull:
+        raise RuntimeError(
+            f"{len(left)} edges without a neighbour, but {hull} on the hull: the tiles do not fit "
+            "together, which is a bug"
+        )
+
+
 def _by_kind(done: Sequence[Done]) -> list[Done]:
     """Put tiles first, by their numbers, then cuts."""
     return sorted(done, key=lambda each: (each.name >= 0, abs(each.name)))
 
 
-def _shard_name(context: RunContext, done: Done) -> str:
-    return f"{label(done.name)}.{context.shards}"
+@dataclass(frozen=True)
+class _Duplicates:
+    """How many there are, and the lists of tiles and of chunks that hold them."""
+
+    count: int
+    tiles: list[Path]
+    chunks: list[Path]
+
+    @classmethod
+    def of(cls, context: RunContext, done: Sequence[Done], runs: int) -> _Duplicates:
+        stems = [label(each.name) for each in done if each.duplicates]
+        tiles = [context.scratch / f"{stem}-duplicates.npy" for stem in stems]
+        chunks = [context.scratch / f"run-{number:05d}-duplicates.npy" for number in range(runs)]
+        sizes = {path: len(np.load(path, mmap_mode="r")) for path in chunks}
+        count = sum(sizes.values()) + sum(each.duplicates for each in done)
+        return cls(count, tiles, [path for path, size in sizes.items() if size])
+
+
+def _merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator[Integers]:
+    """Merge lists of duplicates in stretches of rows, without holding the whole list."""
+    lowest: dict[int, int] = {}
+    named = np.array(sorted({row for path in apart for row in _kept(path)}), dtype=np.int64)
+    for begin in range(0, rows, _STRETCH):
+        found = _stretch(files, begin)
+        lowest |= dict(found[np.isin(found[:, 0], named)].tolist())
+        others = _stretch(apart, begin)
+        known, place = np.unique(others[:, 1], return_inverse=True)
+        others[:, 1] = np.array([lowest.get(row, row) for row in known.tolist()] or [0])[place]
+        both = np.concatenate((found, others))
+        yield both[np.argsort(both[:, 0])]
+
+
+def _kept(path: Path) -> list[int]:
+    """List the rows that duplicates of a chunk name, a stretch at a time."""
+    pairs = np.load(path, mmap_mode="r")
+    stretches = (pairs[i : i + _STRETCH, 1] for i in range(0, len(pairs), _STRETCH))
+    return sorted({row for each in stretches for row in np.unique(each).tolist()})
+
+
+def _stretch(files: Sequence[Path], begin: int) -> Integers:
+    """Read the pairs of a stretch of rows from lists in their order."""
+    found = [np.empty((0, 2), dtype=np.int64)]
+    for path in files:
+        pairs = np.load(path, mmap_mode="r")
+        first, last = np.searchsorted(pairs[:, 0], (begin, begin + _STRETCH))
+        found.append(np.array(pairs[first:last]))
+    return np.concatenate(found)
+
+
+def about_surface(
+    context: RunContext, identity: Mapping[str, Any], done: Sequence[Done], parts: int
+) -> dict[str, Any]:
+    """Say what was found of a surface."""
+    if "surface" not in identity:
+        return {}
+    apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
+    tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
+    within = sum(each.overhangs for each in done)
+    boxes = np.array([each.extent for each in done if each.vertices])
+    extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
+    found = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
+    return {"surface": {**identity["surface"], **found}}
+
+
+def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
+    """List the files of a source with the number of their first row, two of one name apart."""
+    found: list[dict[str, Any]] = []
+    first, number = 0, -1
+    for chunk in chunks:
+        if chunk.origin.number != number:
+            number = chunk.origin.number
+            entry = {"file": Path(chunk.origin.source).name, "first": first, "rows": 0}
+            if chunk.origin.is_path:
+                entry["path"] = os.path.relpath(chunk.origin.source, out)
+            found.append(entry)
+        found[-1]["rows"] += chunk.rows
+        first += chunk.rows
+    return found
 
 
 def _shard(context: RunContext, done: Done) -> dict[str, Any]:
@@ -124,13 +191,15 @@ def _shard(context: RunContext, done: Done) -> dict[str, Any]:
     return {**found, "sha256": done.shards[name], **extent_in_manifest(done)}
 
 
-def _check_edges(context: RunContext, root: Done, hull: int) -> None:
-    left = np.load(context.scratch / f"{label(root.name)}-edges.npy", mmap_mode="r")
-    if len(left) != hull:
-        raise RuntimeError(
-            f"{len(left)} edges without a neighbour, but {hull} on the hull: the tiles do not fit "
-            "together, which is a bug"
-        )
+def _shard_name(context: RunContext, done: Done) -> str:
+    return f"{label(done.name)}.{context.shards}"
+
+
+def extent_in_manifest(done: Done) -> dict[str, Any]:
+    """Say how many vertices a shard has, and where they are."""
+    if not done.vertices:
+        return {}
+    return {"vertices": done.vertices, "extent": list(done.extent)}
 
 
 def _beside(
@@ -156,22 +225,6 @@ def _stated(path: Path) -> dict[str, Any]:
     return {"bytes": path.stat().st_size, "sha256": digest_of(path)}
 
 
-def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
-    """List the files of a source with the number of their first row, two of one name apart."""
-    found: list[dict[str, Any]] = []
-    first, number = 0, -1
-    for chunk in chunks:
-        if chunk.origin.number != number:
-            number = chunk.origin.number
-            entry = {"file": Path(chunk.origin.source).name, "first": first, "rows": 0}
-            if chunk.origin.is_path:
-                entry["path"] = os.path.relpath(chunk.origin.source, out)
-            found.append(entry)
-        found[-1]["rows"] += chunk.rows
-        first += chunk.rows
-    return found
-
-
 def _merges(done: Sequence[Done]) -> dict[str, int]:
     """Tell how much went from node to node."""
     tiles = [each for each in done if each.name < 0]
@@ -181,25 +234,3 @@ def _merges(done: Sequence[Done]) -> dict[str, int]:
         "rows_at_root": done[-1].rows,
         "bytes_up": sum(each.bytes_up for each in done),
     }
-
-
-def extent_in_manifest(done: Done) -> dict[str, Any]:
-    """Say how many vertices a shard has, and where they are."""
-    if not done.vertices:
-        return {}
-    return {"vertices": done.vertices, "extent": list(done.extent)}
-
-
-def about_surface(
-    context: RunContext, identity: Mapping[str, Any], done: Sequence[Done], parts: int
-) -> dict[str, Any]:
-    """Say what was found of a surface."""
-    if "surface" not in identity:
-        return {}
-    apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
-    tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
-    within = sum(each.overhangs for each in done)
-    boxes = np.array([each.extent for each in done if each.vertices])
-    extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
-    found = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
-    return {"surface": {**identity["surface"], **found}}

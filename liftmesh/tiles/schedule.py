@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Progress
-from liftmesh.tiles.context import Done, RunContext, Runner, label, of_rows
+from liftmesh.tiles.context import Done, RunContext, Runner, label, row_files
 from liftmesh.tiles.sorted_chunks import stem_of
 from liftmesh.tiles.sources import source_chunks
 from liftmesh.tiles.stages import earlier, node
@@ -125,7 +125,7 @@ def release(context: RunContext, group: int, done: Sequence[Done]) -> None:
         raise RuntimeError(f"the rows of group {group} are still needed, which is a bug")
     names_to_disk(context.scratch)  # the records of the tiles
     for number in range(context.chunks):
-        for end in of_rows(group, with_values=context.has_values):
+        for end in row_files(group, with_values=context.has_values):
             Path(f"{stem_of(context, number)}{end}.npy").unlink(missing_ok=True)
 
 

@@ -19,7 +19,7 @@ from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
 from liftmesh.errors import FormatError, InputError, NonFiniteError
 from liftmesh.io.surface_rows import classes_of
-from liftmesh.tiles.context import suffix
+from liftmesh.tiles.context import group_suffix
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan, set_apart
 from liftmesh.tiles.schema import heights_of, planar_of
@@ -177,7 +177,7 @@ def tile_records(context: RunContext, tile: int) -> Integers:
 def tile_values(context: RunContext, tile: int) -> Array:
     """Read the values of a tile's rows from all chunks, in the order of `tile_records`."""
     chunks = [*_holding(context, tile)]
-    group = suffix(context.groups.of(tile))
+    group = group_suffix(context.groups.of(tile))
     kind = kind_of(Path(f"{stem_of(context, 0)}{group}-values.npy"))  # of all chunks
     values = np.empty(_count(chunks), kind)
     at = 0
@@ -211,7 +211,7 @@ def _holding(context: RunContext, tile: int) -> Iterator[tuple[str, int, int]]:
         stem = stem_of(context, number)
         begins = values_of(Path(f"{stem}-begins.npy"), first, tile + 2).tolist()
         if begins[-2] < begins[-1]:
-            yield f"{stem}{suffix(group)}", begins[-2] - begins[0], begins[-1] - begins[0]
+            yield f"{stem}{group_suffix(group)}", begins[-2] - begins[0], begins[-1] - begins[0]
 
 
 def _count(chunks: list[tuple[str, int, int]]) -> int:

@@ -20,11 +20,11 @@ from liftmesh.tiles.node import (
     Frontier,
     Merged,
     Vertices,
+    choose_vertices,
     extent_of,
     joined,
     merge,
-    numbered,
-    of_rows,
+    numbered_by_place,
 )
 from liftmesh.tiles.shards import save_shard
 from liftmesh.tiles.sorted_chunks import load_plan, tile_records, tile_values
@@ -115,7 +115,7 @@ def _decided(
     rows = len(part)
     corners = part.records if context.shards == "ply" else part.records[:0]
     if context.has_values:
-        part, corners = numbered(part)
+        part, corners = numbered_by_place(part)
     boxes = np.load(context.scratch / "boxes.npy")[plan.others(name)]
     found = merge(
         part,
@@ -131,7 +131,7 @@ def _decided(
         return rows, found, None, corners
     values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = of_rows(found, corners, values, context.duplicates, repeated)
+    surface = choose_vertices(found, corners, values, context.duplicates, repeated)
     return rows, surface.merged, surface, corners
 
 

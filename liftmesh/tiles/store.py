@@ -33,6 +33,8 @@ from liftmesh.io.atomic import replacing
 _BLOCK = 1 << 22
 _NPY_TEXT = 12  # the byte of an NPY file of version 3 where its header stands
 _NPY_ALIGNED = 64
+_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
+_WORD = np.dtype(np.int64)
 
 
 class Hashed:
@@ -213,10 +215,6 @@ def _to_disk(stream: Any) -> None:
     """Wait for the disk: what is named done must outlast a loss of power."""
     stream.flush()
     os.fsync(stream.fileno())
-
-
-_NPY_VERSION, _NPY_LENGTH = 6, 8  # the bytes of an NPY file where these of its header stand
-_WORD = np.dtype(np.int64)
 
 
 def values_of(path: Path, begin: int, end: int, kind: np.dtype[Any] = _WORD) -> Array:

@@ -15,15 +15,14 @@ Needs a compiler and CGAL: apt-get install g++ libcgal-dev.
 from __future__ import annotations
 
 import sys
-import time
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Namespace
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from benchmark import cgal
+from benchmark.cgal.beside import built, clocked, columns, conclude, in_turn, parser_of
 
 import liftmesh
 from disks.families import FAMILIES, TIED, Disks
@@ -34,42 +33,31 @@ SEED = 19
 
 def main() -> None:
     """Compare all families, and print a line for each."""
-    options = read_options()
-    try:
-        program = build()
-    except cgal.UnavailableError as error:
-        raise SystemExit(f"CGAL is not here: {error}") from error
+    options = parser_of(__doc__, FAMILIES, 10_000).parse_args()
+    program = built(build)
     print(f"{'disks':<20} {'hidden':>7} {'triangles':>10} {'liftmesh':>9} {'CGAL':>9} ratio")
-    same = [compare(program, options, name) for name in options.families]
-    print(f"{len(same)} families, {same.count(False)} different")
-    raise SystemExit(int(not all(same)))
-
-
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=10_000, help="disks")
-    parser.add_argument("--rounds", type=int, default=1, help="of which the fastest counts")
-    parser.add_argument("--families", nargs="+", choices=FAMILIES, default=[*FAMILIES])
-    return parser.parse_args()
+    conclude([compare(program, options, name) for name in options.families], "families")
 
 
 def compare(program: Path, options: Namespace, name: str) -> bool:
     """Make the graph by both programs in turns; whether it is the same."""
     disks = FAMILIES[name](options.n, np.random.default_rng(SEED))
-    ours, theirs = [], []
-    for _ in range(options.rounds):
-        start = time.process_time()
-        graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
-        ours.append(time.process_time() - start)
+
+    def theirs() -> tuple[tuple[np.ndarray, int], float]:
         triangles, seconds, vertices = by_cgal(program, disks)
-        theirs.append(seconds)
+        return (triangles, vertices), seconds
+
+    calls = {
+        "ours": lambda: clocked(lambda: liftmesh.apollonius(disks[:, :2], disks[:, 2])),
+        "theirs": theirs,
+    }
+    results, seconds = in_turn(calls, options.rounds)
+    graph, (triangles, vertices) = results.values()
     seen = len(disks) - len(graph.hidden) - len(graph.duplicates)
     is_same = vertices == seen and agrees(disks, graph, triangles, is_tied=name in TIED)
     print(
         f"{name:<20} {len(graph.hidden) / len(disks):>7.1%} {len(graph.simplices):>10,} "
-        f"{min(ours):>9.4f} {min(theirs):>9.4f} {min(ours) / max(min(theirs), 1e-9):>5.2f}"
-        f"{'' if is_same else '  DIFFERENT'}",
+        f"{columns(seconds)}{'' if is_same else '  DIFFERENT'}",
         flush=True,
     )
     return is_same

@@ -10,8 +10,8 @@ import numpy as np
 from distributions import Points, polar
 
 import liftmesh
-from growth.counting import Work
-from growth.functions import EXACT, PLAIN, Prepare, on_points
+from growth.counting import Prepare, Work, on
+from growth.functions import EXACT, PLAIN, on_points
 from growth.planar import PLANAR
 from growth.weighted import FEW, weights_of
 from liftmesh.optional import load
@@ -23,14 +23,8 @@ VORONOI = ("regions", "ridge_vertices", "ridge_dict", "ridge_points", "ridge_end
            "region_vertices")  # fmt: skip
 
 
-def on_diagram(call: Callable[[liftmesh.Voronoi], object]) -> Prepare:
-    """Prepare a call on a fresh diagram of SciPy's class."""
-
-    def prepare(points: Points) -> Work:
-        found = liftmesh.Voronoi(points)
-        return Work(lambda: call(copy.copy(found)), len(points))
-
-    return prepare
+on_diagram = on(liftmesh.Voronoi, fresh=True)
+"""Prepare a call on a fresh diagram of SciPy's class."""
 
 
 def grown_by_half(points: Points) -> Work:
@@ -112,22 +106,12 @@ def neighbors_of(points: Points) -> Work:
 
 def on_neighbors(call: Callable[[liftmesh.NaturalNeighbors, Points], object]) -> Prepare:
     """Prepare a call on natural neighbours."""
-
-    def prepare(points: Points) -> Work:
-        found = liftmesh.natural_neighbors(points, queries_of(points))
-        return Work(lambda: call(found, points), len(points))
-
-    return prepare
+    made = on(lambda points: (liftmesh.natural_neighbors(points, queries_of(points)), points))
+    return made(lambda pair: call(*pair))
 
 
-def on_cells(call: Callable[[liftmesh.Cells], object]) -> Prepare:
-    """Prepare a call on fresh cells."""
-
-    def prepare(points: Points) -> Work:
-        found = clipped(points)
-        return Work(lambda: call(copy.copy(found)), len(points))
-
-    return prepare
+on_cells = on(clipped, fresh=True)
+"""Prepare a call on fresh cells."""
 
 
 def diagram_functions() -> Iterator[tuple[Any, ...]]:

@@ -15,6 +15,7 @@ not in the counts.
 
 from __future__ import annotations
 
+import copy
 import ctypes
 import gc
 import json
@@ -28,7 +29,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 HERE = Path(__file__).parent
 TOOL = ("valgrind", "--tool=callgrind", "--quiet", "--instr-atstart=no")
@@ -57,6 +58,24 @@ class Work:
     call: Callable[[], object]
     units: int
     warm: bool = True
+
+
+Prepare: TypeAlias = Callable[[Any], Work]
+
+
+def on(
+    make: Callable[[Any], Any], *, fresh: bool = False
+) -> Callable[[Callable[..., object]], Prepare]:
+    """Return what prepares calls on a thing made of points; on fresh copies if it keeps results."""
+
+    def prepare_call(call: Callable[..., object]) -> Prepare:
+        def prepare(points: Any) -> Work:
+            made = make(points)
+            return Work(lambda: call(copy.copy(made) if fresh else made), len(points))
+
+        return prepare
+
+    return prepare_call
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,14 +17,12 @@ import numpy as np
 from distributions import Points
 
 import liftmesh
-from growth.counting import Work
+from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
 from growth.tiled import tiled_functions
 from liftmesh import Cloud, Triangulation
-
-Prepare = Callable[[Any], Work]
 
 PLAIN = ("uniform", "lattice", "circle and centre")
 """What works on finished arrays does not depend on where the points are."""
@@ -51,24 +49,12 @@ def on_points(call: Callable[[Points], object]) -> Prepare:
     return lambda points: Work(lambda: call(points), len(points))
 
 
-def on_triangulation(call: Callable[[Triangulation], object]) -> Prepare:
-    """Prepare a call on the triangulation of points."""
-
-    def prepare(points: Points) -> Work:
-        found = liftmesh.delaunay(points, threads=1)
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+on_triangulation = on(lambda points: liftmesh.delaunay(points, threads=1))
+"""Prepare a call on the triangulation of points."""
 
 
-def on_scipys(call: Callable[[liftmesh.Delaunay], object]) -> Prepare:
-    """Prepare a call on a fresh triangulation of SciPy's class."""
-
-    def prepare(points: Points) -> Work:
-        found = liftmesh.Delaunay(points)
-        return Work(lambda: call(copy.copy(found)), len(points))
-
-    return prepare
+on_scipys = on(liftmesh.Delaunay, fresh=True)
+"""Prepare a call on a fresh triangulation of SciPy's class."""
 
 
 def sorted_first(name: str) -> Prepare:
@@ -88,35 +74,22 @@ def grown_by_half(points: Points) -> Work:
     return Work(lambda: copy.copy(found).add_points(points[half:]), len(points))
 
 
-def on_hull(call: Callable[[liftmesh.LowerHull], object]) -> Prepare:
-    """Prepare a call on the lower hull of lifted points."""
-
-    def prepare(points: Points) -> Work:
-        with np.errstate(over="ignore"):
-            found = liftmesh.delaunay(points, threads=1).lifted()
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+def lifted(points: Points) -> liftmesh.LowerHull:
+    """Make the lower hull of lifted points."""
+    with np.errstate(over="ignore"):
+        return liftmesh.delaunay(points, threads=1).lifted()
 
 
-def on_surface(call: Callable[[liftmesh.Surface], object]) -> Prepare:
-    """Prepare a call on the surface of a cloud."""
-
-    def prepare(points: Points) -> Work:
-        found = liftmesh.triangulate(points, threads=1)
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+on_hull = on(lifted)
+"""Prepare a call on the lower hull of lifted points."""
 
 
-def on_comparison(call: Callable[[liftmesh.Comparison], object]) -> Prepare:
-    """Prepare a call on a finished comparison."""
+on_surface = on(lambda points: liftmesh.triangulate(points, threads=1))
+"""Prepare a call on the surface of a cloud."""
 
-    def prepare(points: Points) -> Work:
-        found = liftmesh.compare(points)
-        return Work(lambda: call(found), len(points))
 
-    return prepare
+on_comparison = on(liftmesh.compare)
+"""Prepare a call on a finished comparison."""
 
 
 def delaunay(**options: Any) -> Prepare:
@@ -217,22 +190,12 @@ def tilted(points: Points) -> liftmesh.Frame:
 
 def framed(call: Callable[[liftmesh.Frame, Points], object]) -> Prepare:
     """Prepare a call on a frame and points in space."""
-
-    def prepare(points: Points) -> Work:
-        frame = tilted(points)
-        return Work(lambda: call(frame, points), len(points))
-
-    return prepare
+    return on(lambda points: (tilted(points), points))(lambda pair: call(*pair))
 
 
 def adapted(convert: Callable[[Points], object]) -> Prepare:
     """Prepare the conversion of a foreign object to a cloud."""
-
-    def prepare(points: Points) -> Work:
-        source = convert(points)
-        return Work(lambda: liftmesh.as_cloud(source), len(points))
-
-    return prepare
+    return on(convert)(liftmesh.as_cloud)
 
 
 def structured(points: Points) -> object:

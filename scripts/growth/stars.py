@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from distributions import Points
 
 import liftmesh
-from growth.counting import Work
+from growth.counting import Work, on
 from growth.families import FEW
 from growth.planar import PLANAR
-
-if TYPE_CHECKING:
-    from growth.functions import Prepare
-
 
 SPREAD = {name: PLANAR[name] for name in ("uniform", "gaussian", "kuzmin", "clusters", "lattice")}
 """Where a star takes few steps. On convex curves it takes all rows: the ellipses inside follow the
@@ -39,14 +35,8 @@ def prepare(points: Points) -> Work:
     return Work(lambda: liftmesh.anisotropic_stars(points, metrics), len(points))
 
 
-def on_stars(call: Callable[[liftmesh.AnisotropicStars], object]) -> Prepare:
-    """Prepare a call on stars."""
-
-    def prepared(points: Points) -> Work:
-        stars = liftmesh.anisotropic_stars(points, metrics_of(points))
-        return Work(lambda: call(stars), len(points))
-
-    return prepared
+on_stars = on(lambda points: liftmesh.anisotropic_stars(points, metrics_of(points)))
+"""Prepare a call on stars."""
 
 
 def star_functions() -> Iterator[tuple[Any, ...]]:

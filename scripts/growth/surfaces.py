@@ -13,13 +13,12 @@ import numpy as np
 from distributions import Points
 
 import liftmesh
-from growth.counting import Work
+from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.functions import near_the_middle
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from liftmesh import Surface, Triangulation
 
-Prepare = Callable[[Any], Work]
 HALVES = {
     "type": "FeatureCollection",
     "features": [
@@ -69,14 +68,8 @@ def rasters(**options: Any) -> Prepare:
     return prepare
 
 
-def on_surface(call: Callable[[Surface], object]) -> Prepare:
-    """Prepare a call on a surface with random heights."""
-
-    def prepare(points: Points) -> Work:
-        found = surface_over(points)
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+on_surface = on(surface_over)
+"""Prepare a call on a surface with random heights."""
 
 
 def half_of(found: Surface) -> Surface:
@@ -130,25 +123,18 @@ def compared_within(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill_by_polygon(other, HALVES), len(points))
 
 
-def contoured(call: Callable[[liftmesh.Contours], object]) -> Prepare:
-    """Prepare a call on the contours of a surface with random heights."""
-
-    def prepare(points: Points) -> Work:
-        found = surface_over(points).contours(interval=0.25)
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+contoured = on(lambda points: surface_over(points).contours(interval=0.25))
+"""Prepare a call on the contours of a surface with random heights."""
 
 
-def on_raster(call: Callable[[liftmesh.Raster], object]) -> Prepare:
-    """Prepare a call on a raster of as many pixels as there are rows."""
+def pixels_over(points: Points) -> liftmesh.Raster:
+    """Make a raster of as many pixels as there are rows."""
+    side = max(isqrt(len(points)), 2)
+    return surface_over(points).raster(transform=(1, 0, 0, 0, 1, 0), shape=(side, side))
 
-    def prepare(points: Points) -> Work:
-        side = max(isqrt(len(points)), 2)
-        found = surface_over(points).raster(transform=(1, 0, 0, 0, 1, 0), shape=(side, side))
-        return Work(lambda: call(found), len(points))
 
-    return prepare
+on_raster = on(pixels_over)
+"""Prepare a call on a raster of as many pixels as there are rows."""
 
 
 def saved(found: liftmesh.Raster) -> object:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,60 +12,47 @@ import numpy as np
 from distributions import Points
 
 import liftmesh
-from growth.counting import Work
+from growth.counting import Prepare, Work, on
 from growth.planar import PLANAR
 from growth.spatial import SPATIAL
 
-Prepare = Callable[[Any], Work]
 
-
-def tiles(points: Points) -> Work:
-    """Prepare a triangulation in eight tiles, in a folder of its own."""
-    rows = max(16, len(points) // 8)
-
-    def call() -> object:
-        with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile(points, folder, tile_rows=rows, threads=1)
-
-    return Work(call, len(points))
-
-
-def on_tiles(call: Callable[[liftmesh.Tiled], object], *, neighbors: bool = False) -> Prepare:
-    """Prepare a call on triangles in shards."""
+def tiled_by(work: Callable[..., object]) -> Prepare:
+    """Prepare a run in eight tiles, in a folder of its own."""
 
     def prepare(points: Points) -> Work:
-        folder, rows = tempfile.TemporaryDirectory(), max(16, len(points) // 8)
-        found = liftmesh.tile(points, folder.name, tile_rows=rows, neighbors=neighbors, threads=1)
-        return Work(lambda: (folder, call(found)), len(points))
+        def call() -> object:
+            with tempfile.TemporaryDirectory() as folder:
+                return work(points, folder, tile_rows=rows_of(points), threads=1)
+
+        return Work(call, len(points))
 
     return prepare
+
+
+def on_shards(work: Callable[..., Any], call: Callable[[Any], object], **options: Any) -> Prepare:
+    """Prepare a call on what such a run leaves in its folder."""
+
+    def made(points: Points) -> tuple[object, Any]:
+        folder = tempfile.TemporaryDirectory()
+        run = work(points, folder.name, tile_rows=rows_of(points), threads=1, **options)
+        return folder, run
+
+    return on(made)(lambda pair: (pair[0], call(pair[1])))
+
+
+on_tiles = partial(on_shards, liftmesh.tile)
+on_surface_tiles = partial(on_shards, liftmesh.tile_surface)
+
+
+def rows_of(points: Points) -> int:
+    """Return the rows of a tile."""
+    return max(16, len(points) // 8)
 
 
 def proved(points: Points) -> Work:
     """Prepare the proof of triangles in shards."""
     return on_tiles(lambda tiled: tiled.verify(points, threads=1))(points)
-
-
-def surface_tiles(points: Points) -> Work:
-    """Prepare a surface in eight tiles, in a folder of its own."""
-    rows = max(16, len(points) // 8)
-
-    def call() -> object:
-        with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile_surface(points, folder, tile_rows=rows, threads=1)
-
-    return Work(call, len(points))
-
-
-def on_surface_tiles(call: Callable[[liftmesh.TiledSurface], object]) -> Prepare:
-    """Prepare a call on a surface in shards."""
-
-    def prepare(points: Points) -> Work:
-        folder, rows = tempfile.TemporaryDirectory(), max(16, len(points) // 8)
-        found = liftmesh.tile_surface(points, folder.name, tile_rows=rows, threads=1)
-        return Work(lambda: (folder, call(found)), len(points))
-
-    return prepare
 
 
 def pixels(tiled: liftmesh.TiledSurface) -> dict[str, Any]:
@@ -87,7 +75,7 @@ def lines(tiled: liftmesh.TiledSurface) -> object:
 
 def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
-    yield "tile_surface", PLANAR, surface_tiles, ("uniform", "few positions")
+    yield "tile_surface", PLANAR, tiled_by(liftmesh.tile_surface), ("uniform", "few positions")
     heights = ("random heights",)
     for name in ("report", "vertices", "faces", "meshes"):
         yield f"TiledSurface.{name}", SPATIAL, on_surface_tiles(PARTS[name]), heights
@@ -107,7 +95,12 @@ PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {
 
 def tiled_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what works in tiles."""
-    yield "tile", PLANAR, tiles, ("uniform", "circle and centre", "two columns", "few positions")
+    yield (
+        "tile",
+        PLANAR,
+        tiled_by(liftmesh.tile),
+        ("uniform", "circle and centre", "two columns", "few positions"),
+    )
     opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.directory))
     yield "open_tiled", PLANAR, opened, ("uniform",)
     yield "Tiled.compute", PLANAR, on_tiles(liftmesh.Tiled.compute), ("uniform",)

@@ -14,9 +14,9 @@ import numpy as np
 from distributions import Points
 
 import liftmesh
-from growth.counting import Work
+from growth.counting import Prepare, Work, on
 from growth.families import random
-from growth.functions import EXACT, PLAIN, Prepare
+from growth.functions import EXACT, PLAIN
 from growth.planar import PLANAR
 from liftmesh import RegularTriangulation
 
@@ -58,14 +58,8 @@ def under_the_hull(points: Points) -> Work:
     return Work(lambda: liftmesh.regular(points, weights=weights, threads=1), len(points))
 
 
-def on_weighted(call: Callable[[RegularTriangulation], object]) -> Prepare:
-    """Prepare a call on a triangulation with weights."""
-
-    def prepare(points: Points) -> Work:
-        found = weighted(points, 1.0)
-        return Work(lambda: call(found), len(points))
-
-    return prepare
+on_weighted = on(lambda points: weighted(points, 1.0))
+"""Prepare a call on a triangulation with weights."""
 
 
 def computed(name: str) -> Callable[[RegularTriangulation], object]:

@@ -15,8 +15,7 @@ Needs a compiler and CGAL: apt-get install g++ libcgal-dev.
 from __future__ import annotations
 
 import sys
-import time
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Namespace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -24,7 +23,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from benchmark import cgal
+from benchmark.cgal.beside import built, clocked, columns, conclude, in_turn, parser_of
 
 import liftmesh
 from heights.families import FAMILIES, Planar, inside, terrain
@@ -37,20 +36,9 @@ SEED = 21
 
 def main() -> None:
     """Compare all families by both methods, and print a line for each."""
-    options = read_options()
+    options = parser_of(__doc__, FAMILIES, 100_000).parse_args()
     print(f"{'points':<18} {'method':<7} {'difference':>10} {'liftmesh':>9} {'CGAL':>9} ratio")
-    same = [is_same for name in options.families for is_same in compared(options, name)]
-    print(f"{len(same)} cases, {same.count(False)} different")
-    raise SystemExit(int(not all(same)))
-
-
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--n", type=int, default=100_000, help="rows, and points")
-    parser.add_argument("--rounds", type=int, default=1, help="of which the fastest counts")
-    parser.add_argument("--families", nargs="+", choices=FAMILIES, default=[*FAMILIES])
-    return parser.parse_args()
+    conclude([is_same for name in options.families for is_same in compared(options, name)], "cases")
 
 
 def compared(options: Namespace, name: str) -> list[bool]:
@@ -60,10 +48,7 @@ def compared(options: Namespace, name: str) -> list[bool]:
     surface = liftmesh.triangulate(rows)
     surface.sample(asked[:1])  # makes the index
     with TemporaryDirectory() as folder:
-        try:
-            peer = CgalHeights.built(Path(folder), rows)
-        except cgal.UnavailableError as error:
-            raise SystemExit(f"CGAL is not here: {error}") from error
+        peer = built(CgalHeights.built, Path(folder), rows)
         return [compare(surface, peer, asked, method, options.rounds, name) for method in METHODS]
 
 
@@ -76,18 +61,17 @@ def compare(
     name: str,
 ) -> bool:
     """Ask by one method, and print a line."""
-    ours, theirs = [], []
-    for _ in range(rounds):
-        start = time.process_time()
-        heights = surface.sample(asked, method, threads=1)
-        ours.append(time.process_time() - start)
-        others, seconds = peer.sample(asked, method)
-        theirs.append(seconds)
+    calls = {
+        "ours": lambda: clocked(lambda: surface.sample(asked, method, threads=1)),
+        "theirs": lambda: peer.sample(asked, method),
+    }
+    results, seconds = in_turn(calls, rounds)
+    heights, others = results.values()
     found = difference(heights, others, np.ptp(surface.vertices[:, 2]))
     is_same = found <= ALLOWED
     print(
-        f"{name:<18} {method:<7} {found:>10.1e} {min(ours):>9.4f} {min(theirs):>9.4f} "
-        f"{min(ours) / max(min(theirs), 1e-9):>5.2f}{'' if is_same else '  DIFFERENT'}",
+        f"{name:<18} {method:<7} {found:>10.1e} {columns(seconds)}"
+        f"{'' if is_same else '  DIFFERENT'}",
         flush=True,
     )
     return is_same

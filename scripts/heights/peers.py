@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from benchmark import cgal
+from benchmark.cgal.beside import PROGRAMS
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 Floats: TypeAlias = NDArray[np.float64]
 Method: TypeAlias = Literal["linear", "sibson"]
 
-ROOT = Path(__file__).resolve().parents[2]
-PROGRAMS = ROOT / "out" / "programs"
 HEIGHTS = Path(__file__).with_name("cgal_heights.cpp")
 FACERASTER = Path(__file__).with_name("faceraster.cpp")
 

@@ -20,50 +20,42 @@ Needs a compiler and CGAL: apt-get install g++ libcgal-dev.
 from __future__ import annotations
 
 import sys
-import time
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
+from argparse import Namespace
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from benchmark.cgal.beside import PROGRAMS, clocked, columns, conclude, in_turn, parser_of
 from distributions import Points
 
 import liftmesh
 from weighted.families import FAMILIES, Weights, hidden_share, under_the_hull, with_share
-from weighted.peers import ROOT, Peer, peers
+from weighted.peers import Peer, peers
 
-KEPT = ROOT / "out" / "regular-differs.npz"
+KEPT = PROGRAMS.parent / "regular-differs.npz"
 SHARES = (0.0, 0.15, 0.5, 0.75, 0.99)
 SEED = 17
 HEADER = (
-    f"{'points':<18} {'weights':<11} {'hidden':>6} {'triangles':>10}   liftmesh"
-    "     CGAL ratio filtered ratio"
+    f"{'points':<18} {'weights':<11} {'hidden':>6} {'triangles':>10}  liftmesh"
+    "      CGAL ratio  filtered ratio"
 )
 
 
 def main() -> None:
     """Compare all cases, and print a line for each."""
-    options = read_options()
+    parser = parser_of(__doc__, FAMILIES, 20_000)
+    add = parser.add_argument
+    add("--shares", nargs="+", type=float, default=SHARES, help="of hidden rows")
+    add("--cgal6", type=Path, metavar="FOLDER", help="of another CGAL, for the second peer")
+    options = parser.parse_args()
     others = peers(options.cgal6)
     print(HEADER)
-    cases = [compare(others, options, *case) for case in made(options)]
-    print(f"{len(cases)} cases, {cases.count(False)} different")
-    raise SystemExit(int(not all(cases)))
-
-
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    add = parser.add_argument
-    add("--n", type=int, default=20_000, help="rows")
-    add("--families", nargs="+", choices=FAMILIES, default=[*FAMILIES])
-    add("--shares", nargs="+", type=float, default=SHARES, help="of hidden rows")
-    add("--rounds", type=int, default=1, help="of which the fastest counts")
-    add("--cgal6", type=Path, metavar="FOLDER", help="of another CGAL, for the second peer")
-    return parser.parse_args()
+    conclude([compare(others, options, *case) for case in made(options)], "cases")
 
 
 def made(options: Namespace) -> Iterator[tuple[str, str, Points, Weights]]:
@@ -86,18 +78,16 @@ def compare(
     weights: Weights,
 ) -> bool:
     """Triangulate by all programs in turns; whether the triangles are the same."""
-    seconds: dict[str, list[float]] = {each: [] for each in ("liftmesh", *others)}
-    sets = {}
-    for _ in range(options.rounds):
-        found, taken = timed(lambda: liftmesh.regular(points, weights=weights, threads=1))
-        seconds["liftmesh"].append(taken)
-        for each, peer in others.items():
-            sets[each], taken = peer.regular(points, weights)
-            seconds[each].append(taken)
-    ours = as_set(positions(points)[found.simplices])
-    is_same = all(np.array_equal(ours, as_set(triangles)) for triangles in sets.values())
+    calls: dict[str, Callable[[], tuple[Any, float]]] = {
+        each: partial(peer.regular, points, weights) for each, peer in others.items()
+    }
+    ours = partial(liftmesh.regular, points, weights=weights, threads=1)
+    results, seconds = in_turn({"liftmesh": partial(clocked, ours), **calls}, options.rounds)
+    found, *sets = results.values()
+    expected = as_set(positions(points)[found.simplices])
+    is_same = all(np.array_equal(expected, as_set(triangles)) for triangles in sets)
     share = len(found.hidden) / len(points)
-    times = columns({each: min(taken) for each, taken in seconds.items()})
+    times = columns(seconds)
     print(
         f"{name:<18} {kind:<11} {share:>6.1%} {found.nsimplex:>10,} {times}"
         f"{'' if is_same else '  DIFFERENT'}",
@@ -108,22 +98,6 @@ def compare(
         np.savez(KEPT, points=points, weights=weights)
         print(f"kept in {KEPT}")
     return is_same
-
-
-def columns(seconds: Mapping[str, float]) -> str:
-    """Our seconds, and for each peer its own and the ratio."""
-    ours, *theirs = seconds.values()
-    rest = (f"{each:>8.4f} {ours / max(each, 1e-9):>5.2f}" for each in theirs)
-    return " ".join([f"{ours:>10.4f}", *rest])
-
-
-def timed(
-    call: Callable[[], liftmesh.RegularTriangulation],
-) -> tuple[liftmesh.RegularTriangulation, float]:
-    """Return the result of a call, and the processor's seconds that it took."""
-    start = time.process_time()
-    found = call()
-    return found, time.process_time() - start
 
 
 def positions(points: Points) -> np.ndarray:

@@ -206,9 +206,9 @@ def _plain_text(text: str) -> str:
     if _USUAL.fullmatch(text):
         return text
     at, parts = 0, []
-    while (found := _TOKEN.match(text, at)) is not None:
-        parts.append(found[1])
-        at = found.end()
+    while (token := _TOKEN.match(text, at)) is not None:
+        parts.append(token[1])
+        at = token.end()
     if text[at:].strip():
         raise ValueError(f"unexpected {shortened(text[at:])!r}")
     return " ".join(parts)
@@ -396,10 +396,10 @@ class Content:
     def _some(self, decoder: zlib._Decompress, most: int) -> bytes:
         """Decompress at most ``most`` bytes, none only at the end."""
         while not decoder.eof:
-            found = _decompressed(decoder, self._input, most)
+            part = _decompressed(decoder, self._input, most)
             self._input = decoder.unconsumed_tail
-            if found:
-                return found
+            if part:
+                return part
             if not self._input:
                 self._input = self._raw(_PIECE)
                 if not self._input:

@@ -109,13 +109,14 @@ class _Reading:
 
     def _sorted(self, block: Block) -> tuple[Block, ...]:
         """Return the values of the lines of each relevant keyword, and count the other lines."""
-        found = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
-        for text, number in _where(found, -1, block):
+        keywords = _kernel.find_keywords(block.data, block.places, _KEYWORDS)
+        for text, number in _where(keywords, -1, block):
             if text in _KEYWORDS:
                 raise FormatError(f"{self.name}: line {number}: {text!r} without values")
             self._ignore(shortened(text.split(None, 1)[0]))
         return tuple(
-            _where(found, k, block).behind(len(keyword) + 1) for k, keyword in enumerate(_KEYWORDS)
+            _where(keywords, k, block).behind(len(keyword) + 1)
+            for k, keyword in enumerate(_KEYWORDS)
         )
 
     def _ignore(self, keyword: str) -> None:
@@ -188,12 +189,12 @@ class _Reading:
         return _vertex_normals(np.concatenate(self.normals), corners, vertices, self.name)
 
 
-def _where(found: Array, keyword: int, block: Block) -> Block:
+def _where(keywords: Array, keyword: int, block: Block) -> Block:
     """The lines of a keyword: most often all or none."""
-    count = np.count_nonzero(found == keyword)
+    count = np.count_nonzero(keywords == keyword)
     if count in (0, len(block)):
         return block[:count]
-    return block[found == keyword]
+    return block[keywords == keyword]
 
 
 def _colors(extra: Array) -> tuple[Array | None, dict[str, Array]]:
@@ -224,14 +225,14 @@ def _vertex_normals(
 
 def _agreed(normals: Floats, at: Integers, named: Integers, vertices: int) -> Floats | None:
     """Give each vertex the normal of its corners; None if these differ."""
-    found = np.zeros((vertices, 3))
-    found[at] = normals[named]
+    of_vertices = np.zeros((vertices, 3))
+    of_vertices[at] = normals[named]
     runs = range(0, len(at), _RUN)
     agree = (
-        np.array_equal(found[at[k : k + _RUN]], normals[named[k : k + _RUN]], equal_nan=True)
+        np.array_equal(of_vertices[at[k : k + _RUN]], normals[named[k : k + _RUN]], equal_nan=True)
         for k in runs
     )
-    return found if all(agree) else None
+    return of_vertices if all(agree) else None
 
 
 def _check(vertices: Ragged, named: Integers, lines: Integers, count: int, name: str) -> None:

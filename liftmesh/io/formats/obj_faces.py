@@ -92,8 +92,8 @@ def _from_zero(
     resolved = np.where(backward, so_far + numbers, numbers - 1)
     # Before the first there is no vertex; keep it distinct from -1, which means no normal.
     resolved[backward & (resolved < 0)] -= 1
-    found: Array = resolved.astype(np.int32)
-    return found
+    indices: Array = resolved.astype(np.int32)
+    return indices
 
 
 def outside(index: int, count: int, kind: str = "vertex") -> str:
@@ -119,8 +119,8 @@ def _corner_error(faces: Block, name: str) -> FormatError:
 
 
 def _is_corner(text: str) -> bool:
-    found = _CORNER.fullmatch(text)
-    return found is not None and all(each is None or int(each) for each in found.groups())
+    match = _CORNER.fullmatch(text)
+    return match is not None and all(each is None or int(each) for each in match.groups())
 
 
 MARK = "#MRGB"
@@ -163,5 +163,5 @@ def commented_colors(stream: BinaryIO, name: str) -> Array | None:
                     return None
     if len(values) % 4:
         return None
-    found: Array = np.frombuffer(bytes(values), np.uint8).reshape(-1, 4)[:, 1:]
-    return np.ascontiguousarray(found)
+    colors: Array = np.frombuffer(bytes(values), np.uint8).reshape(-1, 4)[:, 1:]
+    return np.ascontiguousarray(colors)

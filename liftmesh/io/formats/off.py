@@ -62,10 +62,10 @@ def _cloud(points: Floats, corners: list[Ragged], name: str) -> Cloud:
 
 def _counts(lines: Lines, name: str) -> tuple[int, int]:
     """Read the numbers of vertices and faces."""
-    found = _HEAD.fullmatch(lines.next())
-    if found is None:
+    head = _HEAD.fullmatch(lines.next())
+    if head is None:
         raise FormatError(f"{name}: not a valid OFF file: it does not begin with OFF")
-    words = (found[1] or lines.next()).split()[:2]
+    words = (head[1] or lines.next()).split()[:2]
     if len(words) < 2 or not all(map(is_count, words)):
         raise FormatError(
             f"{name}: line {lines.number}: expected the numbers of vertices and faces, "

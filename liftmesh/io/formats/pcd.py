@@ -90,17 +90,17 @@ class Header:
 def read_header(stream: BinaryIO, name: str, max_bytes: int | None) -> Header:
     """Read the header and leave the stream at the first byte of the points."""
     reading = _Reading(stream, name)
-    found = reading.lines_by_keyword()
-    names = found.get("FIELDS") or found.get("COLUMNS") or []
+    lines = reading.lines_by_keyword()
+    names = lines.get("FIELDS") or lines.get("COLUMNS") or []
     check_columns(len(names), max_bytes, name, f"a header of {len(names):,} fields")
-    width, height = (_count(found, key, name, 1) for key in ("WIDTH", "HEIGHT"))
+    width, height = (_count(lines, key, name, 1) for key in ("WIDTH", "HEIGHT"))
     return Header(
-        fields=_fields(found, names, name),
-        points=_count(found, "POINTS", name, width * height),
+        fields=_fields(lines, names, name),
+        points=_count(lines, "POINTS", name, width * height),
         width=width,
         height=height,
-        viewpoint=_viewpoint(found, name),
-        data=found["DATA"][0].lower(),
+        viewpoint=_viewpoint(lines, name),
+        data=lines["DATA"][0].lower(),
         lines=reading.number,
     )
 
@@ -114,15 +114,15 @@ class _Reading:
         self.number = 0
 
     def lines_by_keyword(self) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = {}
-        while "DATA" not in found:
+        lines: dict[str, list[str]] = {}
+        while "DATA" not in lines:
             keyword, values = self._line()
-            if keyword in found or keyword not in _KNOWN:
+            if keyword in lines or keyword not in _KNOWN:
                 raise self._error(f"unknown or repeated header line {quoted(keyword)}")
-            found[keyword] = values
-        if len(found["DATA"]) != 1 or found["DATA"][0].lower() not in _DATA:
-            raise self._error(f"unknown data {quoted(' '.join(found['DATA']))}: known are {_DATA}")
-        return found
+            lines[keyword] = values
+        if len(lines["DATA"]) != 1 or lines["DATA"][0].lower() not in _DATA:
+            raise self._error(f"unknown data {quoted(' '.join(lines['DATA']))}: known are {_DATA}")
+        return lines
 
     def _line(self) -> tuple[str, list[str]]:
         """Return the keyword and the values of the next line that is no comment."""
@@ -141,9 +141,9 @@ class _Reading:
         return FormatError(f"{self._name}: {where}: {cause}")
 
 
-def _fields(found: dict[str, list[str]], names: list[str], name: str) -> tuple[Field, ...]:
-    listed = [found.get(key, []) for key in ("SIZE", "TYPE")]
-    counts = found.get("COUNT") or ["1"] * len(names)
+def _fields(lines: dict[str, list[str]], names: list[str], name: str) -> tuple[Field, ...]:
+    listed = [lines.get(key, []) for key in ("SIZE", "TYPE")]
+    counts = lines.get("COUNT") or ["1"] * len(names)
     if not names or any(len(each) != len(names) for each in (*listed, counts)):
         raise FormatError(f"{name}: SIZE, TYPE and COUNT need a value for each of the FIELDS")
     named = [each for each in names if each != "_"]
@@ -167,16 +167,16 @@ def _field(name: str, size: str, kind: str, count: str, file: str) -> Field:
     return Field(name, np.dtype(f"<{_KINDS[kind]}{size}"), int(count))
 
 
-def _count(found: dict[str, list[str]], key: str, name: str, usual: int) -> int:
-    values = found.get(key, [str(usual)])
+def _count(lines: dict[str, list[str]], key: str, name: str, usual: int) -> int:
+    values = lines.get(key, [str(usual)])
     text = values[0] if len(values) == 1 else ""
     if not is_count(text):
         raise FormatError(f"{name}: {key} is {quoted(' '.join(values))}: expected a count")
     return int(text)
 
 
-def _viewpoint(found: dict[str, list[str]], name: str) -> tuple[float, ...]:
-    values: Any = found.get("VIEWPOINT", ["0", "0", "0", "1", "0", "0", "0"])
+def _viewpoint(lines: dict[str, list[str]], name: str) -> tuple[float, ...]:
+    values: Any = lines.get("VIEWPOINT", ["0", "0", "0", "1", "0", "0", "0"])
     if len(values) != 7 or not all(map(is_number, values)):
         raise FormatError(f"{name}: VIEWPOINT is {quoted(' '.join(values))}: expected 7 numbers")
     return tuple(map(float, values))
@@ -196,7 +196,7 @@ def _text(stream: BinaryIO, header: Header, name: str) -> dict[str, Array]:
 
 
 def _columns_of(table: Floats, header: Header, name: str, lines: Array) -> dict[str, Array]:
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     start = 0
     for each in header.fields:
         values = table[:, start : start + each.count]
@@ -204,7 +204,7 @@ def _columns_of(table: Floats, header: Header, name: str, lines: Array) -> dict[
         if each.name == "_":
             continue
         if each.name in _COLORS and each.count == 1:
-            found[each.name] = _packed(values[:, 0], each, name, lines)
+            columns[each.name] = _packed(values[:, 0], each, name, lines)
             continue
         flat = exact_values(
             values.reshape(-1),
@@ -213,8 +213,8 @@ def _columns_of(table: Floats, header: Header, name: str, lines: Array) -> dict[
             each.name,
             lambda k, width=each.count: int(lines[k // width]),  # type: ignore[misc]
         )
-        found[each.name] = flat.reshape(values.shape) if each.count > 1 else flat
-    return found
+        columns[each.name] = flat.reshape(values.shape) if each.count > 1 else flat
+    return columns
 
 
 def _packed(values: Floats, field: Field, name: str, lines: Array) -> Array:
@@ -299,14 +299,14 @@ def _copy(out: bytearray, distance: int, length: int) -> None:
 
 
 def _field_by_field(data: bytes, header: Header) -> dict[str, Array]:
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     start = 0
     for each in header.fields:
         values = np.frombuffer(data, each.dtype, header.points * each.count, start)
         start += values.nbytes
         if each.name != "_":
-            found[each.name] = values.reshape(-1, each.count) if each.count > 1 else values
-    return found
+            columns[each.name] = values.reshape(-1, each.count) if each.count > 1 else values
+    return columns
 
 
 def _empty(header: Header) -> dict[str, Array]:
@@ -351,9 +351,9 @@ def _native(values: Array) -> Array:
 
 
 def _described(header: Header) -> Mapping[str, Any]:
-    found: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
     if header.viewpoint != _STRAIGHT:
-        found["viewpoint"] = header.viewpoint
+        entries["viewpoint"] = header.viewpoint
     if header.height > 1 and header.width * header.height == header.points:
-        found["grid"] = (header.width, header.height)
-    return found
+        entries["grid"] = (header.width, header.height)
+    return entries

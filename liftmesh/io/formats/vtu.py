@@ -92,11 +92,11 @@ def _cells(cloud: Cloud) -> list[tuple[str, Array]]:
 
 def _of_points(cloud: Cloud) -> list[tuple[str, Array]]:
     """Return the values of the points: colours in 8 bits, or as floats from 0 to 1."""
-    found = _attributes(cloud)
+    arrays = _attributes(cloud)
     if cloud.colors is not None:
         is_eight = fits_eight_bits(cloud.colors)
-        found.append((_COLORS, as_uint8(cloud.colors) if is_eight else as_float(cloud.colors)))
-    return found if cloud.normals is None else [*found, (_NORMALS, _known(cloud.normals))]
+        arrays.append((_COLORS, as_uint8(cloud.colors) if is_eight else as_float(cloud.colors)))
+    return arrays if cloud.normals is None else [*arrays, (_NORMALS, _known(cloud.normals))]
 
 
 def _attributes(cloud: Cloud) -> list[tuple[str, Array]]:

@@ -154,9 +154,9 @@ def _precision(dtype: object) -> np.dtype[Any]:
     """The floating-point type of positions, given by its name, NumPy's or Open3D's."""
     name = str(dtype).lower() if type(dtype).__name__ in {"str", "Dtype"} else dtype
     with suppress(TypeError, ValueError):
-        found: np.dtype[Any] = np.dtype(name)  # type: ignore[call-overload]
-        if found in (np.float32, np.float64):
-            return found
+        precision: np.dtype[Any] = np.dtype(name)  # type: ignore[call-overload]
+        if precision in (np.float32, np.float64):
+            return precision
     raise InputError(f"dtype is {shown(dtype)}: give 'float32' or 'float64'")
 
 

@@ -46,8 +46,8 @@ _WHERE = "the table"
 
 def refuse(source: object) -> Cloud:
     """Raise for a table of another library, and say how to make one that is read."""
-    found = next((name for name in _CONVERSIONS if hasattr(source, name)), None)
-    how = f"what its {found}() returns, " if found else ""
+    conversion = next((name for name in _CONVERSIONS if hasattr(source, name)), None)
+    how = f"what its {conversion}() returns, " if conversion else ""
     raise UnsupportedTypeError(
         f"a {qualified_name(source)} is a table, but not one that is read: give {how}a pandas or "
         "polars DataFrame, or np.column_stack([x, y, z]) of its columns"
@@ -94,12 +94,12 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
                 "ravel()"
             )
         return [(name, source[name]) for name in source.dtype.names], {}
-    found = classes(source)
-    if found & RECORDS:
+    kinds = classes(source)
+    if kinds & RECORDS:
         return _of_laspy(source)
-    if ("polars", "DataFrame") in found:
+    if ("polars", "DataFrame") in kinds:
         return [(name, _of_polars(source[name])) for name in source.columns], {}
-    if found & FRAMES:
+    if kinds & FRAMES:
         return [(str(name), source.iloc[:, k]) for k, name in enumerate(source.columns)], {}
     rows = np.asanyarray(source)
     if rows.ndim != 2:
@@ -129,22 +129,22 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     """Make a cloud of columns, once their names and types are understood."""
     columns = _named([name for name, _ in values], options, bool(described))
     read = {k: _as_numbers(values[k][1]) for k in range(len(values)) if k not in columns.left_out}
-    found = {columns.names[k]: each for k, each in read.items() if each is not None}
+    columns_read = {columns.names[k]: each for k, each in read.items() if each is not None}
     unread = [_unread(columns, k, values[k][1]) for k in range(len(values)) if read.get(k) is None]
     if not options.names_all and "z" not in columns.names:
         words = [columns.names[k] for k, each in read.items() if _holds_number(each, values[k][1])]
-        columns.check_height([*found, *words], _WHERE)
+        columns.check_height([*columns_read, *words], _WHERE)
     for part in POSITION:
-        if part in columns.names and (part not in found or found[part].ndim != 1):
+        if part in columns.names and (part not in columns_read or columns_read[part].ndim != 1):
             raise _no_numbers(part, *values[columns.names.index(part)])
-    points = _points(found, columns, options, len(values[0][1]))
+    points = _points(columns_read, columns, options, len(values[0][1]))
     columns.warn()
-    notes = (*columns.notes, *_rounded(columns, values, found))
+    notes = (*columns.notes, *_rounded(columns, values, columns_read))
     return Cloud(
         points,
-        colors=_colors(found),
-        normals=taken_together(found, NORMAL),
-        attributes={k: _without_nodata(each, options) for k, each in found.items()},
+        colors=_colors(columns_read),
+        normals=taken_together(columns_read, NORMAL),
+        attributes={k: _without_nodata(each, options) for k, each in columns_read.items()},
         metadata=noted(
             {}, columns=NotedColumns(columns.mapping()), notes=notes, skipped=Unread(unread)
         ),
@@ -168,11 +168,11 @@ def _unread(columns: Columns, k: int, values: Any) -> str:
 
 
 def _rounded(
-    columns: Columns, values: list[tuple[str, Any]], found: dict[str, Array]
+    columns: Columns, values: list[tuple[str, Any]], columns_read: dict[str, Array]
 ) -> Iterator[str]:
     """Name the columns whose whole numbers are rounded, because others are missing beside them."""
     for k, (name, given) in enumerate(zip(columns.names, columns.given, strict=True)):
-        doubles = found.get(name, np.zeros(0, np.uint8))
+        doubles = columns_read.get(name, np.zeros(0, np.uint8))
         kind = getattr(getattr(values[k][1], "dtype", None), "kind", "O")
         if (
             kind == "f"
@@ -197,13 +197,17 @@ def _no_numbers(part: str, name: str, values: Any) -> FormatError:
     )
 
 
-def _points(found: dict[str, Array], columns: Columns, options: TableOptions, rows: int) -> Floats:
+def _points(
+    columns_read: dict[str, Array], columns: Columns, options: TableOptions, rows: int
+) -> Floats:
     """Remove and return the coordinates."""
     points = np.zeros((rows, 3))
     parts = [each for each in POSITION if each in columns.names]
     for part in parts:
         name = columns.given[columns.names.index(part)]
-        points[:, POSITION.index(part)] = _without_nodata(_exact(found.pop(part), name), options)
+        points[:, POSITION.index(part)] = _without_nodata(
+            _exact(columns_read.pop(part), name), options
+        )
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
     doubts = ColumnAmbiguity(_WHERE, Columns(tuple(parts), tuple(parts)), options)
@@ -284,16 +288,16 @@ def _without_nodata(values: Array, options: TableOptions) -> Array:
     return values
 
 
-def _colors(found: dict[str, Array]) -> Array | None:
+def _colors(columns_read: dict[str, Array]) -> Array | None:
     """Remove and return the colours; columns that cannot be colours stay attributes."""
-    names = (*COLOR, ALPHA) if ALPHA in found else COLOR
-    rest = dict(found)
+    names = (*COLOR, ALPHA) if ALPHA in columns_read else COLOR
+    rest = dict(columns_read)
     values = taken_together(rest, names)
     if values is not None and values.dtype.kind != "u" and not _are_shades(values):
         values = recognized(values.astype(np.float64))
     if values is not None:
         for name in names:
-            del found[name]
+            del columns_read[name]
     return values
 
 

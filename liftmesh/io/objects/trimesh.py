@@ -226,13 +226,13 @@ def _joined(parts: Sequence[Array | None]) -> Array | None:
 
 def _joined_values(parts: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
     """Join the named values that all parts have, in one type and shape."""
-    found: dict[str, Array] = {}
+    joined: dict[str, Array] = {}
     for name in parts[0] if parts else ():
         values = [part[name] for part in parts if name in part]
         forms = {(each.dtype, each.shape[1:]) for each in values}
         if len(values) == len(parts) and len(forms) == 1:
-            found[name] = np.concatenate(values)
-    return found
+            joined[name] = np.concatenate(values)
+    return joined
 
 
 def _common(parts: Sequence[Mapping[Any, Any]]) -> dict[Any, Any]:
@@ -255,13 +255,13 @@ def _is_same(a: object, b: object) -> bool:
 
 
 def _joined_faces(parts: list[Cloud]) -> Rows | None:
-    found: list[Rows] = []
+    joined: list[Rows] = []
     start = 0
     for part in parts:
         if part.faces is not None and len(part.faces):
-            found.append(checked_faces(part.faces, len(part), _NAME) + np.int32(start))
+            joined.append(checked_faces(part.faces, len(part), _NAME) + np.int32(start))
         start += len(part)
-    return np.concatenate(found) if found else None
+    return np.concatenate(joined) if joined else None
 
 
 def _lost(

@@ -82,8 +82,8 @@ class Decoder:
         line: bytes = self._answer.readline(_MOST_HEAD)
         if not line.endswith(b"\n"):
             raise self._ended()
-        found: dict[str, Any] = json.loads(line)
-        return found
+        head: dict[str, Any] = json.loads(line)
+        return head
 
     def _values(self, count: int, kind: str) -> Array:
         values = np.empty(count, kind)

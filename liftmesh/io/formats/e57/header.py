@@ -95,8 +95,8 @@ class _Xml:
         self._steps += self._spaces
 
     def _begun(self, _: str, attributes: Mapping[str, str]) -> None:
-        if found := next((each for each in attributes if " " in each), None):
-            space, _, local = found.rpartition(" ")
+        if foreign := next((each for each in attributes if " " in each), None):
+            space, _, local = foreign.rpartition(" ")
             raise self._error(f"has the attribute {local} of {space[:99]!r}, and E57 has no such")
         kind = attributes.get("type", "")
         if kind == "Vector":

@@ -89,10 +89,10 @@ class _Reader:
                 valid = _is_valid(columns)
                 self._invalid += len(valid) - int(np.count_nonzero(valid))
                 points = _moved(_positions(columns), scan.pose)
-                found = {**columns, _SCAN: np.full(len(valid), number)}
-                found |= {_COLORS[key]: columns[key] for key in _COLORS if key in columns}
-                found |= dict(zip(POSITION, points, strict=True))
-                yield number, {key: found[key][valid] for key in self._types}
+                columns_of_scan = {**columns, _SCAN: np.full(len(valid), number)}
+                columns_of_scan |= {_COLORS[key]: columns[key] for key in _COLORS if key in columns}
+                columns_of_scan |= dict(zip(POSITION, points, strict=True))
+                yield number, {key: columns_of_scan[key][valid] for key in self._types}
 
     def _entries(self) -> dict[str, Any]:
         scans = tuple({"name": each.name, "points": each.rows} for each in self._scans)
@@ -131,8 +131,8 @@ def _common(scans: list[Scan], name: str) -> tuple[dict[str, np.dtype], list[str
 def _other_intensities(scans: list[Scan]) -> list[str]:
     """Say that intensities of scans are not of one scale."""
     keys = ("intensityMinimum", "intensityMaximum")
-    found = {tuple(each.limits.get(key) for key in keys) for each in scans}
-    return ["intensities of scans have different limits"] if len(found) > 1 else []
+    ranges = {tuple(each.limits.get(key) for key in keys) for each in scans}
+    return ["intensities of scans have different limits"] if len(ranges) > 1 else []
 
 
 def _is_valid(columns: dict[str, Array]) -> Array:
@@ -173,8 +173,8 @@ def _rotated(points: tuple[Floats, ...], quaternion: Floats) -> tuple[Floats, Fl
         (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
         (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
     )
-    found = [a * points[0] + b * points[1] + c * points[2] for a, b, c in matrix]
-    return found[0], found[1], found[2]
+    rows = [a * points[0] + b * points[1] + c * points[2] for a, b, c in matrix]
+    return rows[0], rows[1], rows[2]
 
 
 _EIGHT, _SIXTEEN = 255, 65535

@@ -88,8 +88,8 @@ def primitives(
         if skipped is not None:
             skipped.update(_skipped(part, attributes, mode))
         if mode not in _LINES and "POSITION" in attributes:
-            found = _primitive(document, part, attributes, mode, what)
-            yield replace(found, crs=crs)
+            primitive = _primitive(document, part, attributes, mode, what)
+            yield replace(primitive, crs=crs)
 
 
 def _primitive(document: Document, part: Tree, attributes: Tree, mode: int, what: str) -> Primitive:
@@ -178,21 +178,21 @@ def _doubles(document: Document, accessor: Accessor) -> Floats:
 def _rows(document: Document, accessor: Accessor) -> Array:
     """Return the rows of an accessor, not copied."""
     size = accessor.item // accessor.width
-    found: Array = np.ndarray(
+    rows: Array = np.ndarray(
         (accessor.count, accessor.width),
         np.dtype(_NUMBERS[accessor.component]),
         _content(document, accessor),
         strides=(accessor.stride, size),
     )
-    return found
+    return rows
 
 
 def _colors(document: Document, part: Primitive) -> dict[str, Any]:
     """Return colours with alpha as bytes, and whether that rounds them."""
     if "COLOR_0" not in part.used:
         return {}
-    found = _rows(document, part.used["COLOR_0"])
-    colors = found.astype(found.dtype.newbyteorder("="))
+    rows = _rows(document, part.used["COLOR_0"])
+    colors = rows.astype(rows.dtype.newbyteorder("="))
     if colors.dtype.kind == "f":
         colors = np.clip(np.nan_to_num(colors, posinf=0, neginf=0), 0, 1)
     is_rounded = not fits_eight_bits(colors)
@@ -201,10 +201,10 @@ def _colors(document: Document, part: Primitive) -> dict[str, Any]:
 
 def _integers(document: Document, accessor: Accessor) -> Integers:
     content = _content(document, accessor)
-    found: Integers = np.ndarray(
+    integers: Integers = np.ndarray(
         accessor.count, np.dtype(_UNSIGNED[accessor.component]), content, strides=accessor.stride
     )
-    return found
+    return integers
 
 
 def _faces(document: Document, part: Primitive) -> Rows | None:

@@ -39,22 +39,22 @@ class Scene:
 def default_scene(document: Document) -> Scene:
     """Walk through the scene that a file shows: ``scene``, or the first."""
     scenes, nodes = document.scenes, document.nodes
-    found = Scene()
+    scene = Scene()
     if not scenes and "scene" not in document.tree:
-        return found
+        return scene
     number = document.index(document.tree, "scene", len(scenes), "its JSON")
     if isinstance(scenes[number].get("extras"), dict):
-        found.extras = scenes[number]["extras"]
-    walk = _Walk(document, nodes, found)
+        scene.extras = scenes[number]["extras"]
+    walk = _Walk(document, nodes, scene)
     walk.run(document.indices(scenes[number], "nodes", len(nodes), f"scenes[{number}]"))
-    return found
+    return scene
 
 
 def put_exactly(scene: Scene, origin: Origin) -> bool:
     """Place meshes at an origin where a program rounded it to single precision, or did not."""
     with np.errstate(over="ignore", under="ignore"):
         rounded = np.array(origin).astype(np.float32)
-    found = False
+    is_placed = False
     for place in scene.places:
         if place is None or not np.array_equal(place[:3, :3], np.eye(3)):
             continue
@@ -62,8 +62,8 @@ def put_exactly(scene: Scene, origin: Origin) -> bool:
             is_there = np.array_equal(place[:3, 3].astype(np.float32), rounded)
         if is_there:
             place[:3, 3] = origin
-            found = True
-    return found
+            is_placed = True
+    return is_placed
 
 
 class _Walk:

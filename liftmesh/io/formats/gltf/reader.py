@@ -112,8 +112,8 @@ class _Content:
         if rows > _MOST:
             raise FormatError(f"{name}: {rows:,} vertices are more than 32-bit indices count")
         if not rows:
-            found = ", ".join(self._named())
-            raise FormatError(f"{name}: the file holds no vertices{found and f': only {found}'}")
+            names = ", ".join(self._named())
+            raise FormatError(f"{name}: the file holds no vertices{names and f': only {names}'}")
 
     def _named(self) -> tuple[str, ...]:
         """Name what is not read, with counts."""
@@ -125,12 +125,12 @@ class _Content:
 
     def cloud(self) -> Cloud:
         """Build what was counted."""
-        found = self._alone() if self._having["all"] == 1 else self._joined()
-        held = {"COLOR_0": found.colors, "NORMAL": found.normals, **found.attributes}
+        built = self._alone() if self._having["all"] == 1 else self._joined()
+        held = {"COLOR_0": built.colors, "NORMAL": built.normals, **built.attributes}
         for key in ("COLOR_0", "NORMAL", *sorted({key for key, _ in self._widths})):
             if self._having[key] and held.get(key) is None:
                 self._skipped[f"primitive(s) with {key}, which not all have"] = self._having[key]
-        return replace(found, **self._described())
+        return replace(built, **self._described())
 
     def _common(self) -> dict[str, int]:
         """The named values that all primitives have, with their widths."""

@@ -86,11 +86,11 @@ class Document:
         self._check_views()
         self._check_accessors()
 
-    def objects(self, found: object, what: str) -> list[Tree]:
+    def objects(self, listed: object, what: str) -> list[Tree]:
         """Check a list of objects."""
-        if not isinstance(found, list) or not all(isinstance(each, dict) for each in found):
+        if not isinstance(listed, list) or not all(isinstance(each, dict) for each in listed):
             raise self.error(f"{what} is not a list of objects")
-        return found
+        return listed
 
     def count(self, part: Tree, key: str, what: str) -> int:
         """Return a whole number from 0; 0 if there is none."""
@@ -115,23 +115,23 @@ class Document:
 
     def accessor(self, part: Tree, key: str, what: str) -> Accessor:
         """Return an accessor whose numbers are in its buffer."""
-        found = self._accessors[self.index(part, key, len(self._accessors), what)]
-        if "bufferView" not in found or "sparse" in found:
+        entry = self._accessors[self.index(part, key, len(self._accessors), what)]
+        if "bufferView" not in entry or "sparse" in entry:
             raise self.error(
                 f"{what}: {key} is sparse, compressed or without data: save the file without "
                 "compression"
             )
-        view = self._views[found["bufferView"]]
+        view = self._views[entry["bufferView"]]
         what = f"{what}: {key}"
         accessor = Accessor(
             buffer=view.get("buffer", 0),
-            begin=view.get("byteOffset", 0) + found.get("byteOffset", 0),
-            size=view.get("byteLength", 0) - found.get("byteOffset", 0),
-            stride=self._stride(view, found, what),
-            count=self.count(found, "count", what),
-            component=found["componentType"],
-            kind=found["type"],
-            normalized=found.get("normalized") is True,
+            begin=view.get("byteOffset", 0) + entry.get("byteOffset", 0),
+            size=view.get("byteLength", 0) - entry.get("byteOffset", 0),
+            stride=self._stride(view, entry, what),
+            count=self.count(entry, "count", what),
+            component=entry["componentType"],
+            kind=entry["type"],
+            normalized=entry.get("normalized") is True,
         )
         self._check_extent(accessor, what)
         return accessor

@@ -133,25 +133,25 @@ def _are_unit(normals: Array) -> bool:
 
 def value_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
     """Return what glTF can hold of attributes: vectors of more than four values are split."""
-    found: dict[str, Array] = {}
+    columns: dict[str, Array] = {}
     for name, values in attributes.items():
         if _reason(values):
             continue
         if values.ndim == 1 or (values.ndim == 2 and 2 <= values.shape[1] <= _WIDEST):
-            found[name] = values
+            columns[name] = values
         else:
             flat = values.reshape(len(values), -1)
             split = {f"{name}_{k}": column for k, column in enumerate(flat.T)}
-            twice = next((each for each in split if each in attributes or each in found), None)
+            twice = next((each for each in split if each in attributes or each in columns), None)
             if twice is not None:
                 raise FormatError(f"two attributes are named {twice!r}: rename one")
-            found |= split
-    return found
+            columns |= split
+    return columns
 
 
 def value_keys(names: Mapping[str, Array]) -> dict[str, str]:
     """Choose the name of each attribute in the file."""
-    found: dict[str, str] = {}
+    keys: dict[str, str] = {}
     numbers: Counter[str] = Counter()
     taken: set[str] = set()
     for name in names:
@@ -160,8 +160,8 @@ def value_keys(names: Mapping[str, Array]) -> dict[str, str]:
             numbers[base] += 1
             key = f"{base}_{numbers[base]}"
         taken.add(key)
-        found[name] = key
-    return found
+        keys[name] = key
+    return keys
 
 
 def names_note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dict[str, list[str]]:
@@ -171,13 +171,13 @@ def names_note(attributes: Mapping[str, Array], names: Mapping[str, str]) -> dic
 
 def dropped_attributes(attributes: Mapping[str, Array]) -> list[str]:
     """Name the attributes that a file does not hold, or not in full."""
-    found: list[str] = []
+    names: list[str] = []
     for name, values in sorted(attributes.items()):
         if why := _reason(values):
-            found.append(f"{name} ({why})")
+            names.append(f"{name} ({why})")
         elif not _is_exact(values):
-            found.append(f"double precision of {name}")
-    return found
+            names.append(f"double precision of {name}")
+    return names
 
 
 def _reason(values: Array) -> str:

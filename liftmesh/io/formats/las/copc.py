@@ -67,17 +67,19 @@ class Index:
             raise DamagedIndexError(f"{name}: COPC: points lie outside the cubes of their nodes")
 
     def _conditions(self, selection: Selection, *, boxed: bool) -> list[tuple[str, Array]]:
-        found: list[tuple[str, Array]] = []
+        conditions: list[tuple[str, Array]] = []
         if selection.resolution is not None:
             level = math.log2(self.spacing) - math.log2(selection.resolution)
-            found.append(("resolution", np.asarray(self.levels <= max(math.ceil(level - 1e-9), 0))))
+            conditions.append(
+                ("resolution", np.asarray(self.levels <= max(math.ceil(level - 1e-9), 0)))
+            )
         if selection.bbox is not None and boxed:
             box = np.array(selection.bbox).reshape(2, 2)
-            found.append(("bbox", _meet(self.low[:, :2], self.high[:, :2], *box)))
+            conditions.append(("bbox", _meet(self.low[:, :2], self.high[:, :2], *box)))
         if selection.z_range is not None and boxed:
             low, high = (np.array([each]) for each in selection.z_range)
-            found.append(("z_range", _meet(self.low[:, 2:], self.high[:, 2:], low, high)))
-        return found
+            conditions.append(("z_range", _meet(self.low[:, 2:], self.high[:, 2:], low, high)))
+        return conditions
 
 
 def _meet(low: Floats, high: Floats, wanted_low: Floats, wanted_high: Floats) -> Array:
@@ -111,8 +113,8 @@ class _Reading:
             raise self._error(f"a cube of {2 * half:g} around {centre}, points {spacing:g} apart")
         entries = self._entries(place, size)
         entries = entries[entries["points"] > 0]
-        found, numbers = self._of_chunks(entries, chunks)
-        key = found["key"]
+        nodes, numbers = self._of_chunks(entries, chunks)
+        key = nodes["key"]
         if len(key) and not (key[:, 0].min() >= 0 and key[:, 0].max() <= _DEEPEST):
             raise self._error("a node is of no level from 0 to 32")
         if len(np.unique(key, axis=0)) < len(key):
@@ -120,23 +122,23 @@ class _Reading:
         side = (2 * half / 2.0 ** key[:, 0])[:, None]
         margin = np.abs(self._header.scales)  # the places of points are rounded
         low = np.array(centre) - half + key[:, 1:] * side
-        points = found["points"].astype(np.int64)
+        points = nodes["points"].astype(np.int64)
         index = Index(spacing, numbers, key[:, 0], low - margin, low + side + margin, points)
-        index.check(numbers, self._first_points(found["place"].tolist()), 1, self._name)
+        index.check(numbers, self._first_points(nodes["place"].tolist()), 1, self._name)
         return index
 
     def _first_points(self, places: list[int]) -> Floats:
         """Return the first point of each chunk, which stands there as it is."""
-        found = bytearray()
+        points = bytearray()
         for place in places:
             self._stream.seek(self._begin + place)
-            found += read_exactly(self._stream, _FIRST.itemsize, self._name, "a chunk")
+            points += read_exactly(self._stream, _FIRST.itemsize, self._name, "a chunk")
         with np.errstate(over="ignore"):
-            return np.frombuffer(found, _FIRST)["xyz"] * self._header.scales + self._header.offsets
+            return np.frombuffer(points, _FIRST)["xyz"] * self._header.scales + self._header.offsets
 
     def _entries(self, place: int, size: int) -> Array:
         """Walk over the pages: each once, and all together within the file."""
-        pages, found, total, seen = [(place, size)], [], 0, set()
+        pages, parts, total, seen = [(place, size)], [], 0, set()
         while pages:
             place, size = pages.pop()
             total += size
@@ -153,8 +155,8 @@ class _Reading:
             if (more["size"] <= 0).any():
                 raise self._error("an entry leads to a page outside the file")
             pages += zip(more["place"].tolist(), more["size"].tolist(), strict=True)
-            found.append(entries[~is_page])
-        return np.concatenate(found)
+            parts.append(entries[~is_page])
+        return np.concatenate(parts)
 
     def _of_chunks(self, entries: Array, chunks: Chunks) -> tuple[Array, Array]:
         """Order nodes as the chunks are: each must be one, and each chunk with points a node."""

@@ -106,8 +106,8 @@ def with_colors(point_format: int, cloud: Cloud) -> int:
 def depth_of(cloud: Cloud) -> int | None:
     """Return the depth of colours: also of those that came from LAS by way of something else."""
     layout = cloud.metadata.get(LAYOUT)
-    found = layout.get(DEPTH) if isinstance(layout, Mapping) else None
-    return cloud.color_depth or (found if isinstance(found, int) else None)
+    depth = layout.get(DEPTH) if isinstance(layout, Mapping) else None
+    return cloud.color_depth or (depth if isinstance(depth, int) else None)
 
 
 def depth_to_state(cloud: Cloud) -> int | None:
@@ -240,11 +240,11 @@ class _Standard:
         wanted = f"floats of {8 * kind.itemsize} bits"
         self._check_numbers(name, values, wanted)
         with np.errstate(over="ignore", invalid="ignore"):
-            found = values.astype(kind)
+            converted = values.astype(kind)
             if values.dtype.kind == "f":
-                good = (found == values) | np.isnan(values)
+                good = (converted == values) | np.isnan(values)
             else:
-                good = np.abs(found) <= 2.0 ** (53 if kind.itemsize == 8 else 24)
+                good = np.abs(converted) <= 2.0 ** (53 if kind.itemsize == 8 else 24)
         if not good.all():
             raise self._unfit(name, values, wanted, int(np.argmin(good)))
 
@@ -291,12 +291,12 @@ class Extra:
 def described_extras(data: bytes, rest: int) -> list[Extra]:
     """Return the extra bytes that a record describes, as laspy takes them."""
     parts = [data[place : place + _SIZE] for place in range(0, len(data) - _SIZE + 1, _SIZE)]
-    found = [each for part in parts if (each := _described(part)) is not None]
-    left = rest - sum(each.kind.itemsize for each in found)
-    if len(found) < len(parts) or left < 0:
+    extras = [each for part in parts if (each := _described(part)) is not None]
+    left = rest - sum(each.kind.itemsize for each in extras)
+    if len(extras) < len(parts) or left < 0:
         return []
     unknown = np.dtype((np.uint8, (left,))) if left > 1 else np.dtype(np.uint8)
-    return [*found, *([Extra(UNDESCRIBED, unknown, b"")] if left else [])]
+    return [*extras, *([Extra(UNDESCRIBED, unknown, b"")] if left else [])]
 
 
 def new_extra(name: str, values: Array) -> Extra | None:

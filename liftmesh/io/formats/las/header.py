@@ -72,8 +72,10 @@ class LasHeader:
 
     def record(self, user: bytes, number: int) -> bytes | None:
         """Return the content of the first record of a user with a number."""
-        found = (each.data for each in self.records if (each.user, each.number) == (user, number))
-        return next(found, None)
+        contents = (
+            each.data for each in self.records if (each.user, each.number) == (user, number)
+        )
+        return next(contents, None)
 
 
 def read_header(stream: BinaryIO, name: str) -> LasHeader:

@@ -75,8 +75,8 @@ class Layout:
 
 def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> Layout:
     """Choose a layout."""
-    found = cloud.metadata.get(LAYOUT)
-    said = found if isinstance(found, Mapping) and is_layout(LAYOUT, found) else {}
+    entry = cloud.metadata.get(LAYOUT)
+    said = entry if isinstance(entry, Mapping) and is_layout(LAYOUT, entry) else {}
     kept = kept_vlrs(cloud.metadata)
     number = _point_format(cloud, said, point_format)
     known = _known_extras(kept)
@@ -106,9 +106,9 @@ def _point_format(cloud: Cloud, said: Mapping[str, Any], given: int | None) -> i
                 f"point_format is {given}, which has no colours: give {with_colors(given, cloud)}"
             )
         return given
-    found = said.get("point_format")
-    is_known = isinstance(found, int) and 0 <= found < len(POINT_SIZES)
-    return with_colors(found if is_known else _POINT_FORMAT, cloud)  # type: ignore[arg-type]
+    stated = said.get("point_format")
+    is_known = isinstance(stated, int) and 0 <= stated < len(POINT_SIZES)
+    return with_colors(stated if is_known else _POINT_FORMAT, cloud)  # type: ignore[arg-type]
 
 
 def _version(said: object, point_format: int) -> tuple[int, int]:
@@ -151,10 +151,10 @@ def _steps_at(
 
 def _coarsest(said: Mapping[str, Any]) -> list[float | None]:
     """Return the scales of coordinates that were transformed, which have no offset any longer."""
-    found = said.get("scale")
-    if not isinstance(found, list) or len(found) != 3 or "offset" in said:
+    scales = said.get("scale")
+    if not isinstance(scales, list) or len(scales) != 3 or "offset" in said:
         return [None] * 3
-    return [each if isinstance(each, float) and 0 < each < math.inf else None for each in found]
+    return [each if isinstance(each, float) and 0 < each < math.inf else None for each in scales]
 
 
 def _rounding(values: Any, scale: float) -> ScaleOffset:
@@ -185,8 +185,8 @@ def _known_extras(kept: Vlrs) -> list[Extra]:
         return []
     number, size = kept.header[104] & 0x3F, int.from_bytes(kept.header[105:107], "little")
     rest = size - POINT_SIZES[number] if number < len(POINT_SIZES) else 0
-    found = kept.of(*EXTRA_BYTES)
-    return described_extras(found[0].data if found else b"", rest) if rest > 0 else []
+    described = kept.of(*EXTRA_BYTES)
+    return described_extras(described[0].data if described else b"", rest) if rest > 0 else []
 
 
 def _records(
@@ -252,8 +252,8 @@ class ScaleOffset:
     def coordinates(self, numbers: Array) -> Floats:
         """Convert whole numbers to coordinates, as readers do."""
         with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-            found: Floats = numbers * self.scale + self.offset
-            return found
+            values: Floats = numbers * self.scale + self.offset
+            return values
 
 
 def steps_of(values: Floats, known: tuple[float, float] | None) -> ScaleOffset:

@@ -106,13 +106,13 @@ class _Reading:
     def _items(self, record: bytes, count: int) -> list[tuple[int, int]]:
         if len(record) < _HEAD.size + count * _ITEM.size:
             raise self._error(f"the record of its compression states {count:,} items, and ends")
-        found = [_ITEM.unpack_from(record, _HEAD.size + k * _ITEM.size) for k in range(count)]
-        total = sum(size for _, size, _ in found)
+        items = [_ITEM.unpack_from(record, _HEAD.size + k * _ITEM.size) for k in range(count)]
+        total = sum(size for _, size, _ in items)
         if total != self._header.point_size:
             raise self._error(
                 f"a point has {self._header.point_size} bytes, but its compressed items {total}"
             )
-        return [(kind, size) for kind, size, _ in found]
+        return [(kind, size) for kind, size, _ in items]
 
     def _table(self) -> tuple[int, int]:
         """Return the place of the table, and the number of chunks that it lists."""

@@ -77,14 +77,14 @@ class Points:
         while done < self._header.points:
             wanted = min(size, self._header.points - done)
             with self._decoding(f"points from {done:,} on"):
-                found = self._reader.read_points(wanted)
-            if len(found) != wanted:
+                record = self._reader.read_points(wanted)
+            if len(record) != wanted:
                 raise FormatError(
-                    f"{self._name}: the file ends after {done + len(found):,} of "
+                    f"{self._name}: the file ends after {done + len(record):,} of "
                     f"{self._header.points:,} points: it is truncated"
                 )
             done += wanted
-            yield found
+            yield record
 
     def blocks_of(self, nodes: Sequence[int]) -> Iterator[Any]:
         """Decode some chunks of a COPC file: records of laspy, of chunks of `BLOCK` points."""

@@ -57,7 +57,7 @@ def read_las(
 def _selected(file: _File, selection: Selection, name: str) -> Cloud:
     """Read the rows that are selected, of COPC the nodes that may have any."""
     try:
-        found, has_ground = _part(file, selection, name, boxed=True)
+        cloud, has_ground = _part(file, selection, name, boxed=True)
     except DamagedIndexError as damage:
         if file.index is None:
             raise
@@ -66,7 +66,7 @@ def _selected(file: _File, selection: Selection, name: str) -> Cloud:
     is_part = file.index is not None and not (selection.bbox is None and selection.z_range is None)
     if selection.classes == "ground" and is_part and not has_ground:
         return _part(file, selection, name, boxed=False)[0]  # is there any beyond the box?
-    return found
+    return cloud
 
 
 def _part(file: _File, selection: Selection, name: str, *, boxed: bool) -> tuple[Cloud, bool]:

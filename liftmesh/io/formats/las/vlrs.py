@@ -75,8 +75,8 @@ class Vlrs:
 
 def kept_vlrs(metadata: Mapping[str, Any]) -> Vlrs:
     """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
-    found = metadata.get(ENTRY)
-    values = [found.get(key) for key in _PARTS] if isinstance(found, Mapping) else []
+    entry = metadata.get(ENTRY)
+    values = [entry.get(key) for key in _PARTS] if isinstance(entry, Mapping) else []
     parts = [each for each in values if isinstance(each, bytes)]
     if len(parts) < len(_PARTS):
         return Vlrs()
@@ -105,14 +105,14 @@ def make_record(user: bytes, number: int, data: bytes, description: bytes) -> Re
 
 def replace_records(records: Iterable[Record], new: Record | None, *olds: Record) -> list[Record]:
     """Put a record in the place of the first of some others, or at the end; they are left out."""
-    found: list[Record] = []
+    kept: list[Record] = []
     for each in records:
         if not any(each is old for old in olds):
-            found.append(each)
+            kept.append(each)
         elif new is not None:
-            found.append(new)
+            kept.append(new)
             new = None
-    return found if new is None else [*found, new]
+    return kept if new is None else [*kept, new]
 
 
 PROJECTION, LIBLAS = b"LASF_Projection", b"liblas"
@@ -121,36 +121,38 @@ WKT = 2112
 
 def crs_of(records: Iterable[Record], *, is_wkt: bool) -> str | None:
     """Return the coordinate system as `Cloud.crs` holds it; None if there is none."""
-    found = _first(records)
-    wkt = _text(found.get((PROJECTION, WKT)))
+    contents = _first(records)
+    wkt = _text(contents.get((PROJECTION, WKT)))
     if is_wkt and wkt:
         return wkt
-    keys, _ = crs_of_geokeys(found.get((PROJECTION, KEYS)))
-    text = keys or wkt or (None if is_wkt else _text(found.get((LIBLAS, WKT))))
-    return text or _made_up(found, is_wkt=is_wkt)[0]
+    keys, _ = crs_of_geokeys(contents.get((PROJECTION, KEYS)))
+    text = keys or wkt or (None if is_wkt else _text(contents.get((LIBLAS, WKT))))
+    return text or _made_up(contents, is_wkt=is_wkt)[0]
 
 
 def refused(records: Iterable[Record], *, is_wkt: bool) -> tuple[str, ...]:
     """Name GeoKeys that contradict themselves or are not understood, unless they do not count."""
     records = [*records]
-    found = _first(records)
-    _, cause = crs_of_geokeys(found.get((PROJECTION, KEYS)))
+    contents = _first(records)
+    _, cause = crs_of_geokeys(contents.get((PROJECTION, KEYS)))
     if not cause and crs_of(records, is_wkt=is_wkt) is None:
-        cause = _made_up(found, is_wkt=is_wkt)[1]
+        cause = _made_up(contents, is_wkt=is_wkt)[1]
     return (cause,) if cause and not is_wkt else ()
 
 
-def _made_up(found: Mapping[tuple[bytes, int], bytes], *, is_wkt: bool) -> tuple[str | None, str]:
+def _made_up(
+    contents: Mapping[tuple[bytes, int], bytes], *, is_wkt: bool
+) -> tuple[str | None, str]:
     """Return the system that GeoKeys make up of parameters, or why there is none."""
-    records = {key: found[PROJECTION, key] for key in OF_KEYS if (PROJECTION, key) in found}
+    records = {key: contents[PROJECTION, key] for key in OF_KEYS if (PROJECTION, key) in contents}
     return wkt_of(records) if not is_wkt and has_parameters(records.get(KEYS)) else (None, "")
 
 
 def _first(records: Iterable[Record]) -> dict[tuple[bytes, int], bytes]:
-    found: dict[tuple[bytes, int], bytes] = {}
+    contents: dict[tuple[bytes, int], bytes] = {}
     for each in records:
-        found.setdefault((each.user, each.number), each.data)
-    return found
+        contents.setdefault((each.user, each.number), each.data)
+    return contents
 
 
 def _text(data: bytes | None) -> str | None:
@@ -167,13 +169,13 @@ _MOST_JSON = 1 << 19  # characters
 
 def liftmesh_record(cloud: Cloud, crs: str | None, depth: int | None) -> Record | None:
     """Make the record; None if there is nothing to say."""
-    found: dict[str, Any] = {}
+    statement: dict[str, Any] = {}
     entries = {k: v for k, v in metadata.storable(cloud.metadata).items() if not is_layout(k, v)}
-    found |= {"metadata": entries} if entries else {}
+    statement |= {"metadata": entries} if entries else {}
     if cloud.crs is not None and cloud.crs != crs:
-        found["crs"] = [cloud.crs, _checksum(crs)]
-    found |= {} if depth is None else {DEPTH: depth}
-    data = json.dumps(found, sort_keys=True).encode() if found else b""
+        statement["crs"] = [cloud.crs, _checksum(crs)]
+    statement |= {} if depth is None else {DEPTH: depth}
+    data = json.dumps(statement, sort_keys=True).encode() if statement else b""
     return make_record(*LIFTMESH_VLR, data, _DESCRIPTION) if data else None
 
 
@@ -188,11 +190,11 @@ class LiftmeshVlr:
 
     def __init__(self, records: Iterable[Record]) -> None:
         mine = (each.data for each in records if (each.user, each.number) == LIFTMESH_VLR)
-        found = _parsed(next(mine, b""))
-        self.metadata: dict[str, Any] = _entries(found.get("metadata"))
-        depth = found.get(DEPTH)
+        statement = _parsed(next(mine, b""))
+        self.metadata: dict[str, Any] = _entries(statement.get("metadata"))
+        depth = statement.get(DEPTH)
         self.color_depth = depth if depth in (8, 16) else None
-        self._crs = found.get("crs")
+        self._crs = statement.get("crs")
 
     def crs(self, text: str | None) -> str | None:
         """Return what the cloud said of its coordinate system, if the file still says the same."""
@@ -207,10 +209,10 @@ def _checksum(text: str | None) -> int | None:
 
 def _entries(value: object) -> dict[str, Any]:
     text = json.dumps(value) if isinstance(value, dict) else ""
-    found = metadata.parsed(text) or {}
-    return {key: each for key, each in found.items() if key not in (LAYOUT, ENTRY)}
+    entries = metadata.parsed(text) or {}
+    return {key: each for key, each in entries.items() if key not in (LAYOUT, ENTRY)}
 
 
 def _parsed(data: bytes) -> dict[str, Any]:
-    found = parsed_or_none(data) if len(data) <= _MOST_JSON else None
-    return found if isinstance(found, dict) else {}
+    statement = parsed_or_none(data) if len(data) <= _MOST_JSON else None
+    return statement if isinstance(statement, dict) else {}

@@ -76,18 +76,18 @@ def write_las(
 def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
     """Return what is not kept of a cloud: values without a place, bits of coordinates, colours."""
     layout = layout_of(cloud, options.get("scale"), options.get("point_format"))
-    found = [*layout.fields.lost]
+    parts = [*layout.fields.lost]
     if not all(each.near for each in layout.steps):
-        found.append("float64")
+        parts.append("float64")
     elif not all(each.exact for each in layout.steps):
-        found.append(_LAST_BITS)
+        parts.append(_LAST_BITS)
     said = cloud.metadata.get(LAYOUT)
     if isinstance(said, Mapping) and "copc" in said:
-        found.append("the index of COPC")
+        parts.append("the index of COPC")
     colors = cloud.colors
     if colors is not None and not _is_16_bits(colors[:, :3], depth_of(cloud)):
-        found.append("deep_colors")
-    return found
+        parts.append("deep_colors")
+    return parts
 
 
 def check(cloud: Cloud) -> None:
@@ -98,10 +98,10 @@ def check(cloud: Cloud) -> None:
 def _is_16_bits(colors: Array, depth: int | None) -> bool:
     if colors.dtype.itemsize <= 2 and colors.dtype.kind == "u":
         return True
-    found = levels(colors, depth) / np.float64(65535.0)
+    again = levels(colors, depth) / np.float64(65535.0)
     if colors.dtype.kind == "f":
-        found = found.astype(colors.dtype).astype(np.float64)
-    return np.array_equal(found, as_float(colors))
+        again = again.astype(colors.dtype).astype(np.float64)
+    return np.array_equal(again, as_float(colors))
 
 
 def _has_waves(cloud: Cloud) -> bool:
@@ -202,11 +202,11 @@ class _Header:
         for k, steps in enumerate(layout.steps):
             column = cloud.points[:, k]
             ends = np.array([column.max(), column.min()] if len(cloud) else [0.0, 0.0])
-            found = steps.coordinates(steps.numbers(ends))
+            bounds = steps.coordinates(steps.numbers(ends))
             place = 179 + 16 * k
             before = struct.unpack_from("<2d", self.data, place)
-            if not self._before or not (np.abs(found - before) < abs(steps.scale)).all():
-                self._set("<2d", place, *found)
+            if not self._before or not (np.abs(bounds - before) < abs(steps.scale)).all():
+                self._set("<2d", place, *bounds)
 
 
 def _counts_of(header: bytes) -> tuple[int, list[int], list[int]]:

@@ -117,7 +117,7 @@ class _Reading:
             yield from self._body.tables(element, names)
         else:
             for block in self._body.lists(element, names):
-                yield {name: found.values for name, found in block.items()}
+                yield {name: column.values for name, column in block.items()}
 
     def _no_vertices(self) -> FormatError:
         return FormatError(f"{self._name}: the header has no vertex element")

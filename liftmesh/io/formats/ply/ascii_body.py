@@ -46,11 +46,11 @@ class AsciiBody:
         for block in self._lines_of(element):
             numbers = ragged_numbers(block, self._name)
             places = _located(element, numbers, block, self._name)
-            found = {
+            columns = {
                 each.name: self._list(each, numbers.values, located, block.numbers)
                 for each, located in zip(element.properties, places, strict=True)
             }
-            yield {name: found[name] for name in names}
+            yield {name: columns[name] for name in names}
 
     def check_end(self) -> None:
         """Raise for rows beyond those that the header promises: they would be lost."""
@@ -97,13 +97,13 @@ def _located(
     ends = np.cumsum(numbers.sizes)
     position = ends - numbers.sizes
     wrong = np.zeros(len(ends), dtype=bool)
-    found: list[tuple[Integers, Integers]] = []
+    places: list[tuple[Integers, Integers]] = []
     for each in element.properties:
         sizes = np.ones(len(ends), dtype=np.int64)
         if each.length is not None:
             sizes = _lengths(numbers.values, position, ends, wrong)
             position = position + 1
-        found.append((position, sizes))
+        places.append((position, sizes))
         position = position + sizes
         wrong |= position > ends
         np.minimum(position, ends, out=position)
@@ -113,7 +113,7 @@ def _located(
             f"{name}: line {block.numbers[np.argmax(wrong)]}: lists in this row of element "
             f"{element.name} do not have the lengths given before them"
         )
-    return found
+    return places
 
 
 def _lengths(values: Array, position: Integers, ends: Integers, wrong: Mask) -> Integers:

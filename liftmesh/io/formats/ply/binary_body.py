@@ -178,12 +178,12 @@ class ListRows:
                     count = min(int(np.argmax(differ)), count)
         if count < min(_ALIKE, whole):
             return None
-        found = {
+        columns = {
             each.name: Ragged.uniform(table[f"v{number}"][:count], each.length)
             for number, each in enumerate(self._properties)
             if each.name in names
         }
-        return Part(count, position + count * layout.itemsize, found)
+        return Part(count, position + count * layout.itemsize, columns)
 
     def _layout(self, sizes: tuple[int, ...]) -> np.dtype:
         if sizes not in self._tables:
@@ -199,15 +199,15 @@ class ListRows:
         widths = before[:, -1] + self.least
         starts = position + np.cumsum(widths) - widths
         octets = np.frombuffer(data, np.uint8)
-        found: dict[str, Ragged] = {}
+        columns: dict[str, Ragged] = {}
         for each, (offset, lists) in zip(self._properties, self._offsets, strict=True):
             if each.name in names:
                 one = np.broadcast_to(np.int64(1), len(sizes))
                 size = one if each.length is None else sizes[:, lists]
                 begins = starts + before[:, lists] + offset
                 taken = gathered(octets, begins, size * each.dtype.itemsize).view(each.dtype)
-                found[each.name] = Ragged(_narrow(size, each), taken)
-        return Part(len(sizes), end, found)
+                columns[each.name] = Ragged(_narrow(size, each), taken)
+        return Part(len(sizes), end, columns)
 
     def _stepped(self, data: bytes, position: int, most: int) -> tuple[list[int], int]:
         """Step through whole rows: the lengths of their lists, and where the last row ends."""

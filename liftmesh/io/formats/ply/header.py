@@ -208,13 +208,13 @@ def property_names(attributes: Collection[str], columns: Collection[str]) -> dic
     meant = {*columns, *_with_a_meaning(attributes, columns)}
     # A made name may complete no group either: it is never that of a column.
     taken = {*columns, *POSITION, *NORMAL, *COLOR, ALPHA, *filter(_is_valid, attributes)}
-    found: dict[str, str] = {}
+    properties: dict[str, str] = {}
     numbers: Counter[str] = Counter()
     for name in attributes:
         is_kept = _is_valid(name) and name not in meant
-        found[name] = name if is_kept else _free(_valid(name), taken, numbers)
-        taken.add(found[name])
-    return found
+        properties[name] = name if is_kept else _free(_valid(name), taken, numbers)
+        taken.add(properties[name])
+    return properties
 
 
 def name_statements(properties: Mapping[str, str]) -> list[str]:
@@ -232,16 +232,16 @@ def old_names(
     others: list[str] = []
     known = set(properties)
     for comment in comments:
-        found = _OLD_NAME.fullmatch(comment)
+        match = _OLD_NAME.fullmatch(comment)
         name = (
-            parsed_or_none(found[2])
-            if found and found[1] in known and found[1] not in names
+            parsed_or_none(match[2])
+            if match and match[1] in known and match[1] not in names
             else None
         )
-        if found is None or not isinstance(name, str) or name in used:
+        if match is None or not isinstance(name, str) or name in used:
             others.append(comment)
         else:
-            names[found[1]] = name
+            names[match[1]] = name
             used.add(name)
     return names, others
 
@@ -265,11 +265,11 @@ def _valid(name: str) -> str:
 
 def _free(name: str, taken: Collection[str], numbers: Counter[str]) -> str:
     """Number a name if it is taken, from the last of its numbers on."""
-    found = name
-    while found in taken:
+    candidate = name
+    while candidate in taken:
         numbers[name] += 1
-        found = f"{name}_{numbers[name]}"
-    return found
+        candidate = f"{name}_{numbers[name]}"
+    return candidate
 
 
 def depth_statement(colors: Array | None) -> list[str]:
@@ -285,10 +285,10 @@ def depth_of_comments(
     depth: int | None = None
     others: list[str] = []
     for comment in comments:
-        found = _STATED_DEPTHS.get(comment)
-        is_of_type = color is not None and color.kind == "u" and found == 8 * color.itemsize
-        if found is None or not is_of_type:
+        stated = _STATED_DEPTHS.get(comment)
+        is_of_type = color is not None and color.kind == "u" and stated == 8 * color.itemsize
+        if stated is None or not is_of_type:
             others.append(comment)
         else:
-            depth = found
+            depth = stated
     return depth, others

@@ -83,8 +83,8 @@ def _columns(cloud: Cloud, *, exact: bool) -> dict[str, Array]:
 
 def renamed_properties(cloud: Cloud) -> dict[str, str]:
     """Return the property of each attribute whose name PLY cannot hold."""
-    found = property_names(_names(_numeric(cloud.attributes)), _columns_of(cloud))
-    return {name: new for name, new in found.items() if name != new}
+    properties = property_names(_names(_numeric(cloud.attributes)), _columns_of(cloud))
+    return {name: new for name, new in properties.items() if name != new}
 
 
 def _columns_of(cloud: Cloud) -> list[str]:

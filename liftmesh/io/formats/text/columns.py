@@ -42,12 +42,12 @@ class Columns:
     def mapping(self) -> dict[str, str]:
         """The name in the table of each part of a point, with the sign of depths."""
         pairs = zip(self.names, self.given, strict=True)
-        found = {
+        parts = {
             name: f"-{given}" if k == self.negated else given
             for k, (name, given) in enumerate(pairs)
             if name in PARTS and k not in self.left_out
         }
-        return {part: found[part] for part in PARTS if part in found}
+        return {part: parts[part] for part in PARTS if part in parts}
 
     def warn(self) -> None:
         """Warn of what the names tell about units, and most users do not want."""
@@ -221,18 +221,18 @@ class _Choice:
         )
 
 
-def _planar(found: Sequence[Meaning]) -> list[str]:
+def _planar(meanings: Sequence[Meaning]) -> list[str]:
     """Return the parts of a point that names mean, each name by itself but for E, N and H."""
-    parts = [each.part for each in found]
+    parts = [each.part for each in meanings]
     grid = {"e": "x", "n": "y", "h": "z"} if {"e", "n"} <= {*parts} else {}
     angles = {"lon": "x", "lat": "y"} if {"lon", "lat"} <= {*parts} else {}
     known = {"e": "", "n": "", "h": "", "lon": "x", "lat": "y", "depth": ""} | grid | angles
     return [known.get(part, part) for part in parts]
 
 
-def _complete(found: Sequence[Meaning]) -> list[str]:
+def _complete(meanings: Sequence[Meaning]) -> list[str]:
     """Leave only groups that are complete: a column R alone is no colour."""
-    parts = _planar(found)
+    parts = _planar(meanings)
     for group in _GROUPS:
         if not {*group[:3]} <= {*parts}:
             parts = ["" if part in group else part for part in parts]
@@ -263,9 +263,9 @@ def _turned(names: Sequence[str], given: Sequence[str], options: TableOptions) -
     )
 
 
-def _notes(names: Sequence[str], found: Sequence[Meaning]) -> Iterator[str]:
+def _notes(names: Sequence[str], meanings: Sequence[Meaning]) -> Iterator[str]:
     """Say what a table tells about its units that its user should know."""
-    by_part: Mapping[str, Meaning] = dict(zip(names, found, strict=True))
+    by_part: Mapping[str, Meaning] = dict(zip(names, meanings, strict=True))
     planar = [by_part[each] for each in ("x", "y")]
     if any(each.part in ("lon", "lat") or each.unit == "degrees" for each in planar):
         yield DEGREES

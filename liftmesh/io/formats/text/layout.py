@@ -111,8 +111,8 @@ def sniff(
     """Detect the layout from the first line that is not a comment, and the comment before it."""
     most = most_columns(max_bytes)
     if len(first) >= most:  # a shorter line has no more values
-        found = values_at_most(first, options.delimiter)
-        check_columns(found, max_bytes, where, f"a row of {found:,} values")
+        count = values_at_most(first, options.delimiter)
+        check_columns(count, max_bytes, where, f"a row of {count:,} values")
     delimiter = _delimiter(first, options)
     first = without_remark(first)
     values = split(first, delimiter, where)
@@ -128,8 +128,8 @@ def sniff(
 
 def stated_separator(line: str) -> str | None:
     """Return the delimiter that a line ``sep=;`` states; None for any other line."""
-    found = _SEPARATOR.fullmatch(line.strip('"'))
-    return found[1] if found else None
+    match = _SEPARATOR.fullmatch(line.strip('"'))
+    return match[1] if match else None
 
 
 def before_remark(line: str) -> bool:
@@ -201,8 +201,8 @@ def split(text: str, delimiter: str | None, where: str) -> list[str]:
     if '"' not in text:
         return [value.strip() for value in text.split(delimiter)]
     if delimiter is None:
-        found = (match.groups(default="") for match in _WORDS.finditer(text))
-        return [(quoted.replace('""', '"') or bare).strip() for quoted, bare in found]
+        pairs = (match.groups(default="") for match in _WORDS.finditer(text))
+        return [(quoted.replace('""', '"') or bare).strip() for quoted, bare in pairs]
     try:
         rows = [*csv.reader([text], delimiter=delimiter, skipinitialspace=True, strict=True)]
     except csv.Error as error:
@@ -215,8 +215,8 @@ def split(text: str, delimiter: str | None, where: str) -> list[str]:
 
 def without_remark(text: str) -> str:
     """Cut off a comment behind a row: a # with a blank on each side, outside quotes."""
-    found = _REMARK.search(text) if "#" in text else None
-    return text if found is None or text.count('"', 0, found.start()) % 2 else text[: found.start()]
+    match = _REMARK.search(text) if "#" in text else None
+    return text if match is None or text.count('"', 0, match.start()) % 2 else text[: match.start()]
 
 
 def with_point(value: str) -> str:

@@ -83,11 +83,11 @@ def meaning(name: str) -> Meaning:
 def _without_unit(text: str) -> tuple[str, str]:
     """Split off the unit; other words in brackets stay."""
     for pattern in (_BRACKETED, _BEHIND):
-        found = pattern.search(text)
-        said = found[1].casefold() if found else ""
+        match = pattern.search(text)
+        said = match[1].casefold() if match else ""
         unit = _UNITS.get(said) or _UNITS.get(said.partition(" ")[0])  # m above sea level
-        if found and unit:
-            return text[: found.start()] + text[found.end() :], unit
+        if match and unit:
+            return text[: match.start()] + text[match.end() :], unit
     return text, ""
 
 

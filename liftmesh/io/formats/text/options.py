@@ -9,13 +9,12 @@ in Python.
 from __future__ import annotations
 
 import codecs
-import operator
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_count, shown
 from liftmesh.errors import InputError
 from liftmesh.io.missing import Missing, as_missing
 
@@ -71,7 +70,7 @@ def validate_table_options(  # noqa: PLR0913 - one for each option
         flat=flat,
         delimiter=_delimiter(delimiter),
         decimal=_decimal(decimal),
-        skip_rows=_count("skip_rows", skip_rows),
+        skip_rows=as_count("skip_rows", skip_rows, 0),
         header=header,
         missing=as_missing(nodata),
         end=_text("end", end),
@@ -135,16 +134,6 @@ def _invalid(columns: object) -> InputError:
 def _check_flag(name: str, value: object) -> None:
     if not isinstance(value, bool):
         raise InputError(f"{name} is {shown(value)}: give True or False")
-
-
-def _count(name: str, value: Any) -> int:
-    try:
-        count = -1 if isinstance(value, bool) else operator.index(value)
-    except TypeError:
-        count = -1
-    if count < 0:
-        raise InputError(f"{name} is {shown(value)}: give a whole number from 0")
-    return count
 
 
 def _text(name: str, value: object) -> str | None:

@@ -181,8 +181,8 @@ class TableValues:
         if k is not None and not self.text:
             return FormatError(f"{where}, value {k + 1}: {quoted(values[k])} is not a number")
         marks = text.count(self._delimiter) + 1 if self._delimiter else values_at_most(text)
-        found = len(values) if '"' in text and values else marks
-        return FormatError(f"{where}: expected {self._width} values, found {found:,}")
+        count = len(values) if '"' in text and values else marks
+        return FormatError(f"{where}: expected {self._width} values, found {count:,}")
 
     def _column(self, k: int, values: Sequence[str], block: Block) -> Sequence[str]:
         """Return plain numbers for the values of a column; NaN for all if it holds text."""
@@ -200,10 +200,10 @@ class TableValues:
         if "" not in plain:
             self._check_points(values, block)
             return plain
-        found = Found(values[plain.index("")], int(block.numbers[plain.index("")]))
+        word = Found(values[plain.index("")], int(block.numbers[plain.index("")]))
         if k in self._required:
-            raise self._not_a_number(k, found)
-        self.text[k] = found
+            raise self._not_a_number(k, word)
+        self.text[k] = word
         if held or any(value not in ("", _NAN) for value in plain):
             self.mixed.add(k)
         return [_NAN] * len(values)
@@ -219,15 +219,15 @@ class TableValues:
         number = with_point(value)
         if not number or self._decimal == ".":
             return ""
-        found = Found(value, int(block.numbers[at]))
+        word = Found(value, int(block.numbers[at]))
         if self._decimal is None and self._delimiter is None:
             raise FormatError(
-                f"{self._name}: line {found.line}: {quoted(value)} is a number with a decimal "
+                f"{self._name}: line {word.line}: {quoted(value)} is a number with a decimal "
                 "comma, or two numbers: read it with decimal=',', or with delimiter=','"
             )
         if self._decimal is None and self._point is not None:
-            raise self._mixed(found, self._point)
-        self.commas = self.commas or found
+            raise self._mixed(word, self._point)
+        self.commas = self.commas or word
         self._ungrouped = self._ungrouped or not may_be_grouped(value)
         return number
 
@@ -248,23 +248,23 @@ class TableValues:
             "or a text was taken for a number: read it with decimal=',' or with decimal='.'"
         )
 
-    def _not_a_number(self, k: int, found: Found) -> FormatError:
-        hint = self._hint(k, found)
+    def _not_a_number(self, k: int, word: Found) -> FormatError:
+        hint = self._hint(k, word)
         return FormatError(
-            f"{self._name}: line {found.line}, value {k + 1}: {quoted(found.value)} is not a "
+            f"{self._name}: line {word.line}, value {k + 1}: {quoted(word.value)} is not a "
             f"number{hint and ': '}{hint}"
         )
 
-    def _hint(self, k: int, found: Found) -> str:
+    def _hint(self, k: int, word: Found) -> str:
         """Say what a coordinate that is text may be, and how to read the table then."""
-        if found.value.lower() in _MISSING:
-            return f"if it stands for a missing value, read it with nodata='{found.value}'"
-        if _GROUPED.fullmatch(found.value):
+        if word.value.lower() in _MISSING:
+            return f"if it stands for a missing value, read it with nodata='{word.value}'"
+        if _GROUPED.fullmatch(word.value):
             return "save it without the marks between thousands"
         names = spelled(self._columns.given)
-        is_first = found.line == self._first_line
+        is_first = word.line == self._first_line
         if self._columns.said and names and is_first:
-            return f"if the line holds units, read it with skip_rows={found.line} and {names}"
+            return f"if the line holds units, read it with skip_rows={word.line} and {names}"
         if self._columns.said or self._width <= 2:
             return ""
         if k == 0:

@@ -1,0 +1,22 @@
+"""Names of the files beside a shard."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from liftmesh.tiles import manifest
+
+NAMES = [
+    (manifest.vertices_name, "tile-00007-vertices.npy"),
+    (manifest.faces_name, "tile-00007-faces.npy"),
+    (manifest.neighbors_name, "tile-00007-neighbors.npy"),
+    (manifest.links_name, "tile-00007-links.npy"),
+]
+
+
+@pytest.mark.parametrize(("name", "expected"), NAMES)
+@pytest.mark.parametrize("suffix", ["npy", "parquet", "ply"])
+def test_files_beside_a_shard(name: Callable[[str], str], expected: str, suffix: str) -> None:
+    assert name(f"tile-00007.{suffix}") == expected
