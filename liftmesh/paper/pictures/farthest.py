@@ -33,12 +33,13 @@ from liftmesh.paper.pictures.style import (
     styled,
 )
 from liftmesh.paper.pictures.weighted import cell_sides
-from liftmesh.planar.delaunay import solve_farthest
-from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.delaunay import solve_farthest, triangulation_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from liftmesh.planar.triangulation import Triangulation
 
 COUNT = 26
 _SHOWN = (0, 2)  # of the circles, which are sorted by their size
@@ -58,8 +59,7 @@ def example_points() -> Floats:
 def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
     """Compute the farthest-point Delaunay triangulation."""
     solution = solve_farthest(points)
-    hidden = solution.pop("hidden")
-    return Triangulation(**solution), hidden
+    return triangulation_of(solution), solution.hidden
 
 
 @styled
