@@ -253,6 +253,7 @@ def _shown(value: Any) -> str:
 
 def as_reals(values: ArrayLike) -> Floats:
     """Convert the numbers of an option to float64."""
+    # NumPy alone drops imaginary parts, and takes texts, bytes and times for numbers.
     array = np.asarray(values)
     objects = array.ravel() if array.dtype.kind == "O" else ()
     if array.dtype.kind in "cSUmM" or any(isinstance(each, _NO_REALS) for each in objects):

@@ -39,7 +39,12 @@ _announced: list[BaseException] = []
 
 
 class _Guard:
-    """Replaces the handlers of signals for the duration of a block."""
+    """Replaces the handlers of signals for the duration of a block, in the main thread."""
+
+    # Handlers are replaced and restored one by one, and a signal may come between any two steps.
+    # Blocking signals would not help: another thread gets them then, and Python calls the handler
+    # in the main thread all the same. So what a handler raises in between is remembered until all
+    # are restored, and a signal that this guard hears in between waits until then.
 
     def __init__(self, *, defers: bool) -> None:
         self._defers = defers

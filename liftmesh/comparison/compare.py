@@ -112,6 +112,7 @@ def _triangulate(
     source: object, plane: ArrayLike, nonfinite: NonFinite
 ) -> tuple[Triangulation, float]:
     """Return the triangulation and its time; a given one is recomputed to measure the time."""
+    # The new one stands for a given one to whose triangles the caller may have written.
     check_option("nonfinite", nonfinite, NonFinite)
     if isinstance(source, Surface):
         source = source.triangulation

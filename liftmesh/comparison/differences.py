@@ -32,11 +32,11 @@ class Differences:
     """Differences between two sets of triangles."""
 
     identical: int
-    cocircular: int
-    cells: int
-    missing: Indices
-    wrong: Indices
-    wrong_cell: Rows
+    cocircular: int  # triangles of one set that the other replaces by as many in the same cell
+    cells: int  # such cells
+    missing: Indices  # of liftmesh's triangles, those really different
+    wrong: Indices  # of trimesh's lower facets
+    wrong_cell: Rows  # the cell that contains each of them; -1: its circle is not empty
 
 
 def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
@@ -61,7 +61,9 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
 
 
 def match_triangles(simplices: Rows, facets: Rows) -> Indices:
-    """Find each facet among the triangles of a triangulation."""
+    """Find each facet among the triangles of a triangulation; -1 for none."""
+    # Begun at its lowest row, a counter-clockwise triangle is identified by its first directed
+    # edge: in a triangulation only one triangle lies to the left of it.
     if len(simplices) == 0 or len(facets) == 0:
         return np.full(len(facets), -1, dtype=np.intp)
     edge, apex = _first_edge(simplices)
@@ -102,8 +104,8 @@ class Cells:
     """The cells of a triangulation."""
 
     simplices: Rows
-    labels: Rows
-    violations: Indices
+    labels: Rows  # the cell of each triangle
+    violations: Indices  # (v, 2), a triangle and a neighbour's apex strictly inside its circle
 
     @cached_property
     def count(self) -> int:
@@ -119,7 +121,7 @@ class Cells:
         return np.unique(rows * self.count + np.repeat(self.labels[chosen], 3))
 
     def containing(self, triangles: Rows) -> Rows:
-        """Find the cell of two or more triangles that has all three corners of a triangle."""
+        """Find the cell of two or more triangles that has all corners of each; -1 for none."""
         low = np.searchsorted(self._corners, triangles * np.int64(self.count))
         high = np.searchsorted(self._corners, (triangles + np.int64(1)) * self.count)
         # Candidates are the cells of the corner with the fewest; all three must have the cell.

@@ -42,12 +42,12 @@ _NO_FACETS = np.empty((0, 3), dtype=np.int32)
 class HullFacets:
     """The facets of trimesh's hull in the caller's rows."""
 
-    facets: Rows
-    lower: Rows
+    facets: Rows  # outward
+    lower: Rows  # counter-clockwise seen from above
     vertical: int
-    coincident: int
+    coincident: int  # rows equal to another once centred and lifted
     seconds: float
-    error: str | None = None
+    error: str | None = None  # why there is no hull
 
 
 def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFacets:
@@ -115,6 +115,7 @@ def _first_line(error: Exception) -> str:
 
 def _match(lifted: Floats, vertices: Floats) -> tuple[Indices, int]:
     """Return the first row of ``lifted`` equal to each vertex, and the number of repeated rows."""
+    # A stable sort of both together makes equal triples adjacent, rows first.
     both = np.concatenate([lifted, vertices])
     order = np.lexsort((both[:, 2], both[:, 1], both[:, 0]))
     is_new = starts_of_runs(both[order])

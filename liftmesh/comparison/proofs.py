@@ -53,9 +53,9 @@ class Proof:
     """An exact statement about one triangle."""
 
     claim: Claim
-    rows: tuple[int, int, int]
-    determinants: tuple[tuple[int, Fraction], ...]
-    tested: int
+    rows: tuple[int, int, int]  # counter-clockwise
+    determinants: tuple[tuple[int, Fraction], ...]  # of the row inside, or of those across edges
+    tested: int  # other points, all exactly
 
     def __str__(self) -> str:
         row, value = self.determinants[0] if self.determinants else (-1, Fraction(0))

@@ -100,12 +100,12 @@ def without_files(crs: str) -> str | None:
 
 
 def is_number(crs: str) -> bool:
-    """Whether a text is the number of a system."""
+    """Whether a text is the number of a system, as EPSG:n, ESRI:n, IAU_2015:n, or its URN."""
     return bool(_NUMBER.fullmatch(crs))
 
 
 def urn_of(crs: str) -> str:
-    """Name a system as other programs know it."""
+    """Name a system by a URN, if the text is a number or names its own; else by the text."""
     if number := _NUMBER.fullmatch(crs.strip()):
         authority, code = number["authority"].upper(), number["code"]
         return f"{authority}:{code}" if "+" in code else f"urn:ogc:def:crs:{authority}::{code}"

@@ -29,13 +29,16 @@ class Operation:
 
     change: Any
     keeps_heights: bool
+    # The "operation" as PROJ names it, and its "accuracy" in metres, or None; if one that is more
+    # accurate lacks its grid, "better", its name, with "better_accuracy" and "grid", the file.
     told: dict[str, Any]
 
 
 def transform(
     points: Floats, crs: str | None, target: str, chosen: dict[str, Operation] | None = None
 ) -> tuple[Floats, dict[str, Any]]:
-    """Transform coordinates to another system, by pyproj."""
+    """Transform coordinates, x before y whatever the systems say; `chosen` serves a whole file."""
+    # The operation is that for the place of the first row, so there is no step among rows.
     if crs is None:
         raise InputError(
             "to_crs= needs the coordinate system of the points, which is not stated: read them "

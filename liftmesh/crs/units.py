@@ -58,6 +58,9 @@ def band_unit(cloud: Placed) -> Unit | None:
 
 def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     """Return what heights are multiplied by before and after a transformation to another system."""
+    # A transformation takes heights for those that the systems state. Where a band says another
+    # unit than its system, they are converted to that before; where its system states none, they
+    # pass as they are, and are converted afterwards to the unit that the target states, if any.
     band = band_unit(cloud)
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
     if wanted is not None and stated is None and band is None and cloud.crs is not None:
@@ -80,6 +83,7 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
 
 def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
     """Return steps of coordinates in another system that are as fine on the ground."""
+    # Of an axis whose unit stays they are the same, of others powers of ten.
     one, other = parse_crs(crs), parse_crs(target)
     if not isinstance(scale, list) or len(scale) != 3 or one is None or other is None:
         return None

@@ -87,7 +87,7 @@ class Measurement:
 
     trial: Trial
     method: str
-    seconds: float
+    seconds: float  # median of all runs
     fastest: float
     slowest: float
     runs: int
@@ -95,8 +95,8 @@ class Measurement:
     calls: int
     planes: int
     evaluations: int
-    undecided: int
-    rejected: Mapping[str, int]
+    undecided: int  # dot products whose sign the exact predicate decided
+    rejected: Mapping[str, int]  # points by each proposition
 
 
 @dataclass(slots=True)

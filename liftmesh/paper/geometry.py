@@ -117,12 +117,15 @@ def _position(difference: Fraction) -> Position:
 
 def is_lower_facet(a: Point, b: Point, p: Point, points: Iterable[Point]) -> bool:
     """Definition 2.1: all points of P are on or above the plane (a, b, p)."""
+    # With four coplanar points, which the paper excludes, lower facets overlap.
     plane = Plane.through(a, b, p)
     return plane.n[2] != 0 and all(plane.position(v) != "below" for v in points)
 
 
 def lifted(u: Point, points: Sequence[Point], facets: Iterable[Facet]) -> Exact:
     """The lifting tau* of Definition 2.2 at one point of the planar hull."""
+    # Not mu of Section 2, with which it agrees only at the points of P*: between them it follows
+    # the facets, and mu the paraboloid below.
     x, y = exact(u)
     corners = [[points[i] for i in facet] for facet in facets]
     heights = {Plane.through(*abp).height(x, y) for abp in corners if _covers(abp, u)}
@@ -139,6 +142,9 @@ def _covers(corners: Sequence[Point], u: Point) -> bool:
 
 def is_lifting(points: Sequence[Point], facets: Iterable[Facet]) -> bool:
     """Definition 2.2, for the projection tau = mu* of CH(P) and the inverse given by the facets."""
+    # (ii) Their union is one of closed faces of CH(P) if all points are on or above each plane.
+    # Then they are parts of the graph of one function, the least height of CH(P), and (i) the
+    # inverse is single-valued; it is defined everywhere if nothing is left of the planar hull.
     corners = [[points[i] for i in facet] for facet in facets]
     if not all(is_lower_facet(abp[0], abp[1], abp[2], points) for abp in corners):
         return False

@@ -1,8 +1,8 @@
 """The lemmas, propositions and the first edge of the paper, as functions in exact rationals.
 
 Each function takes the hypotheses of a statement and returns the condition that holds, or the
-conclusion, so that it can be compared with the paper. If a statement is wrong as printed, the
-docstring says so and the function includes the correction.
+conclusion, so that it can be compared with the paper. If a statement is wrong as printed, a comment
+says so and the function includes the correction.
 
 The first edge of the lower hull is found by the projection onto Oyz (Section 3). P' is P seen along
 the x-axis, with Oy from right to left. (That is the view from x = -infinity; the paper says
@@ -52,6 +52,8 @@ def outward(plane: Plane, points: Iterable[Point]) -> Plane:
 
 def proposition_3_1(plane: Plane) -> Literal["(i)", "(ii)"]:
     """Proposition 3.1: a facet of CH(P) is a lower facet iff n_z < 0."""
+    # Printed for n = ab x ap, whose sign depends on the order of the vertices: true of
+    # `Plane.through(a, b, p)` only if n points out of CH(P), as that of `outward` does.
     return "(i)" if plane.n[2] < 0 else "(ii)"
 
 
@@ -59,6 +61,8 @@ def proposition_3_2(
     plane: Plane, v: Point, *, printed: bool = False
 ) -> Literal["(i)", "(ii)"] | None:
     """Proposition 3.2: what a point v implies for the facet (e, p), where n_z < 0 is required."""
+    # (i) v is above; (ii) (e, p) is no lower facet on this side of e. The paper prints (ii) also
+    # of v on the plane, which is wrong: a, b and p themselves are on it.
     x, y, z = exact(v)
     nx, ny, nz = plane.n
     left, right = nz * z, plane.d - x * nx - y * ny
@@ -93,6 +97,7 @@ def proposition_4_3(ellipse: Ellipse, t: Point) -> tuple[str, ...]:
 
 def proposition_4_4(ellipse: Ellipse, t: Point) -> bool:
     """Proposition 4.4: t_z < minz_E and L_cq < r imply that t is below (a, b, p)."""
+    # The paper omits L_cq > r: then q lies outside (C), and t is above, as t' is closer to q.
     q_inside = ellipse.squared_distance < ellipse.circle.squared_radius
     return q_inside and exact(t)[2] < ellipse.min_z
 
@@ -140,7 +145,7 @@ def _turn(v1: Exact, i: Exact, j: Exact) -> int:
 
 
 def tie_sign(value: Fraction, rises: Iterable[tuple[Exact, Fraction]]) -> int:
-    """The sign of a sum of heights after the canonical perturbation."""
+    """The sign of a sum of heights, each times its factor, after the canonical perturbation."""
     totals: dict[Exact, Fraction] = {}
     for point, factor in rises:
         totals[point[:2]] = totals.get(point[:2], Fraction(0)) + factor

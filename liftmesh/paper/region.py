@@ -37,8 +37,10 @@ from liftmesh.paper.geometry import Exact, Number, Plane, Point, Position, exact
 class Surd:
     """A rational plus or minus the square root of a rational, compared exactly."""
 
+    # t < c + s means t - c < s, where s^2 is known. As x |x| increases with x, this is equivalent
+    # to (t - c) |t - c| < s |s|, which is rational. So c_x - r is Surd(c_x, -r_squared).
     rational: Fraction
-    square: Fraction
+    square: Fraction  # negative if the root is subtracted
 
     def compare(self, value: Number) -> int:
         """Compare with a rational number."""
@@ -70,7 +72,7 @@ class Circle:
     """The circle (C): the projection of (E) onto Oxy."""
 
     centre: Exact
-    squared_radius: Fraction
+    squared_radius: Fraction  # negative if the plane does not meet the paraboloid
 
     @classmethod
     def of(cls, plane: Plane, q: Point) -> Circle:
@@ -91,6 +93,9 @@ class Circle:
 @dataclass(frozen=True)
 class Ellipse:
     """The ellipse (E) in which a plane intersects the paraboloid, with its six extents."""
+
+    # Those along z are the squares of L_cq - r and L_cq + r of Lemma 4.1, multiplied out to the
+    # surds (L_cq^2 + r^2) -+ sqrt(4 L_cq^2 r^2).
 
     plane: Plane
     q: Point

@@ -43,13 +43,13 @@ class Row:
     printed_lf: float | None
     printed_lfres: float | None
     printed_ratio: float | None
-    median: tuple[float, float] | None
-    seconds: Mapping[str, float]
-    spread: Mapping[str, tuple[float, float]]
+    median: tuple[float, float] | None  # of our set with the lowest seed; None for the origin
+    seconds: Mapping[str, float]  # by method, the median over the seeds
+    spread: Mapping[str, tuple[float, float]]  # the fastest seed and the slowest
     facets: float
-    dot_products: Mapping[str, float]
-    planes: Mapping[str, float]
-    rejected: Mapping[str, float]
+    dot_products: Mapping[str, float]  # a facet, by gift wrapping method
+    planes: Mapping[str, float]  # candidates a facet
+    rejected: Mapping[str, float]  # by proposition, the share of the points that LFRes looks at
 
     @property
     def ratio(self) -> float:

@@ -70,14 +70,14 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Make an empty figure that is not attached to a window."""
+    """Make an empty figure of a size in inches that is not attached to a window."""
     figure: Figure = load("matplotlib.figure", extra="plot").Figure(figsize=(width, height))
     return figure
 
 
 def blank_axes(
     figure: Figure,
-    box: tuple[float, float, float, float],
+    box: tuple[float, float, float, float],  # left, bottom, width and height: shares of the figure
     limits: tuple[float, float] | None = None,  # of x and y alike
 ) -> Axes:
     """Add axes for a drawing to scale: no frame, no ticks, equal units."""
@@ -145,7 +145,7 @@ def unit_circle(count: int = 181) -> Floats:
 def label(
     axes: Axes, at: Any, text: str, away: tuple[float, float] = (0.0, 0.0), **options: Any
 ) -> None:
-    """Write a label next to a point, with a halo that separates it from lines."""
+    """Write a label some typographic points away from a point, with a halo."""
     effects = load("matplotlib.patheffects", extra="plot")
     settings: dict[str, Any] = {"ha": "center", "va": "center", "zorder": 9, "fontsize": 13}
     axes.annotate(
@@ -163,9 +163,9 @@ def label(
 class View:
     """A direction of view."""
 
-    azimuth: float
-    elevation: float
-    rise: float = 1.0
+    azimuth: float  # degrees, of the viewer around the z-axis from the x-axis
+    elevation: float  # degrees above the plane Oxy
+    rise: float = 1.0  # vertical exaggeration
 
     def _frame(self) -> Floats:
         """Columns: to the right, up, and towards the viewer."""
@@ -177,12 +177,12 @@ class View:
         return frame
 
     def flat(self, points: ArrayLike) -> Floats:
-        """Project points to the drawing plane."""
+        """Project points to the drawing plane: to the right, and up."""
         projected: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()
         return projected[..., :2]
 
     def nearness(self, points: ArrayLike) -> Floats:
-        """Compute how near points are to the viewer."""
+        """Compute how near points are to the viewer; greater is nearer."""
         nearness: Floats = np.asarray(points) * (1, 1, self.rise) @ self._frame()[:, 2]
         return nearness
 
@@ -201,7 +201,7 @@ class Space:
     view: View
 
     def line(self, points: ArrayLike, **options: Any) -> None:
-        """Draw a line through points."""
+        """Draw a line through points; rows of NaN break it."""
         self.axes.plot(*self.view.flat(points).T, **{"color": INK, "lw": 1.0, **options})
 
     def dots(self, points: ArrayLike, **options: Any) -> None:

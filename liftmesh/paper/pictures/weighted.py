@@ -110,6 +110,7 @@ def _sides(axes: Axes, mesh: RegularTriangulation) -> None:
 
 def cell_sides(mesh: Triangulation, *, inward: bool = False) -> Floats:
     """Compute the sides of the power cells; those without end are cut off far away."""
+    # These go inward where the triangulation is that of farthest points.
     centers = power_centers(mesh)
     far = -_FAR if inward else _FAR
     triangle, corner = np.nonzero(mesh.neighbors < np.arange(mesh.nsimplex)[:, None])
