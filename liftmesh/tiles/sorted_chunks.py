@@ -61,8 +61,8 @@ class Scanned:
 def scan(chunk: SourceChunk, first: int, sampled: int, skips: bool) -> Scanned:
     """Read a chunk for the first time."""
     records = chunk.records()
-    rows = planar_of(records)
     digest, values = digests_of(records)
+    rows = planar_of(records)
     finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
     heights = heights_of(records)
     if heights is not None:

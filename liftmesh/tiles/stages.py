@@ -1,7 +1,7 @@
 """The tasks of nodes, which are tiles and merges; each reads and writes files, in any process.
 
 A task that finds its work done, and the files sound, returns what it returned then. So a run that
-was killed goes on where it was.
+was killed resumes.
 """
 
 from __future__ import annotations
