@@ -232,7 +232,7 @@ _HALF = Fraction(1, 2)
 
 
 def cell_at(lines: Traced, domain: Domain, begin: int, end: int, default: int) -> int:
-    """Find the cell of a ring."""
+    """Find the cell of the ring of some corners; it is the default if no polyline is near."""
     segments = lines.segments
     start, end_of = lines.points[segments], lines.points[segments + 1]
     low, high = shares_in(start, end_of, lines.box)

@@ -6,7 +6,7 @@ Sites come in whatever holds points: arrays, clouds, tables without heights, Geo
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from liftmesh.planar.diagram import (
 )
 from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values
 from liftmesh.planar.points import rows_of
+
+if TYPE_CHECKING:
+    from liftmesh.planar.delaunay import Solution
 
 _NOTHING = np.empty((0, 3), dtype=np.int32)
 _NO_ROWS = np.empty(0, dtype=np.int32)
@@ -108,9 +111,9 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
         return _chained(planar, kind, values)
     except NonFiniteError as error:  # whose remedy is an option that cells have not
         raise _unskippable(error, planar, kind, values) from None
-    triangles = solution["simplices"], solution["neighbors"]
+    triangles = solution.simplices, solution.neighbors
     diagram = diagram_of(planar, *triangles, values, kind)
-    degenerate = _NO_ROWS if kind == "plain" else _without_area(solution, diagram, values, kind)
+    degenerate = _NO_ROWS if kind == "plain" else _without_area(planar, solution, diagram)
     if len(degenerate):
         triangles = _without(degenerate, planar, kind, values, triangles[0])
         diagram = diagram_of(planar, *triangles, values, kind)
@@ -121,26 +124,26 @@ def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
         *triangles,
         vertices=diagram.vertices,
         simplex_to_vertex=diagram.simplex_to_vertex,
-        duplicates=solution["duplicates"],
-        hidden=solution.get("hidden", _NO_ROWS),
+        duplicates=solution.duplicates,
+        hidden=solution.hidden,
         degenerate=degenerate,
     )
 
 
-def _without_area(solution: dict[str, Any], diagram: Diagram, values: Floats, kind: str) -> Rows:
+def _without_area(planar: Floats, solution: Solution, diagram: Diagram) -> Rows:
     """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
-    rows, simplices = len(solution["points"]), solution["simplices"]
+    rows, simplices = len(planar), solution.simplices
     if len(diagram.vertices) == len(simplices):
         return _NO_ROWS
-    regions = regions_of(rows, simplices, solution["neighbors"], diagram.simplex_to_vertex)
+    regions = regions_of(rows, simplices, solution.neighbors, diagram.simplex_to_vertex)
     ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
     is_vertex = np.zeros(rows, dtype=np.bool_)
     is_vertex[simplices.reshape(-1)] = True
     few = np.flatnonzero(is_vertex & (ridges <= 2))
-    if not len(few):
+    if not len(few) or solution.weights is None:
         return _NO_ROWS
-    triangles = solution["points"], simplices, solution["neighbors"], solution["hull"]
-    return rows_without_area(LiftedTriangles(*triangles, values, kind))
+    triangles = planar, simplices, solution.neighbors, solution.hull
+    return rows_without_area(LiftedTriangles(*triangles, solution.weights))
 
 
 def _without(
@@ -149,7 +152,7 @@ def _without(
     """Triangulate the vertices but for some; the cells of the others stay as they are."""
     kept = np.setdiff1d(simplices, degenerate).astype(np.int32)
     solution = regular.solve(planar[kept], kind, values[kept])
-    return kept[solution["simplices"]], solution["neighbors"]
+    return kept[solution.simplices], solution.neighbors
 
 
 def _values(kind: str, given: Any, rows: int) -> Floats:

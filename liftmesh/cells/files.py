@@ -69,7 +69,7 @@ def write_cells(
     columns: Mapping[str, Array],
     crs: str | None = None,
 ) -> tuple[str, ...]:
-    """Write cells."""
+    """Write cells; return what the file does not keep, by name."""
     plain, dropped = plain_columns(columns)
     row, area = own_names(plain)
     if kind == "svg":

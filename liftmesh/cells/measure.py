@@ -14,14 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from numbers import Real
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import as_numbers, as_reals, read_only
+from liftmesh.base.arrays import as_number, as_numbers, as_reals, read_only
 from liftmesh.base.options import shown
 from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
 from liftmesh.cells.domain import Domain, following_corners
@@ -162,12 +161,14 @@ def check_extent(domain: Domain, points: Floats) -> None:
 
 
 def as_share(value: object, most: float) -> float:
-    """Convert a tolerance that is a share; below 1 it must be positive."""
-    is_number = isinstance(value, Real) and not isinstance(value, bool)
-    if is_number and 0 <= (number := float(value)) < most and (number or most == np.inf):  # type: ignore[arg-type]
-        return number
-    allowed = "from 0" if most == np.inf else f"between 0 and {most}"
-    raise InputError(f"tolerance is {shown(value)}: give a number {allowed}")
+    """Convert a tolerance that is a share; where it is limited it must be positive."""
+    is_limited, is_truth = most < np.inf, isinstance(value, bool | np.bool_)
+    wanted = f"a number between 0 and {most}" if is_limited else "a number from 0"
+
+    def is_wanted(share: float) -> bool:
+        return not is_truth and 0 <= share < most and (share > 0 or not is_limited)
+
+    return as_number("tolerance", value, wanted, is_wanted)
 
 
 def as_density(given: Any, domain: Domain) -> Density:

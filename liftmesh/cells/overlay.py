@@ -32,8 +32,8 @@ class _Stations(NamedTuple):
     """Points along polylines or rings of the domain, crossings among them."""
 
     points: Floats
-    source: Rows
-    place: Integers
+    source: Rows  # the first two columns of the `sources` of `Rings`
+    place: Integers  # numbers vertices and crossings, where parts of a cell are linked; else -1
 
 
 class _Parts(NamedTuple):
@@ -49,6 +49,8 @@ class _Parts(NamedTuple):
 class PolylineCorners(DomainCorners):
     """Corners of cells between polylines."""
 
+    # A corner is a point of these, whose number is its second source; or where a segment, numbered
+    # as its start is, crosses an edge.
     lines: Traced
 
     def at(self, cell: int, edge: int, other: int) -> Exact:  # noqa: ARG002 - one for all cells
@@ -66,7 +68,7 @@ class PolylineCorners(DomainCorners):
 
 
 def overlay_cells(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
-    """Clip all cells between polylines to a domain."""
+    """Clip all cells between polylines to a domain; without polylines near, it is in one cell."""
     segment = lines.segments
     crossed = crossings(lines.points[segment], lines.points[segment + 1], domain)
     crossed = crossed._replace(segment=segment[crossed.segment])

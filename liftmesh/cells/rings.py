@@ -23,6 +23,8 @@ from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.io.faces import places
 from liftmesh.optional import load
 
+Exact = tuple[Fraction, Fraction]
+
 
 @dataclass(slots=True, eq=False)
 class Rings:
@@ -71,11 +73,6 @@ class Rings:
     def following(self) -> Integers:
         """The corner after each, in its ring."""
         return following_corners(self.starts)
-
-
-def binary_scale(values: Floats) -> int:
-    """Return the exponent by which values are divided for products to stay within range."""
-    return int(np.frexp(np.abs(values).max(initial=0.0))[1])
 
 
 def parts_of(rings: Rings, exact: DomainCorners) -> tuple[Integers, Mask]:
@@ -191,28 +188,6 @@ def _is_in_box(point: Exact, a: Exact, b: Exact) -> bool:
     return all(min(p, q) <= value <= max(p, q) for value, p, q in zip(point, a, b, strict=True))
 
 
-Exact = tuple[Fraction, Fraction]
-
-
-def turn(a: Exact, b: Exact, c: Exact) -> Fraction:
-    """Twice the signed area of a triangle."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def doubled_area(ring: Sequence[Exact]) -> Fraction:
-    """Twice the signed area of a polygon."""
-    pairs = zip(ring, (*ring[1:], *ring[:1]), strict=True)
-    return sum((a[0] * b[1] - a[1] * b[0] for a, b in pairs), Fraction(0))
-
-
-def is_within(point: Exact, a: Exact, b: Exact) -> bool:
-    """Whether a point on the line through two others is strictly between them."""
-    return all(
-        (point[i] - p[i]) * (q[i] - p[i]) >= 0 and point != p
-        for p, q in ((a, b), (b, a)) for i in (0, 1)
-    )  # fmt: skip
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class DomainCorners(ABC):
     """Corners of clipped cells: those of the domain are the same whatever the cells."""
@@ -235,3 +210,27 @@ class DomainCorners(ABC):
 def as_exact(point: Sequence[float]) -> Exact:
     """The coordinates of a point as rationals."""
     return Fraction(float(point[0])), Fraction(float(point[1]))
+
+
+def turn(a: Exact, b: Exact, c: Exact) -> Fraction:
+    """Twice the signed area of a triangle."""
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def doubled_area(ring: Sequence[Exact]) -> Fraction:
+    """Twice the signed area of a polygon."""
+    pairs = zip(ring, (*ring[1:], *ring[:1]), strict=True)
+    return sum((a[0] * b[1] - a[1] * b[0] for a, b in pairs), Fraction(0))
+
+
+def is_within(point: Exact, a: Exact, b: Exact) -> bool:
+    """Whether a point on the line through two others is strictly between them."""
+    return all(
+        (point[i] - p[i]) * (q[i] - p[i]) >= 0 and point != p
+        for p, q in ((a, b), (b, a)) for i in (0, 1)
+    )  # fmt: skip
+
+
+def binary_scale(values: Floats) -> int:
+    """Return the exponent by which values are divided for products to stay within range."""
+    return int(np.frexp(np.abs(values).max(initial=0.0))[1])

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
+from liftmesh.base.arrays import starts_of_runs
 from liftmesh.base.frozen import cached_property
 from liftmesh.optional import load
 from liftmesh.predicates import incircle
@@ -42,7 +43,7 @@ def find_differences(triangles: Rows, cells: Cells, lower: Rows) -> Differences:
     """Compare trimesh's lower facets with liftmesh's triangles."""
     match = match_triangles(triangles, lower)
     first = first_of_each(match)
-    ours, theirs = _others(match[first], len(triangles)), np.flatnonzero(~first)
+    ours, theirs = np.delete(np.arange(len(triangles)), match[first]), np.flatnonzero(~first)
     our_cell, their_cell = cells.labels[ours], _cells_of(cells, lower, match, theirs)
     inside = their_cell >= 0
     unbalanced = unbalanced_cells(
@@ -88,19 +89,12 @@ def first_of_each(indices: Indices) -> Mask:
     return mark
 
 
-def _others(indices: Indices, length: int) -> Indices:
-    """Return all indices below ``length`` that are not given."""
-    mark = np.ones(length, dtype=bool)
-    mark[indices] = False
-    return np.flatnonzero(mark)
-
-
 def _cells_of(cells: Cells, lower: Rows, match: Indices, theirs: Indices) -> Rows:
     """Return the cell of each unmatched facet; a repeated facet has the cell of its match."""
-    found = cells.containing(lower[theirs])
+    owners = cells.containing(lower[theirs])
     repeated = match[theirs] >= 0
-    found[repeated] = cells.labels[match[theirs[repeated]]]
-    return found
+    owners[repeated] = cells.labels[match[theirs[repeated]]]
+    return owners
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,10 +116,7 @@ class Cells:
         large = np.bincount(self.labels, minlength=self.count) > 1
         chosen = large[self.labels]
         rows = self.simplices[chosen].astype(np.int64).ravel()
-        pairs = np.sort(rows * self.count + np.repeat(self.labels[chosen], 3))
-        is_new = np.ones(len(pairs), dtype=bool)
-        is_new[1:] = pairs[1:] != pairs[:-1]
-        return pairs[is_new]
+        return np.unique(rows * self.count + np.repeat(self.labels[chosen], 3))
 
     def containing(self, triangles: Rows) -> Rows:
         """Find the cell of two or more triangles that has all three corners of a triangle."""
@@ -141,17 +132,17 @@ class Cells:
         shared = np.ones(len(owner), dtype=bool)
         for k in range(3):
             shared &= self._has(triangles[owner, k] * np.int64(self.count) + cell)
-        found = np.full(len(triangles), -1, dtype=np.int32)
-        found[owner[shared]] = cell[shared]
-        return found
+        owners = np.full(len(triangles), -1, dtype=np.int32)
+        owners[owner[shared]] = cell[shared]
+        return owners
 
     def _has(self, keys: Indices) -> Mask:
         """Whether each key (row, cell) is among the corners."""
         if len(self._corners) == 0:
             return np.zeros(len(keys), dtype=bool)
         place = np.searchsorted(self._corners, keys).clip(max=len(self._corners) - 1)
-        found: Mask = self._corners[place] == keys
-        return found
+        is_there: Mask = self._corners[place] == keys
+        return is_there
 
 
 def find_cells(points: Floats, simplices: Rows, neighbors: Rows) -> Cells:
@@ -185,11 +176,9 @@ def unbalanced_cells(cells: int, plus: tuple[Rows, Rows], minus: tuple[Rows, Row
     cell, low, high, sign = (np.concatenate(column) for column in zip(*parts, strict=True))
     order = np.lexsort((high, low, cell))
     keys = np.column_stack([cell, low, high])[order]
-    starts = np.ones(len(keys), dtype=bool)
-    starts[1:] = (keys[1:] != keys[:-1]).any(axis=1)
     unbalanced = np.zeros(cells, dtype=bool)
     if len(keys):
-        begin = np.flatnonzero(starts)
+        begin = np.flatnonzero(starts_of_runs(keys))
         total = np.add.reduceat(sign[order], begin)
         unbalanced[keys[begin[total != 0], 0]] = True
     return unbalanced

@@ -13,7 +13,7 @@ caller's coordinates. A facet whose planar points are collinear is vertical.
 Qhull lets other threads run but never checks for Ctrl-C, and takes minutes for a million points. It
 runs in its own thread; an interrupted caller continues at once, and the thread, a daemon, ends with
 Qhull or with the process. A process that goes down in order while the thread runs compiled code may
-end by SIGABRT: the command line ends at once instead (`cli.watchdog`).
+end by SIGABRT: the command line ends at once instead (`cli.signals`).
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Rows
+from liftmesh.base.arrays import starts_of_runs
 from liftmesh.optional import load
 from liftmesh.planar.lifting import lift, resolve_q
 from liftmesh.predicates import orient2d
@@ -88,11 +89,7 @@ def _convex_hull(lifted: Floats) -> tuple[Any, float, str | None]:
         return None, perf_counter() - start, _first_line(error)
     seconds = perf_counter() - start
     if len(mesh.faces) == 0:
-        return (
-            None,
-            seconds,
-            "trimesh drops all its facets: they are smaller than its tolerances",
-        )
+        return None, seconds, "trimesh drops all its facets: they are smaller than its tolerances"
     return mesh, seconds, None
 
 
@@ -120,8 +117,7 @@ def _match(lifted: Floats, vertices: Floats) -> tuple[Indices, int]:
     """Return the first row of ``lifted`` equal to each vertex, and the number of repeated rows."""
     both = np.concatenate([lifted, vertices])
     order = np.lexsort((both[:, 2], both[:, 1], both[:, 0]))
-    is_new = np.ones(len(both), dtype=bool)
-    is_new[1:] = (both[order[1:]] != both[order[:-1]]).any(axis=1)
+    is_new = starts_of_runs(both[order])
     first = order[is_new]
     group = np.empty(len(both), dtype=np.intp)
     group[order] = np.cumsum(is_new) - 1

@@ -106,8 +106,8 @@ def is_number(crs: str) -> bool:
 
 def urn_of(crs: str) -> str:
     """Name a system as other programs know it."""
-    if found := _NUMBER.fullmatch(crs.strip()):
-        authority, code = found["authority"].upper(), found["code"]
+    if number := _NUMBER.fullmatch(crs.strip()):
+        authority, code = number["authority"].upper(), number["code"]
         return f"{authority}:{code}" if "+" in code else f"urn:ogc:def:crs:{authority}::{code}"
     root = parse_wkt(crs)
     stated = next(root.of({"AUTHORITY", "ID"}), None) if root is not None else None
@@ -354,15 +354,15 @@ def _numbered(text: str) -> frozenset[str]:
 
 def _written(top: Node) -> str:
     """Write what was read; the parts of a node come after its values."""
-    found: list[str] = []
+    words: list[str] = []
     left: list[Node | str] = [*reversed(_between(top))]
     while left:
         each = left.pop()
         if isinstance(each, str):
-            found.append(each)
+            words.append(each)
         else:
             left += ["]", *reversed(_between(each)), f"{each.keyword}["]
-    return "".join(found)
+    return "".join(words)
 
 
 def _between(node: Node) -> list[Node | str]:
@@ -383,18 +383,18 @@ def _fill(top: Node, text: str) -> bool:
     """Add what a text holds to a node; False if it is anything but nodes, values and commas."""
     open_nodes, place = [top], 0
     is_due = True  # a value or node, rather than a comma
-    while (found := _WORD.match(text, place)) and open_nodes:
-        node, kind, place = open_nodes[-1], found.lastgroup, found.end()
+    while (word := _WORD.match(text, place)) and open_nodes:
+        node, kind, place = open_nodes[-1], word.lastgroup, word.end()
         if kind in {"begin", "value"} and not is_due:
             return False
         if kind == "begin":
-            node.parts.append(Node(found["begin"].upper()))
+            node.parts.append(Node(word["begin"].upper()))
             open_nodes.append(node.parts[-1])
         elif kind == "end":
             open_nodes.pop()
         elif kind == "value" and node.parts:
             return False
         elif kind == "value":
-            node.values.append(found["value"])
+            node.values.append(word["value"])
         is_due = kind in {"begin", "comma"}
     return len(open_nodes) == 1 and place == len(text)

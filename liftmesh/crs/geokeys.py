@@ -53,6 +53,10 @@ _PIXEL = {256: 1, 257: 1, 258: 8, 259: 1, 262: 1, 273: 8, 277: 1, 278: 1, 279: 1
 _PLACE = {33550: (2, 2, 0), 33922: (0, 0, 0, 0, 0, 0)}  # or rasterio warns that there is none
 _MOST = 1 << 16  # bytes of a record that are read
 _MOST_TAGS = 1 << 16
+# Settings by which GDAL looks for no file beside another, makes none, and prints nothing; as it
+# reads, it also says the system of heights, that of files of GeoTIFF 1.0, too.
+ALONE = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF"}
+READING = {**ALONE, "GTIFF_REPORT_COMPD_CS": "YES"}
 _MARK, _OTHER = b"ESRI PE String", b"esri pe string"  # GDAL minds upper case
 
 
@@ -130,11 +134,10 @@ def wkt_of(records: Mapping[int, bytes]) -> tuple[str | None, str]:
         inner = load("rasterio._err", extra="terrain")
     except MissingDependencyError as error:
         return None, f"GeoKeys (a system made up of parameters: {error})"
-    options = {"GTIFF_REPORT_COMPD_CS": "YES", "GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR"}
     data = without_wkt(_tiff({number: each[:_MOST] for number, each in records.items()}))
     try:
         with (
-            rasterio.Env(**options, GDAL_PAM_ENABLED="NO", CPL_DEBUG="OFF"),
+            rasterio.Env(**READING),
             rasterio.MemoryFile(data, ext=".tif") as memory,
             memory.open(driver="GTiff") as file,
         ):

@@ -49,26 +49,26 @@ def transform(
         kept[crs] = operation
     try:
         with _offline(pyproj):
-            moved = operation.change.transform(*points.astype(np.float64).T)
-        found = np.stack(moved, axis=1)
+            columns = operation.change.transform(*points.astype(np.float64).T)
+        moved = np.stack(columns, axis=1)
     except pyproj.exceptions.ProjError as error:
         raise _impossible(target, (), operation.keeps_heights) from error
-    found[:, 2] = points[:, 2] if operation.keeps_heights else found[:, 2]
-    lost = np.isfinite(points).all(axis=1) & ~np.isfinite(found).all(axis=1)
+    moved[:, 2] = points[:, 2] if operation.keeps_heights else moved[:, 2]
+    lost = np.isfinite(points).all(axis=1) & ~np.isfinite(moved).all(axis=1)
     if lost.any():
         row = int(np.argmax(lost))
         raise InputError(
             f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
             "another to_crs="
         )
-    return found, operation.told
+    return moved, operation.told
 
 
 def transformation_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return how coordinates were transformed as they were read."""
-    found = metadata.get("transformation")  # a caller may say anything of that name
-    is_told = isinstance(found, Mapping) and {"operation", "accuracy"} <= found.keys()
-    return {**found} if is_told else {}  # type: ignore[dict-item]
+    entry = metadata.get("transformation")  # a caller may say anything of that name
+    is_told = isinstance(entry, Mapping) and {"operation", "accuracy"} <= entry.keys()
+    return {**entry} if is_told else {}  # type: ignore[dict-item]
 
 
 def transformation_text(told: Mapping[str, Any]) -> str:
@@ -84,12 +84,12 @@ def transformation_text(told: Mapping[str, Any]) -> str:
 
 def common_transformation(parts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
     """Return how the parts of one cloud were transformed, at the accuracy of the worst of them."""
-    found = {each["operation"]: each for each in parts if each}
-    if len(found) < 2:
-        return dict(next(iter(found.values()), {}))
-    accuracies = [each["accuracy"] for each in found.values()]
+    by_operation = {each["operation"]: each for each in parts if each}
+    if len(by_operation) < 2:
+        return dict(next(iter(by_operation.values()), {}))
+    accuracies = [each["accuracy"] for each in by_operation.values()]
     worst = None if None in accuracies else max(accuracies)
-    return {"operation": ", others by ".join(found), "accuracy": worst}
+    return {"operation": ", others by ".join(by_operation), "accuracy": worst}
 
 
 def _operation(pyproj: Any, points: Floats, crs: str, target: str) -> Operation:

@@ -141,10 +141,10 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
             "transform them with to_crs="
         )
     units = (*system.units, heights)
-    found = dict.fromkeys(each.name for each in units if each is not None)
-    if len(found) > 1:
+    names = dict.fromkeys(each.name for each in units if each is not None)
+    if len(names) > 1:
         raise FormatError(
-            f"the units of x, y and z are {' and '.join(found)}, but {what} has one for all: "
+            f"the units of x, y and z are {' and '.join(names)}, but {what} has one for all: "
             "transform them with to_crs="
         )
-    return next(iter(found), None)
+    return next(iter(names), None)

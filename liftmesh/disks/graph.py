@@ -43,7 +43,7 @@ def as_disks(
     *,
     skippable: bool = True,
 ) -> Floats:
-    """Convert centres and radii to rows x, y, r."""
+    """Convert centres and radii to rows x, y, r: an array of its own."""
     rows = as_coordinates(centers)
     if rows.shape[1] != 2:
         raise InputError(f"centers need the shape (n, 2), not {rows.shape}: give x and y alone")

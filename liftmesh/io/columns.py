@@ -46,7 +46,7 @@ def taken_points(columns: dict[str, Array], rows: int) -> Floats:
 
 
 class CloudBuilder:
-    """Arrays for ``rows`` points with the named columns."""
+    """Arrays for ``rows`` points with the named columns: x and y, and any others."""
 
     def __init__(self, types: Mapping[str, np.dtype], rows: int) -> None:
         self.columns: dict[str, Array] = {}

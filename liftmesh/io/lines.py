@@ -44,11 +44,11 @@ class Block:
     """Stripped lines, and the number of each in the file, counted from 1."""
 
     data: bytes
-    plain: bytes
-    places: Integers
+    plain: bytes  # with ASCII blanks for other white space: numbers are parsed from it
+    places: Integers  # (n, 2), where each line begins and ends in data
     numbers: Integers
     encoding: str
-    long: bool = False
+    long: bool = False  # whether a line is too long for its words to become strings
 
     @classmethod
     def empty(cls, encoding: str = "latin-1") -> Block:
@@ -104,10 +104,10 @@ class Block:
 class Syntax:
     """What the lines of a format are."""
 
-    comments: tuple[str, ...] = ()
-    whole: bool = False
-    continued: bool = False
-    keep_tabs: bool = False
+    comments: tuple[str, ...] = ()  # begin lines, and with # the text behind it, that do not count
+    whole: bool = False  # whether only whole lines are comments
+    continued: bool = False  # whether a backslash at its end joins a line to the next
+    keep_tabs: bool = False  # at the ends of lines, where they may separate empty values
 
 
 _PLAIN = Syntax()
@@ -127,9 +127,9 @@ class Lines:
         before: int = 0,
         sought: bytes = b"",
     ) -> None:
-        self.number = before
-        self.remarks = (0, 0)
-        self.found = False
+        self.number = before  # of the last line taken
+        self.remarks = (0, 0)  # the first whole comment behind other lines, and how many
+        self.found = False  # whether what was read holds `sought`, comments included
         self._sought = sought
         self._stream = stream
         self._name = name

@@ -46,12 +46,13 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
 class Selection:
     """Checked conditions on rows; `validate_selection` makes them of what a caller gives."""
 
+    # "ground": class 2 if the file has any, else all rows
     classes: frozenset[int] | Literal["ground"] | None = None
     returns: Returns | None = None
     bbox: tuple[float, float, float, float] | None = None
     z_range: tuple[float, float] | None = None
     every: int = 1
-    withheld: bool = True
+    withheld: bool = True  # whether rows of that flag stay
     resolution: float | None = None
 
 
@@ -65,7 +66,7 @@ def validate_selection(
     withheld: bool = True,
     resolution: float | None = None,
 ) -> Selection | None:
-    """Check the conditions that a caller gives."""
+    """Check the conditions that a caller gives; None if all rows meet them."""
     if returns is not None:
         check_option("returns", returns, Returns)
     selection = Selection(
@@ -132,6 +133,7 @@ class Selector:
     """Applies conditions to the rows of a file, block by block, and counts what it leaves out."""
 
     def __init__(self, selection: Selection, name: str, *, has_levels: bool = False) -> None:
+        # has_levels: of COPC, whose reader has chosen the resolution
         if selection.resolution is not None and not has_levels:
             raise FormatError(
                 f"{name}: rows cannot be selected by resolution, for which the file has no index "
@@ -145,7 +147,7 @@ class Selector:
         self._has_ground = False
 
     def rows(self, count: int, columns: Mapping[str, Array]) -> tuple[Array, bool]:
-        """Find the rows of a block that are selected."""
+        """Find rows of a block, and whether all rows before are left out: ground begins here."""
         chosen = self._selection
         left = np.arange(count)
         self._rows += count

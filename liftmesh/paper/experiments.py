@@ -142,14 +142,14 @@ def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
 def _agreed(trial: Trial, runs: list[_Runs]) -> list[Measurement]:
     """Check that all methods found the same facets, and return the measurements."""
     first: Rows | None = None
-    found = []
+    measurements = []
     for run, result in [(run, run.result) for run in runs if run.result is not None]:
         facets = _facets(result)
         if first is not None and not np.array_equal(facets, first):
             raise RuntimeError(f"{METHODS[0]} and {run.method} found different facets of {trial}")
         first = facets
-        found.append(_measurement(trial, run, result))
-    return found
+        measurements.append(_measurement(trial, run, result))
+    return measurements
 
 
 def _facets(result: Triangulation) -> Rows:

@@ -128,9 +128,9 @@ def _remedy(path: Path) -> str:
     return f"delete {path.name} to measure again, or choose another folder"
 
 
-def _check_heading(path: Path, found: str, expected: str) -> None:
+def _check_heading(path: Path, heading: str, expected: str) -> None:
     """Raise for a file with different settings, and list them."""
-    held, wanted = _settings(path, found), _settings(path, expected)
+    held, wanted = _settings(path, heading), _settings(path, expected)
     names = [name for name in {**held, **wanted} if held.get(name) != wanted.get(name)]
     if names:
         differ = "; ".join(f"{name} {held.get(name)}, now {wanted.get(name)}" for name in names)
@@ -154,16 +154,16 @@ def to_line(measurement: Measurement) -> str:
 
 def from_lines(lines: Sequence[str], *, first: int) -> list[Measurement]:
     """Parse lines of measurements."""
-    found: list[Measurement] = []
+    measurements: list[Measurement] = []
     seen: set[Trial] = set()
     for k, line in enumerate(lines):
         try:
             measurement = _measurement(line.split(","))
-            _check_place(measurement, found, seen)
+            _check_place(measurement, measurements, seen)
         except ValueError as error:
             raise ValueError(f"line {first + k}: {error}") from error
-        found.append(measurement)
-    return found
+        measurements.append(measurement)
+    return measurements
 
 
 def _measurement(cells: Sequence[str]) -> Measurement:
@@ -209,13 +209,13 @@ def _counts(values: Mapping[str, str]) -> dict[str, int]:
     return counts
 
 
-def _check_place(measurement: Measurement, found: Sequence[Measurement], seen: set[Trial]) -> None:
-    expected = METHODS[len(found) % len(METHODS)]
+def _check_place(measurement: Measurement, before: Sequence[Measurement], seen: set[Trial]) -> None:
+    expected = METHODS[len(before) % len(METHODS)]
     if measurement.method != expected:
         raise ValueError(f"method {measurement.method!r} instead of {expected!r}")
     if expected == METHODS[0]:
         if measurement.trial in seen:
             raise ValueError(f"{measurement.trial} occurs twice")
         seen.add(measurement.trial)
-    elif measurement.trial != found[-1].trial:
+    elif measurement.trial != before[-1].trial:
         raise ValueError("its set of points is not that of the previous line")

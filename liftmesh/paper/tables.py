@@ -80,7 +80,7 @@ def _row(table: TableName, n: int, group: Sequence[Measurement]) -> Row:
     by_method: dict[str, list[Measurement]] = {
         method: [m for m in group if m.method == method] for method in METHODS
     }
-    seconds = {method: [m.seconds for m in found] for method, found in by_method.items()}
+    seconds = {method: [m.seconds for m in runs] for method, runs in by_method.items()}
     printed = TABLES[table].row(n)
     return Row(
         table=table,
@@ -114,10 +114,10 @@ def _per_facet(
     }
 
 
-def _shares(found: Sequence[Measurement]) -> dict[str, float]:
+def _shares(measurements: Sequence[Measurement]) -> dict[str, float]:
     """Return the share of each proposition, over all seeds together so that the shares add up."""
-    points = sum(m.evaluations + sum(m.rejected.values()) for m in found)
-    return {name: sum(m.rejected[name] for m in found) / points for name in REJECTIONS}
+    points = sum(m.evaluations + sum(m.rejected.values()) for m in measurements)
+    return {name: sum(m.rejected[name] for m in measurements) / points for name in REJECTIONS}
 
 
 _TIMED = {"lf": LF, "lfres": LFRES, "indexed": INDEXED, "engine": ENGINE}
@@ -166,7 +166,7 @@ COLUMNS: Mapping[str, str] = MappingProxyType(
 
 def values(row: Row) -> dict[str, float | int | None]:
     """Return the values of a row by the names of `COLUMNS`."""
-    found: dict[str, float | int | None] = {
+    cells: dict[str, float | int | None] = {
         "n": row.n,
         "seeds": row.seeds,
         "printed_lf": row.printed_lf,
@@ -178,15 +178,15 @@ def values(row: Row) -> dict[str, float | int | None]:
         "dot_product_ratio": row.work_ratio,
     }
     for name, method in _TIMED.items():
-        found[name] = row.seconds[method]
-        found[f"{name}_min"], found[f"{name}_max"] = row.spread[method]
+        cells[name] = row.seconds[method]
+        cells[f"{name}_min"], cells[f"{name}_max"] = row.spread[method]
         if method in row.planes:
-            found[f"{name}_dot_products"] = row.dot_products[method]
-            found[f"{name}_planes"] = row.planes[method]
+            cells[f"{name}_dot_products"] = row.dot_products[method]
+            cells[f"{name}_planes"] = row.planes[method]
     for name, point in (("printed_median", row.printed_median), ("median", row.median)):
-        found[f"{name}_x"], found[f"{name}_y"] = point or (None, None)
-    found.update({f"rejected {name}": share for name, share in row.rejected.items()})
-    return {name: found[name] for name in COLUMNS}
+        cells[f"{name}_x"], cells[f"{name}_y"] = point or (None, None)
+    cells.update({f"rejected {name}": share for name, share in row.rejected.items()})
+    return {name: cells[name] for name in COLUMNS}
 
 
 def to_csv(rows: Sequence[Row]) -> str:

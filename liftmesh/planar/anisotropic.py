@@ -14,12 +14,12 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Indices, Integers, Mask, Progress, Rows
-from liftmesh.base.arrays import as_coordinates, as_floats, of_one_array, unmasked
+from liftmesh.base.arrays import as_coordinates, of_one_array
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.kinds import METRIC_REMEDY, is_positive_definite
+from liftmesh.planar.kinds import METRIC_REMEDY, as_matrices, is_positive_definite
 
 _REMEDY = f"{METRIC_REMEDY} for each row"
 
@@ -128,14 +128,7 @@ def _among_all_rows(
 
 def as_metrics(metrics: ArrayLike, rows: int, nonfinite: NonFinite = "error") -> Floats:
     """Convert a matrix for each row."""
-    try:
-        given = np.asanyarray(metrics)
-    except ValueError as error:
-        raise InputError(f"metrics cannot be read as numbers ({error}): {_REMEDY}") from error
-    if given.shape != (rows, 2, 2):
-        raise InputError(f"metrics have the shape {given.shape}, not ({rows}, 2, 2): {_REMEDY}")
-    flat = as_floats(unmasked(given.reshape(rows, 4), "metrics"), "metrics")
-    matrices = np.array(flat, dtype=np.float64).reshape(rows, 2, 2)
+    matrices = as_matrices("metrics", metrics, (rows, 2, 2), _REMEDY)
     _check(matrices, nonfinite)
     return matrices
 

@@ -6,13 +6,13 @@ Each set of points has one canonical triangulation, and every method finds it.
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Rows
+from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
 from liftmesh.base.options import (
     Method,
@@ -26,7 +26,7 @@ from liftmesh.base.options import (
     counted,
 )
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.planar.kinds import as_metric
+from liftmesh.planar.kinds import TriangulationKind, as_metric
 from liftmesh.planar.lifting import Counters, given_vertex, resolve_q
 from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
@@ -36,6 +36,7 @@ _AUTO: Method = "auto"  # the defaults are not checked, which takes as long as a
 _ERROR: NonFinite = "error"
 _ENGINE: RowOrder = "engine"
 _ORIGIN: ParaboloidVertex = "origin"
+_NO_ROWS = np.empty(0, dtype=np.int32)
 
 
 @of_one_array
@@ -146,7 +147,22 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     True
     """
     options = (method, q, nonfinite, order, threads, progress, copy)
-    return Triangulation(**solve(rows_of(points), *options, metric=metric, scratch=scratch))
+    return triangulation_of(solve(rows_of(points), *options, metric=metric, scratch=scratch))
+
+
+class Solution(NamedTuple):
+    """What a triangulation is made of: first the arrays in the order of `Triangulation`."""
+
+    points: Reals
+    simplices: Rows
+    neighbors: Rows
+    hull: Rows
+    duplicates: Rows
+    skipped: Rows
+    hidden: Rows = _NO_ROWS
+    counters: Counters | None = None
+    metric: Floats | None = None
+    weights: TriangulationKind | None = None  # or radii
 
 
 def solve(  # noqa: PLR0913 - as above
@@ -161,7 +177,7 @@ def solve(  # noqa: PLR0913 - as above
     *,
     metric: ArrayLike | None = None,
     scratch: str | os.PathLike[str] | None = None,
-) -> dict[str, Any]:
+) -> Solution:
     """Compute what a `Triangulation` is made of."""
     if not (method is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
         check_option("method", method, Method)
@@ -174,20 +190,20 @@ def solve(  # noqa: PLR0913 - as above
     count, shared = as_threads(threads, len(rows))
     run = planar, nonfinite == "skip", count, shared, progress
     folder = None if scratch is None else _folder(scratch, method, order, form)
-    more: dict[str, Any] = {}
+    counters = None
     if method is not _AUTO and method in _WRAPPING:
         if form is not None:
             raise InputError(f"method {method!r} has no metric: leave one of the two out")
         outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
-        more["counters"] = Counters.from_kernel(counts)
+        counters = Counters.from_kernel(counts)
     else:
         if q is not _ORIGIN:
             given_vertex(q)  # unused by divide and conquer, but an invalid one is an error
-        if form is None:
-            outcome = _kernel.delaunay(*run, folder)
-        else:
-            outcome, more["metric"] = _by_metric(form, run), form
-    return solution_of(outcome, rows, planar, order, progress, more)
+        outcome = _kernel.delaunay(*run, folder) if form is None else _by_metric(form, run)
+    solution = solution_of(outcome, rows, planar, order, progress)
+    if counters is None and form is None:
+        return solution
+    return solution._replace(counters=counters, metric=form)
 
 
 def _folder(
@@ -212,11 +228,11 @@ def _by_metric(form: Floats, run: _kernel.Run) -> _kernel.Outcome:
     return _kernel.delaunay_by_metric(run[0], a, b, c, *run[1:])
 
 
-def solve_farthest(rows: Floats, *, copy: bool = False) -> dict[str, Any]:
+def solve_farthest(rows: Floats, *, copy: bool = False) -> Solution:
     """Compute what a farthest-point `Delaunay` is made of, the upper hull."""
     planar = rows.copy() if copy else rows
     outcome, hidden = _kernel.farthest(planar, False, *as_threads(None, len(rows)), None)
-    return solution_of(outcome, rows, planar, "engine", None, {"hidden": hidden})
+    return solution_of(outcome, rows, planar, "engine", None)._replace(hidden=hidden)
 
 
 def solution_of(
@@ -225,8 +241,7 @@ def solution_of(
     planar: Array,
     order: RowOrder,
     progress: Progress | None,
-    more: dict[str, Any],
-) -> dict[str, Any]:
+) -> Solution:
     """Convert the outcome of a run of the kernel."""
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
     if status == "non-finite":
@@ -237,15 +252,12 @@ def solution_of(
         simplices, neighbors = _canonical_order(planar, simplices, neighbors)
     if progress is not None:
         progress(1.0)
-    return {
-        "points": planar,
-        "simplices": simplices,
-        "neighbors": neighbors,
-        "hull": hull,
-        "duplicates": duplicates,
-        "skipped": skipped,
-        **more,
-    }
+    return Solution(planar, simplices, neighbors, hull, duplicates, skipped)
+
+
+def triangulation_of(solution: Solution) -> Triangulation:
+    """Make a triangulation without weights."""
+    return Triangulation(*solution[:6], solution.counters, solution.metric)
 
 
 def check_options(nonfinite: NonFinite, order: RowOrder, progress: object) -> None:

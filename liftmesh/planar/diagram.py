@@ -15,15 +15,19 @@ edge always counts. Each change is the exact sign of four lifted points.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
+from liftmesh.base.arrays import widened
 from liftmesh.base.options import as_threads
 from liftmesh.planar.points import pieces
 from liftmesh.predicates import orient2d
+
+if TYPE_CHECKING:
+    from liftmesh.planar.kinds import TriangulationKind
 
 _NO_VALUES = np.empty(0)
 
@@ -73,14 +77,13 @@ def ridges_by_rows(
 
 
 class LiftedTriangles(NamedTuple):
-    """A regular triangulation: its triangles, and the numbers by which rows are lifted."""
+    """A regular triangulation: its triangles, and what lowers the rows."""
 
     points: Floats
     simplices: Rows
     neighbors: Rows
     hull: Rows  # vertices, counter-clockwise
-    values: Floats
-    kind: str  # of the values: "weights" or "radii"
+    kind: TriangulationKind  # by weights or radii
 
 
 def rows_without_area(lifted: LiftedTriangles) -> Rows:
@@ -113,7 +116,7 @@ def _interior_edges(lifted: LiftedTriangles) -> Rows:
 
 def _are_coplanar(lifted: LiftedTriangles, quads: Rows) -> Mask:
     """Whether the four lifted corners around each edge lie in one plane, exactly."""
-    points, values, kind = lifted.points, lifted.values, lifted.kind
+    points, values, kind = lifted.points, widened(lifted.kind.values), lifted.kind.name
     signs = np.empty(len(quads), dtype=np.int8)
     for piece in pieces(len(quads)):
         a, b, c, d = (points[rows] for rows in quads[piece].T)

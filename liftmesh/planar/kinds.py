@@ -13,6 +13,7 @@ z = p^T M p, the points need no map: the coordinates stay, and every sign is exa
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -84,7 +85,7 @@ class TriangulationKind:
         return NonFiniteError(f"{named}: remove such rows{advice}", row=row)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
-        """Return the exact side of a lifted row: positive below the plane of three others."""
+        """Return the exact side of the last row: 1 if lifted below the plane of a triangle."""
         if self.name in ("delaunay", "farthest"):
             sign = int(incircle(*points))
             return -sign if self.name == "farthest" else sign
@@ -158,7 +159,7 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
 
 
 def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
-    """Convert weights or radii, without a copy of floats."""
+    """Convert weights or radii, in place where they are floats; masked ones become NaN."""
     try:
         array = np.asanyarray(given)
     except ValueError as error:
@@ -204,7 +205,7 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
 
 def as_metric(metric: ArrayLike) -> Floats:
     """Validate the option ``metric``."""
-    matrix = _as_matrix(metric)
+    matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
     shown = matrix.tolist()
     if not np.isfinite(matrix).all():
         raise InputError(f"metric {shown} is not finite: {METRIC_REMEDY}")
@@ -221,11 +222,14 @@ def is_positive_definite(matrix: Floats) -> bool:
     return a > 0 and a * c > b * b
 
 
-def _as_matrix(metric: Any) -> Floats:
+def as_matrices(name: str, given: Any, shape: tuple[int, ...], remedy: str) -> Floats:
+    """Convert one matrix, or one for each row, to an array of its own."""
+    what, verb = ("the metric", "has") if len(shape) == 2 else (name, "have")
     try:
-        given = np.asanyarray(metric)
+        array = np.asanyarray(given)
     except ValueError as error:
-        raise InputError(f"metric cannot be read as numbers ({error}): {METRIC_REMEDY}") from error
-    if given.shape != (2, 2):
-        raise InputError(f"metric has the shape {given.shape}, not (2, 2): {METRIC_REMEDY}")
-    return np.array(as_floats(unmasked(given, "the metric"), "the metric"), dtype=np.float64)
+        raise InputError(f"{name} cannot be read as numbers ({error}): {remedy}") from error
+    if array.shape != shape:
+        raise InputError(f"{name} {verb} the shape {array.shape}, not {shape}: {remedy}")
+    flat = unmasked(array.reshape(shape[0], math.prod(shape[1:])), what)
+    return np.array(as_floats(flat, what), dtype=np.float64).reshape(shape)

@@ -25,7 +25,7 @@ from liftmesh.base.options import as_threads
 
 
 def rows_of(points: Any, *, has_heights: bool = False) -> Any:
-    """Return the points of a cloud or mesh, and anything else as it is."""
+    """Return the points of a cloud or mesh, with a known z if it counts; all else as it is."""
     if isinstance(points, np.ndarray):
         is_record = points.dtype.names is not None
     else:
@@ -53,7 +53,7 @@ class Positions:
 
 
 def find_positions(points: ArrayLike) -> Positions:
-    """Find the distinct positions of planar points and their spacing, at every scale."""
+    """Find the distinct positions of points that are finite, and their spacing, at every scale."""
     rows = as_coordinates(points)[:, :2]
     run = (rows, True, *as_threads(None, len(rows)), None)
     status, _, count, simplices, _, _, duplicates, skipped = _kernel.delaunay(*run)

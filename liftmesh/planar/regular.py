@@ -17,7 +17,7 @@ from liftmesh._typing import Floats, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, of_one_array, read_only, widened
 from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import NonFinite, RowOrder, as_switch, as_threads
-from liftmesh.planar.delaunay import check_options, solution_of
+from liftmesh.planar.delaunay import Solution, check_options, solution_of
 from liftmesh.planar.diagram import LiftedTriangles, rows_without_area
 from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values, weights_or_radii
 from liftmesh.planar.lifting import Heights, LowerHull
@@ -107,7 +107,7 @@ def regular(
     if isinstance(given, str):
         points, given = _named(points, kind, given)
     options = (nonfinite, order, threads, progress, copy)
-    return RegularTriangulation(**solve(rows_of(points), kind, given, *options))
+    return regular_triangulation_of(solve(rows_of(points), kind, given, *options))
 
 
 def _named(points: Any, kind: str, name: str) -> tuple[ArrayLike, ArrayLike]:
@@ -127,7 +127,7 @@ def solve(
     threads: int | None = None,
     progress: Progress | None = None,
     copy: bool = False,
-) -> dict[str, Any]:
+) -> Solution:
     """Compute what a `RegularTriangulation` is made of."""
     check_options(nonfinite, order, progress)
     is_copied = as_switch("copy", copy)
@@ -145,8 +145,8 @@ def solve(
         *as_threads(threads, len(rows)),
         progress,
     )
-    more = {"hidden": hidden, kind: values.values}
-    return solution_of(outcome, rows, planar, order, progress, more)
+    solution = solution_of(outcome, rows, planar, order, progress)
+    return solution._replace(hidden=hidden, weights=values)
 
 
 def _without_skipped(planar: Reals, values: TriangulationKind, *, skipping: bool) -> Reals:
@@ -157,6 +157,17 @@ def _without_skipped(planar: Reals, values: TriangulationKind, *, skipping: bool
     marked: Reals = planar.copy()
     marked[~finite] = np.nan
     return marked
+
+
+def regular_triangulation_of(solution: Solution) -> RegularTriangulation:
+    """Make a triangulation of weighted points."""
+    kind = solution.weights or TriangulationKind()
+    return RegularTriangulation(
+        *solution[:6],
+        solution.hidden,
+        weights=kind.values if kind.name == "weights" else None,
+        radii=kind.values if kind.name == "radii" else None,
+    )
 
 
 class RegularTriangulation(Triangulation):
@@ -235,10 +246,10 @@ class RegularTriangulation(Triangulation):
         Their lifted points are exactly on an edge or a facet that other rows span: the cell is a
         segment, a ray or a line, or a point. They are vertices by the rule for ties.
         """
-        kind = "weights" if self.radii is None else "radii"
+        name = "weights" if self.radii is None else "radii"
         triangles = self.points, self.simplices, self.neighbors, self._hull
-        lifted = LiftedTriangles(*triangles, getattr(self, kind), kind)
-        return self._kept(rows_without_area(lifted))
+        kind = TriangulationKind(name, getattr(self, name))
+        return self._kept(rows_without_area(LiftedTriangles(*triangles, kind)))
 
     @property
     def _heights(self) -> Heights:

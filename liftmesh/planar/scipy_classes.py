@@ -30,12 +30,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
-from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only
+from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
-from liftmesh.planar.delaunay import solve, solve_farthest
+from liftmesh.planar.delaunay import Solution, solve, solve_farthest
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
 from liftmesh.planar.triangulation import Triangulation
 
@@ -211,11 +211,11 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in _COMPUTED_LATER:
             self.__dict__.pop(name, None)
-        self._exact = solution["simplices"], solution["neighbors"]
-        own = {name: solution[name].copy() for name in ("simplices", "neighbors")}
-        self.hidden = read_only(solution.pop("hidden", np.empty(0, dtype=np.int32)))
-        super().__init__(**(solution | own))
-        self.npoints = len(solution["points"])
+        self._exact = solution.simplices, solution.neighbors
+        simplices, neighbors = solution.simplices.copy(), solution.neighbors.copy()
+        self.hidden = read_only(solution.hidden)
+        super().__init__(solution.points, simplices, neighbors, *solution[3:6])
+        self.npoints = len(solution.points)
         self.nsimplex = len(self.simplices)
 
     def _given(self) -> tuple[Rows, ...]:
@@ -434,17 +434,17 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
                      "ridge_points", "_found"):  # fmt: skip
             self.__dict__.pop(name, None)
-        points, simplices = read_only(solution["points"]), read_only(solution["simplices"])
-        diagram = diagram_of(points, simplices, solution["neighbors"])
+        points, simplices = read_only(widened(solution.points)), read_only(solution.simplices)
+        diagram = diagram_of(points, simplices, solution.neighbors)
         self._points = points
         self.npoints, self.ndim = points.shape
-        on_hull = points[solution["hull"]]
+        on_hull = points[solution.hull]
         self.min_bound, self.max_bound = on_hull.min(axis=0), on_hull.max(axis=0)
-        self.simplices, self.duplicates = simplices, solution["duplicates"]
+        self.simplices, self.duplicates = simplices, solution.duplicates
         self.vertices = diagram.vertices.copy()  # SciPy's users write to it, as to ridge_points
         self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
         self.overflowed = diagram.overflowed
-        self._neighbors = solution["neighbors"]
+        self._neighbors = solution.neighbors
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -529,7 +529,7 @@ def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
         )
 
 
-def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> dict[str, Any]:
+def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> Solution:
     """Triangulate points, with the errors that SciPy's callers expect."""
     try:
         return (solve_farthest if furthest_site else solve)(rows, copy=copy)

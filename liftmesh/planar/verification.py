@@ -187,7 +187,7 @@ def _refuse_other_results(points: Any, simplices: Any) -> None:
 def _points_and_triangles(
     mesh: Any, *, told: bool = False
 ) -> tuple[Array, Array, bool, dict[str, Any]]:
-    """Return the planar points and the triangles of a mesh."""
+    """Return points and triangles of a mesh, whether it skipped rows, and how it says to lift."""
     solved = getattr(mesh, "triangulation", None)  # of a `Surface`, whose plane may be any
     said = (lambda _: {}) if told else options_of
     lifted_by = said(mesh if solved is None else solved)

@@ -27,7 +27,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.options import as_count, shown
-from liftmesh.crs.geokeys import without_wkt, wkt_in
+from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.limits import check_expanded, limit_of
@@ -45,7 +45,7 @@ from liftmesh.raster.blocks import (
     window_of,
     without_warnings,
 )
-from liftmesh.raster.sidecars import ALONE, Transform, system_of, world_of
+from liftmesh.raster.sidecars import Transform, system_of, world_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
@@ -53,8 +53,6 @@ _MOST_EXACT = 2**53
 _ESRI = -9999.0  # of grids that do not say it
 _TIFF = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in memory
-# GDAL is also to say the system of heights, that of files of GeoTIFF 1.0, too.
-_SETTINGS = {**ALONE, "GTIFF_REPORT_COMPD_CS": "YES"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +97,7 @@ def read_raster(
     data = without_wkt(data)
     with (
         _decoding(name),
-        rasterio.Env(**_SETTINGS),
+        rasterio.Env(**READING),
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
     ):

@@ -16,8 +16,6 @@ from liftmesh.errors import FormatError
 
 _WORLDS = (".tfw", ".tifw", ".tiffw", ".wld", ".TFW", ".TIFW", ".WLD")
 _MOST = 1 << 16  # bytes
-# Settings of GDAL by which it looks for no file beside a raster, makes none, and prints nothing.
-ALONE = {"GDAL_DISABLE_READDIR_ON_OPEN": "EMPTY_DIR", "GDAL_PAM_ENABLED": "NO", "CPL_DEBUG": "OFF"}
 
 
 class Transform(NamedTuple):

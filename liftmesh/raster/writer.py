@@ -22,10 +22,10 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.options import shown
 from liftmesh.crs.description import without_files
+from liftmesh.crs.geokeys import ALONE
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import check_writable, replacing, working_folder
 from liftmesh.optional import load
-from liftmesh.raster.sidecars import ALONE
 
 _COMPRESSIONS = (None, "deflate", "lzw", "zstd")
 _TILE = 256

@@ -21,6 +21,7 @@ from liftmesh.base.options import Method
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
+from liftmesh.planar.delaunay import Solution, triangulation_of
 from liftmesh.planar.kinds import (
     TriangulationKind,
     as_metric,
@@ -28,11 +29,11 @@ from liftmesh.planar.kinds import (
     named_values,
     weights_or_radii,
 )
-from liftmesh.planar.regular import RegularTriangulation
-from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.regular import regular_triangulation_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.planar.triangulation import Triangulation
 
 HIDDEN = "hidden"
 _DIVIDING = ("auto", "divide-and-conquer")
@@ -46,17 +47,17 @@ class Lifting:
     weights: TriangulationKind | None = None
     metric: Floats | None = None
 
-    def solve(self, planar: Floats, options: Mapping[str, Any]) -> dict[str, Any]:
+    def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
         """Return the arguments of the triangulation of planar points."""
         if self.weights is None:
             return delaunay.solve(planar, **options, metric=self.metric)
         shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
         return regular.solve(planar, self.weights.name, self.weights.values, **shared)
 
-    def triangulation(self, solution: dict[str, Any]) -> Triangulation:
+    def triangulation(self, solution: Solution) -> Triangulation:
         """Make the triangulation of a solution."""
-        kind = Triangulation if self.weights is None else RegularTriangulation
-        return kind(**solution)
+        make = triangulation_of if self.weights is None else regular_triangulation_of
+        return make(solution)
 
     def is_weighable(self, rows: Rows) -> Mask:
         """Tell which rows are not skipped because of their weight."""

@@ -45,9 +45,8 @@ from liftmesh.base.options import Duplicates, NonFinite, as_count, as_switch, ch
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import lifted_by
 from liftmesh.io.surface_rows import read_rows
-from liftmesh.planar.delaunay import solve
+from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
-from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
 from liftmesh.terrain.surface import Surface
@@ -57,6 +56,7 @@ from liftmesh.terrain.triangulate import triangulate
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.selection import ClassChoice
+    from liftmesh.planar.triangulation import Triangulation
 
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
@@ -248,7 +248,7 @@ def _check_count(corners: int, most: int) -> None:
 def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     """Triangulate the rows that stay; their order and their coordinates are those of the whole."""
     cloud = whole.to_cloud().select(kept)
-    triangulation = Triangulation(**solve(whole.triangulation.points[kept], nonfinite="error"))
+    triangulation = triangulation_of(solve(whole.triangulation.points[kept]))
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,

@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.formats.text.options import ColumnChoice
     from liftmesh.io.selection import ClassChoice
+    from liftmesh.planar.delaunay import Solution
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
 
@@ -197,9 +198,9 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
     solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
     stages.finish("triangulation")
-    choice = choose_rows(solution["duplicates"], heights, planar, duplicates)
+    choice = choose_rows(solution.duplicates, heights, planar, duplicates)
     triangulation = lifting.triangulation(_chosen(solution, choice))
-    hidden = solution.get("hidden", np.empty(0, dtype=np.int32))
+    hidden = solution.hidden
     vertices = _vertices(source.points, heights, frame, choice)
     stages.finish("heights")
     surface = Surface(
@@ -289,7 +290,7 @@ def _solve(
     heights: Floats,
     options: _Options,
     progress: Progress | None,
-) -> dict[str, Any]:
+) -> Solution:
     """Triangulate the planar points; a row whose height is not finite counts as not finite."""
     points = lifting.cloud.points
     if not np.isfinite(heights).all():
@@ -303,7 +304,7 @@ def _solve(
         if np.isfinite(planar).all():
             raise  # not about these points: raised by `progress`
         raise _nonfinite_error(points, planar, heights) from None
-    skipped = solution["skipped"]
+    skipped = solution.skipped
     _refuse_overflow(points, skipped[lifting.is_weighable(skipped)])
     return solution
 
@@ -331,18 +332,18 @@ def _overflow(row: int, points: Floats) -> InputError:
     )
 
 
-def _chosen(solution: dict[str, Any], choice: Choice) -> dict[str, Any]:
+def _chosen(solution: Solution, choice: Choice) -> Solution:
     """Replace kept rows by chosen rows; return the same arrays if there is no change."""
     changed = choice.kept != choice.chosen
     if not changed.any():
         return solution
-    vertex_of = np.arange(len(solution["points"]), dtype=np.int32)
+    vertex_of = np.arange(len(solution.points), dtype=np.int32)
     vertex_of[choice.kept[changed]] = choice.chosen[changed]
-    return solution | {
-        "simplices": vertex_of[solution["simplices"]],
-        "hull": vertex_of[solution["hull"]],
-        "duplicates": np.stack([choice.left_out, choice.representatives], axis=1),
-    }
+    return solution._replace(
+        simplices=vertex_of[solution.simplices],
+        hull=vertex_of[solution.hull],
+        duplicates=np.stack([choice.left_out, choice.representatives], axis=1),
+    )
 
 
 def _vertices(points: Floats, heights: Floats, frame: Frame, choice: Choice) -> Floats:

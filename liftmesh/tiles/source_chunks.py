@@ -165,46 +165,40 @@ def npy_chunks(origin: Origin, name: str, rows: int, schema: Schema) -> list[Npy
         offset = stream.tell()
     if len(layout.shape) != 2 or layout.shape[1] not in (2, 3):
         raise FormatError(f"{name}: {layout.what}: points need the shape (n, 2) or (n, 3)")
-    whole = NpyChunk(
-        origin=origin,
-        schema=schema,
-        place=_absolute(name),
-        dtype=np.dtype(layout.dtype).str,
-        shape=(layout.shape[0], layout.shape[1]),
-        by_columns=layout.by_columns,
-        offset=offset,
-        first=0,
-        rows=layout.shape[0],
+    return _ranges(
+        origin, schema, name, (layout.dtype, layout.shape, layout.by_columns, offset), rows
     )
-    return _cut(whole, rows)
 
 
 def mapped_chunks(array: np.memmap[Any, Any], rows: int, schema: Schema) -> list[NpyChunk]:
     """Cut a mapped array, which is its file from the offset on, into chunks."""
     name = str(array.filename)
-    whole = NpyChunk(
-        origin=Origin(name),
-        schema=schema,
-        place=_absolute(name),
-        dtype=array.dtype.str,
-        shape=(array.shape[0], array.shape[1]),
-        by_columns=False,
-        offset=array.offset,
-        first=0,
-        rows=array.shape[0],
+    return _ranges(
+        Origin(name), schema, name, (array.dtype, array.shape, False, array.offset), rows
     )
-    return _cut(whole, rows)
 
 
-def _cut(whole: NpyChunk, rows: int) -> list[NpyChunk]:
+def _ranges(
+    origin: Origin,
+    schema: Schema,
+    name: str,
+    layout: tuple[Any, tuple[int, ...], bool, int],  # type, shape, by columns, offset in bytes
+    rows: int,
+) -> list[NpyChunk]:
+    dtype, (total, columns), by_columns, offset = layout
     return [
-        replace(
-            whole,
-            origin=replace(whole.origin, row=first),
-            first=first,
-            rows=min(rows, whole.rows - first),
+        NpyChunk(
+            replace(origin, row=first),
+            schema,
+            _absolute(name),
+            np.dtype(dtype).str,
+            (total, columns),
+            by_columns,
+            offset,
+            first,
+            min(rows, total - first),
         )
-        for first in range(0, whole.rows, rows)
+        for first in range(0, total, rows)
     ]
 
 

@@ -12,6 +12,7 @@ from liftmesh.planar.diagram import (
     ridges_by_rows,
     rows_without_area,
 )
+from liftmesh.planar.kinds import TriangulationKind
 
 SQUARE = [[0, 0], [2, 0], [2, 2], [0, 2]]
 
@@ -34,7 +35,8 @@ def test_a_row_on_a_facet_has_a_cell_without_area() -> None:
     points = [[0, 0], [4, 0], [0, 4], [4, 4], [2, 2]]
     tri = liftmesh.regular(points, weights=[0, 0, 0, 0, -8])
     assert tri.weights is not None
-    hull = tri.convex_hull[:, 0]
-    triangles = tri.points, tri.simplices, tri.neighbors, hull
-    assert rows_without_area(LiftedTriangles(*triangles, tri.weights, "weights")).tolist() == [4]
-    assert rows_without_area(LiftedTriangles(*triangles, np.zeros(5), "weights")).tolist() == []
+    triangles = tri.points, tri.simplices, tri.neighbors, tri.convex_hull[:, 0]
+    lifted = LiftedTriangles(*triangles, TriangulationKind("weights", tri.weights))
+    assert rows_without_area(lifted).tolist() == [4]
+    as_heavy = lifted._replace(kind=TriangulationKind("weights", np.zeros(5)))
+    assert rows_without_area(as_heavy).tolist() == []

@@ -194,7 +194,7 @@ def _welded(corners: Floats, name: str, skipped: str) -> Cloud:
 
 
 def read_corners(stream: BinaryIO, name: str) -> tuple[Floats, int]:
-    """Read the corners of all facets of a text file."""
+    """Read the corners of all facets of a text file, three rows each; count lines of colours."""
     solids = _Solids(name)
     lines = Lines(stream, name, _SYNTAX)
     parts = [_corners(facets, name) for facets in _facets(lines, solids)]
@@ -341,7 +341,7 @@ def _unexpected(name: str, number: int, text: str, expected: str) -> FormatError
 
 
 def weld(points: Floats) -> tuple[Integers, Integers]:
-    """Find the equal rows of an array."""
+    """Find the first of equal rows, and for each row the place of its equal among these."""
     rows = np.arange(len(points))
     first = rows.copy()
     hashes = _hashes(points)

@@ -83,16 +83,16 @@ def figure_metric() -> Figure:
     return figure
 
 
-def _draw_circles(axes: Axes, found: Triangulation, metric: Floats) -> None:
-    corners = found.points[found.simplices]
+def _draw_circles(axes: Axes, mesh: Triangulation, metric: Floats) -> None:
+    corners = mesh.points[mesh.simplices]
     circles = [circle_through(each, metric) for each in corners]
     inside = [k for k, each in enumerate(circles) if is_inside(each)]
     for k in inside[:: max(len(inside) // _SHOWN, 1)][:_SHOWN]:
         axes.fill(*circles[k].T, fc=ORANGE, alpha=0.16, lw=0)
         axes.fill(*corners[k].T, fc=ORANGE, alpha=0.4, lw=0)
         axes.plot(*circles[k].T, color=ORANGE, lw=1.2, gid=f"circle {k}")
-    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
-    axes.plot(*found.points.T, marker="o", ls="", ms=3.0, color=INK, mew=0, zorder=6, gid="points")
+    draw_lines(axes, mesh.points[mesh.edges], BLUE, 1.0, "edges")
+    axes.plot(*mesh.points.T, marker="o", ls="", ms=3.0, color=INK, mew=0, zorder=6, gid="points")
 
 
 def is_inside(circle: Floats) -> bool:
@@ -193,7 +193,7 @@ def figure_adaptive() -> Figure:
     """Draw an image, the triangles of the pixels that stay, and the image that these make."""
     figure = new_figure(7.6, 3.2)
     points = thinned_image()
-    found: Any = triangulate(points).to_matplotlib()
+    mesh: Any = triangulate(points).to_matplotlib()
     shown: dict[str, Any] = {"cmap": "gray", "vmin": 0.0, "vmax": 1.0}
     titles = ("(a) 4,096 pixels", f"(b) triangles of {KEPT} of them", "(c) interpolated")
     for column, title in enumerate(titles):
@@ -202,9 +202,9 @@ def figure_adaptive() -> Figure:
         if column == 0:
             axes.imshow(example_image(), origin="lower", **shown)
         elif column == 1:
-            _draw_triangles(axes, found, points)
+            _draw_triangles(axes, mesh, points)
         else:
-            axes.tripcolor(found, points[:, 2], shading="gouraud", rasterized=True, **shown)
+            axes.tripcolor(mesh, points[:, 2], shading="gouraud", rasterized=True, **shown)
         captions(figure, 0.15, {column / 3 + 1 / 6: title})
     legend_below(
         figure,
@@ -215,10 +215,10 @@ def figure_adaptive() -> Figure:
     return figure
 
 
-def _draw_triangles(axes: Any, found: Any, points: Floats) -> None:
-    corners = points[found.triangles]
+def _draw_triangles(axes: Any, mesh: Any, points: Floats) -> None:
+    corners = points[mesh.triangles]
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     for each in corners[np.hypot(across[:, 0], across[:, 1]) > STEEP * across[:, 2]]:
         axes.fill(*each[:, :2].T, fc=ORANGE, alpha=0.55, lw=0)
-    axes.triplot(found, color=BLUE, lw=0.7)
+    axes.triplot(mesh, color=BLUE, lw=0.7)
     axes.plot(*points[:, :2].T, marker="o", ls="", ms=1.8, color=INK, mew=0, zorder=6)

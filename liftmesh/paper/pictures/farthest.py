@@ -33,12 +33,13 @@ from liftmesh.paper.pictures.style import (
     styled,
 )
 from liftmesh.paper.pictures.weighted import cell_sides
-from liftmesh.planar.delaunay import solve_farthest
-from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.delaunay import solve_farthest, triangulation_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from liftmesh.planar.triangulation import Triangulation
 
 COUNT = 26
 _SHOWN = (0, 2)  # of the circles, which are sorted by their size
@@ -58,19 +59,18 @@ def example_points() -> Floats:
 def farthest_points(points: Floats) -> tuple[Triangulation, Rows]:
     """Compute the farthest-point Delaunay triangulation."""
     solution = solve_farthest(points)
-    hidden = solution.pop("hidden")
-    return Triangulation(**solution), hidden
+    return triangulation_of(solution), solution.hidden
 
 
 @styled
 def figure_farthest() -> Figure:
     """Draw a farthest-point Delaunay triangulation with two of its circles, and the diagram."""
     figure = new_figure(7.2, 4.2)
-    found, hidden = farthest_points(example_points())
+    mesh, hidden = farthest_points(example_points())
     for column, draw in enumerate((_triangles, _cells)):
         axes = blank_axes(figure, (0.5 * column + 0.02, 0.18, 0.46, 0.79), _LIMITS)
-        draw(axes, found)
-        _points(axes, found, hidden)
+        draw(axes, mesh)
+        _points(axes, mesh, hidden)
     texts = {0.25: "(a) farthest-point Delaunay", 0.75: "(b) in the colour of the farthest corner"}
     captions(figure, 0.12, texts)
     legend_below(
@@ -86,34 +86,34 @@ def figure_farthest() -> Figure:
     return figure
 
 
-def _points(axes: Axes, found: Triangulation, hidden: Rows) -> None:
+def _points(axes: Axes, mesh: Triangulation, hidden: Rows) -> None:
     marks: dict[str, Any] = {"marker": "o", "ls": "", "zorder": 6}
-    axes.plot(*found.points[hidden].T, ms=3.0, mew=0.0, color=VERMILION, gid="hidden", **marks)
-    for row, shade in zip(corners(found), _SHADES, strict=False):
+    axes.plot(*mesh.points[hidden].T, ms=3.0, mew=0.0, color=VERMILION, gid="hidden", **marks)
+    for row, shade in zip(corners(mesh), _SHADES, strict=False):
         style: dict[str, Any] = {"ms": 6.0, "mec": INK, "mew": 0.9, "mfc": shade}
-        axes.plot(*found.points[row], gid=f"corner {row}", **style, **marks)
+        axes.plot(*mesh.points[row], gid=f"corner {row}", **style, **marks)
 
 
-def corners(found: Triangulation) -> Rows:
+def corners(mesh: Triangulation) -> Rows:
     """Return the corners of the convex hull, counter-clockwise."""
-    return found.convex_hull[:, 0]
+    return mesh.convex_hull[:, 0]
 
 
-def _triangles(axes: Axes, found: Triangulation) -> None:
-    three = found.points[found.simplices]
+def _triangles(axes: Axes, mesh: Triangulation) -> None:
+    three = mesh.points[mesh.simplices]
     circles = [circle_through(each, np.eye(2)) for each in three]
     by_size = np.argsort([np.ptp(each[:, 0]) for each in circles])
     for k, color in zip(by_size[[*_SHOWN]], (ORANGE, GREEN), strict=True):
         axes.fill(*three[k].T, fc=color, alpha=0.25, lw=0)
         axes.plot(*circles[k].T, color=color, lw=1.2, gid=f"circle {k}")
-    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
+    draw_lines(axes, mesh.points[mesh.edges], BLUE, 1.0, "edges")
 
 
-def _cells(axes: Axes, found: Triangulation) -> None:
+def _cells(axes: Axes, mesh: Triangulation) -> None:
     """Shade every place in the colour of the corner that is farthest from it."""
     to_rgb = load("matplotlib.colors", extra="plot").to_rgb
     side = (np.arange(_PIXELS) + 0.5) / _PIXELS * (_LIMITS[1] - _LIMITS[0]) + _LIMITS[0]
-    sites = found.points[corners(found)]
+    sites = mesh.points[corners(mesh)]
     distances = (side[None, :, None] - sites[:, 0]) ** 2 + (side[:, None, None] - sites[:, 1]) ** 2
     shades = 1.0 - 0.45 * (1.0 - np.array([to_rgb(shade) for shade in _SHADES]))
     axes.imshow(
@@ -123,4 +123,4 @@ def _cells(axes: Axes, found: Triangulation) -> None:
         interpolation="nearest",
         gid="cells",
     )
-    draw_lines(axes, cell_sides(found, inward=True), INK, 1.1, "sides")
+    draw_lines(axes, cell_sides(mesh, inward=True), INK, 1.1, "sides")

@@ -80,12 +80,12 @@ def _projection(axes: Axes, projected: Floats) -> None:
     axes.plot(*projected.T, ls="none", marker="o", ms=3.2, mew=0, color=SOFT, gid="projected")
 
 
-def _first(axes: Axes, projected: Floats, found: FirstEdge) -> None:
+def _first(axes: Axes, projected: Floats, first: FirstEdge) -> None:
     """Draw the lines from v'_1, and the segments that are projections of lower edges."""
-    ends = {"v2": ("$v_2^\\prime$", found.v2), "vn": ("$v_n^\\prime$", found.vn)}
-    start = projected[found.v1]
+    ends = {"v2": ("$v_2^\\prime$", first.v2), "vn": ("$v_n^\\prime$", first.vn)}
+    start = projected[first.v1]
     for gid, (name, row) in ends.items():
-        lower = (found.v1, row) in found.edges
+        lower = (first.v1, row) in first.edges
         color, style = (VERMILION, "-") if lower else (BLUE, (0, (4, 2.5)))
         axes.plot(*_beyond(start, projected[row]).T, color=color, lw=0.7, ls=(0, (1, 2)), zorder=2)
         segment = np.array([start, projected[row]])
@@ -93,7 +93,7 @@ def _first(axes: Axes, projected: Floats, found: FirstEdge) -> None:
         axes.plot(*projected[row], marker="o", ms=5.5, color=color, zorder=4)
         label(axes, projected[row], name, _outwards(projected, row))
     axes.plot(*start, marker="o", ms=6.5, color=INK, zorder=5, gid="v1")
-    label(axes, start, "$v_1^\\prime$", _outwards(projected, found.v1))
+    label(axes, start, "$v_1^\\prime$", _outwards(projected, first.v1))
 
 
 def _beyond(start: Floats, through: Floats) -> Floats:

@@ -67,11 +67,11 @@ def figure_power() -> Figure:
     """Draw circles, the regular triangulation of their centres, and their power diagram."""
     figure = new_figure(6.6, 3.85)
     centers, radii = example_circles()
-    found = regular(centers, radii=radii)
+    mesh = regular(centers, radii=radii)
     for column, draw in enumerate((_edges, _sides)):
         axes = blank_axes(figure, (0.5 * column, 0.165, 0.5, 0.83), _LIMITS)
-        _circles(axes, found, radii)
-        draw(axes, found)
+        _circles(axes, mesh, radii)
+        draw(axes, mesh)
     captions(figure, 0.12, {0.25: "(a) regular triangulation", 0.75: "(b) power diagram"})
     legend_below(
         figure,
@@ -83,16 +83,16 @@ def figure_power() -> Figure:
     return figure
 
 
-def _circles(axes: Axes, found: RegularTriangulation, radii: Floats) -> None:
+def _circles(axes: Axes, mesh: RegularTriangulation, radii: Floats) -> None:
     patches = load("matplotlib.patches", extra="plot")
-    is_hidden = np.isin(np.arange(found.npoints), found.hidden)
-    for center, radius, hidden in zip(found.points, radii, is_hidden, strict=True):
+    is_hidden = np.isin(np.arange(mesh.npoints), mesh.hidden)
+    for center, radius, hidden in zip(mesh.points, radii, is_hidden, strict=True):
         line: dict[str, Any] = {"ec": VERMILION, "ls": (0, (3, 2))} if hidden else {"ec": SKY}
         fill = "none" if hidden else (*_shade(SKY), 0.13)
         axes.add_patch(patches.Circle(center, radius, fc=fill, lw=1.1, **line))
     marks: dict[str, Any] = {"marker": "o", "ls": "", "ms": 3.0, "mew": 0.0, "zorder": 6}
-    axes.plot(*found.points[~is_hidden].T, color=INK, gid="vertices", **marks)
-    axes.plot(*found.points[is_hidden].T, color=VERMILION, gid="hidden", **marks)
+    axes.plot(*mesh.points[~is_hidden].T, color=INK, gid="vertices", **marks)
+    axes.plot(*mesh.points[is_hidden].T, color=VERMILION, gid="hidden", **marks)
 
 
 def _shade(color: str) -> tuple[float, float, float]:
@@ -100,32 +100,32 @@ def _shade(color: str) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _edges(axes: Axes, found: RegularTriangulation) -> None:
-    draw_lines(axes, found.points[found.edges], BLUE, 1.0, "edges")
+def _edges(axes: Axes, mesh: RegularTriangulation) -> None:
+    draw_lines(axes, mesh.points[mesh.edges], BLUE, 1.0, "edges")
 
 
-def _sides(axes: Axes, found: RegularTriangulation) -> None:
-    draw_lines(axes, cell_sides(found), INK, 1.1, "cells")
+def _sides(axes: Axes, mesh: RegularTriangulation) -> None:
+    draw_lines(axes, cell_sides(mesh), INK, 1.1, "cells")
 
 
-def cell_sides(found: Triangulation, *, inward: bool = False) -> Floats:
+def cell_sides(mesh: Triangulation, *, inward: bool = False) -> Floats:
     """Compute the sides of the power cells; those without end are cut off far away."""
-    centers = power_centers(found)
+    centers = power_centers(mesh)
     far = -_FAR if inward else _FAR
-    triangle, corner = np.nonzero(found.neighbors < np.arange(found.nsimplex)[:, None])
-    beyond = found.neighbors[triangle, corner]
+    triangle, corner = np.nonzero(mesh.neighbors < np.arange(mesh.nsimplex)[:, None])
+    beyond = mesh.neighbors[triangle, corner]
     ends = np.where(
         (beyond >= 0)[:, None],
         centers[beyond],
-        centers[triangle] + far * _outward(found, triangle, corner),
+        centers[triangle] + far * _outward(mesh, triangle, corner),
     )
     return np.stack([centers[triangle], ends], axis=1)
 
 
-def _outward(found: Triangulation, triangle: Indices, corner: Indices) -> Floats:
+def _outward(mesh: Triangulation, triangle: Indices, corner: Indices) -> Floats:
     """Unit vectors to the right of the edges opposite to corners."""
-    start = found.points[found.simplices[triangle, (corner + 1) % 3]]
-    end = found.points[found.simplices[triangle, (corner + 2) % 3]]
+    start = mesh.points[mesh.simplices[triangle, (corner + 1) % 3]]
+    end = mesh.points[mesh.simplices[triangle, (corner + 2) % 3]]
     right = (end - start)[:, ::-1] * (1.0, -1.0)
     unit: Floats = right / np.hypot(*right.T)[:, None]
     return unit

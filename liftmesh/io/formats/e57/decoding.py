@@ -35,10 +35,10 @@ class Scan:
 
     name: str
     rows: int
-    pose: tuple[list[float], list[float]] | None
-    fields: dict[str, str]
-    skipped: list[str]
-    limits: dict[str, float]
+    pose: tuple[list[float], list[float]] | None  # rotation (w, x, y, z) and translation
+    fields: dict[str, str]  # types by name
+    skipped: list[str]  # fields of other kinds
+    limits: dict[str, float]  # of colours and intensities
 
 
 @dataclass(frozen=True, slots=True)

@@ -183,7 +183,7 @@ _FIELD = "colorRed"
 
 
 def at_one_depth(colors: Array, scans: list[Scan], counts: list[int]) -> tuple[int | None, str]:
-    """Scale the colours of scans to the depth of the deepest, in place."""
+    """Scale colours of scans to the deepest, in place; return its bits, and what is beyond."""
     parts = np.split(colors, np.cumsum(counts)[:-1]) if counts else []
     largest = [int(each.max(initial=0)) for each in parts]
     stated = [_stated(each) for each in scans]

@@ -51,9 +51,9 @@ class Chunk:
 class StatedBuffer:
     """What a file says of a buffer."""
 
-    uri: str | None
-    size: int | None
-    is_fallback: bool
+    uri: str | None  # None: the binary chunk
+    size: int | None  # bytes; None: all that there are
+    is_fallback: bool  # for readers that cannot decompress: without data
 
 
 @dataclass(slots=True)

@@ -53,11 +53,11 @@ _ONE = {5120: 127.0, 5121: 255.0, 5122: 32767.0, 5123: 65535.0}
 class Primitive:
     """A part of a mesh whose points are read."""
 
-    mode: int
-    used: dict[str, Accessor]
+    mode: int  # POINTS, TRIANGLES, STRIP or FAN
+    used: dict[str, Accessor]  # positions, normals, colours, named values, indices
     rows: int
     faces: int
-    crs: str | None
+    crs: str | None  # that its mesh states
 
     @property
     def named(self) -> list[str]:

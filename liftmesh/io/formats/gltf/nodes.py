@@ -30,8 +30,9 @@ _PARTS = {"matrix": 16, "translation": 3, "rotation": 4, "scale": 3}
 class Scene:
     """The meshes that a scene shows, in its order."""
 
-    extras: Tree = field(default_factory=dict)
-    meshes: list[int] = field(default_factory=list)
+    extras: Tree = field(default_factory=dict)  # what the scene says of itself
+    meshes: list[int] = field(default_factory=list)  # of each node that has one
+    # (4, 4) into the scene; None: the identity
     places: list[Floats | None] = field(default_factory=list)
     skipped: Counter[str] = field(default_factory=Counter)
 

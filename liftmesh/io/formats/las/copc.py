@@ -52,7 +52,7 @@ class Index:
     points: Array
 
     def chosen(self, selection: Selection, *, boxed: bool) -> tuple[Array, dict[str, int]]:
-        """Choose nodes: as coarse as the resolution allows, and those that meet the box."""
+        """Choose nodes by resolution and, if boxed, by box; count points of others by reason."""
         kept = np.ones(len(self.levels), np.bool_)
         left_out = {}
         for reason, meets in self._conditions(selection, boxed=boxed):

@@ -273,7 +273,7 @@ class Extra:
     name: str
     kind: np.dtype
     described: bytes
-    scale: tuple[float, ...] | None = None
+    scale: tuple[float, ...] | None = None  # of each element; None if its numbers are what is read
     offset: tuple[float, ...] = (0.0,)
 
     def numbers(self, values: Array) -> Array | None:

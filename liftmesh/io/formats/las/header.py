@@ -42,8 +42,8 @@ class Record:
     user: bytes
     number: int
     data: bytes
-    head: bytes = b""
-    left_out: bool = False
+    head: bytes = b""  # its first bytes as they are: 60 of extended records, 54 of others
+    left_out: bool = False  # whether the content was not read
 
     @property
     def extended(self) -> bool:
@@ -57,13 +57,13 @@ class LasHeader:
 
     version: tuple[int, int]
     point_format: int
-    point_size: int
+    point_size: int  # bytes
     points: int
-    start: int
-    size: int
+    start: int  # first byte of the points
+    size: int  # of the file
     compressed: bool
-    wkt: bool
-    end: int
+    wkt: bool  # whether the coordinate system is WKT
+    end: int  # where records or waveforms begin behind the points, else the size
     scales: tuple[float, ...]
     offsets: tuple[float, ...]
     records: tuple[Record, ...]

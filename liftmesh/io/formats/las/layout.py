@@ -241,8 +241,8 @@ class ScaleOffset:
 
     scale: float
     offset: float
-    exact: bool = True
-    near: bool = True
+    exact: bool = True  # whether they give back every bit
+    near: bool = True  # if not, whether the decimals are the same
 
     def numbers(self, values: Floats) -> Array:
         """Convert coordinates to whole numbers."""

@@ -46,11 +46,11 @@ _EMPTY = 16  # chunks of nothing, which some programs write
 class Chunks:
     """The chunks of a file."""
 
-    listed: bool
-    largest: int
-    first: int = 0
-    table: tuple[tuple[int, int], ...] = ()
-    surplus: str = ""
+    listed: bool  # whether a table lists them
+    largest: int  # points
+    first: int = 0  # byte
+    table: tuple[tuple[int, int], ...] = ()  # points and bytes of each
+    surplus: str = ""  # what there is beyond the points that the header counts
 
 
 def chunks_of(stream: BinaryIO, header: LasHeader, name: str) -> Chunks:

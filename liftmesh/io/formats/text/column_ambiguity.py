@@ -148,7 +148,7 @@ class Ids(RowNumbers):
 
     def __init__(self, *, among_more: bool) -> None:
         super().__init__()
-        self._among_more = among_more
+        self._among_more = among_more  # more than three columns: else ids leave no height
         self._seen: set[float] = set()
         self._differ = True
 

@@ -32,12 +32,12 @@ _LONGEST = 40  # characters of a name in a message
 class Columns:
     """What each column of a table is."""
 
-    names: tuple[str, ...]
-    given: tuple[str, ...]
-    left_out: frozenset[int] = frozenset()
-    negated: int | None = None
-    said: bool = True
-    notes: tuple[str, ...] = ()
+    names: tuple[str, ...]  # parts of a point, and names of attributes
+    given: tuple[str, ...]  # in the table
+    left_out: frozenset[int] = frozenset()  # columns that become nothing
+    negated: int | None = None  # the column of depths
+    said: bool = True  # whether a header or the caller named them
+    notes: tuple[str, ...] = ()  # what is worth knowing
 
     def mapping(self) -> dict[str, str]:
         """The name in the table of each part of a point, with the sign of depths."""

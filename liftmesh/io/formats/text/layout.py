@@ -99,10 +99,10 @@ def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
 class Layout:
     """Delimiter, number of columns and their names in a text file."""
 
-    delimiter: str | None
+    delimiter: str | None  # None: white space
     width: int
-    header: tuple[str, ...] | None
-    in_first_line: bool
+    header: tuple[str, ...] | None  # None if there is none
+    in_first_line: bool  # else in a comment before it
 
 
 def sniff(

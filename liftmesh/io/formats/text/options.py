@@ -30,14 +30,15 @@ _DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "space": " ", "blank
 class TableOptions:
     """Checked options; `validate_table_options` makes them of what a caller gives."""
 
+    # names of columns, by parts of a point
     chosen: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    names: tuple[str, ...] | None = None
-    flat: bool | None = False
+    names: tuple[str, ...] | None = None  # of all columns in order
+    flat: bool | None = False  # None: heights are read where a column is known as them
     delimiter: str | None = None
     decimal: str | None = None
     skip_rows: int = 0
     header: bool = True
-    missing: tuple[float | str, ...] | None = None
+    missing: tuple[float | str, ...] | None = None  # (): none; None: the caller says neither
     end: str | None = None
     encoding: str | None = None
 
