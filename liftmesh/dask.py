@@ -260,8 +260,8 @@ class _Workers:
                 (file, name, rows, scratch, how)
                 for file, name, how in zip(files, names, each, strict=True)
             ]
-            found = self.each(stage_of(files, reading), file_chunks, calls)
-            return alike([chunk for chunks in found for chunk in chunks])
+            chunks_of_files = self.each(stage_of(files, reading), file_chunks, calls)
+            return alike([chunk for chunks in chunks_of_files for chunk in chunks])
         blocks = _blocks(source, rows, every_column=not reading.is_planar)
         if blocks is None:
             return in_files(source_chunks(source, rows, scratch, reading, self._copied), scratch)
@@ -301,8 +301,8 @@ class _Workers:
         for group in range(groups.count):
             tiles = [futures[~tile] for tile in groups.tiles_of(group)]
             released.append(self._submit("release", group, release, context, group, tiles))
-        found = self._gathered("triangulate", [*released, *futures.values()])
-        return found[len(released) :]
+        results = self._gathered("triangulate", [*released, *futures.values()])
+        return results[len(released) :]
 
     def _submit(self, stage: str, number: int, task: Callable[..., Any], *arguments: Any) -> Any:
         key = self._key(stage, number)
@@ -330,18 +330,18 @@ class _Workers:
             ) from error
 
     def _waited(self, stage: str, futures: Sequence[Any]) -> list[Any]:
-        found: dict[str, Any] = {}
+        results: dict[str, Any] = {}
         done = self._distributed.as_completed(
             futures, with_results=True, raise_errors=True, loop=self._client.loop
         )
         try:
             for future, result in done:
-                found[future.key] = future.result() if future.cancelled() else result
-                self._meter.show(stage, len(found) / len(futures))
+                results[future.key] = future.result() if future.cancelled() else result
+                self._meter.show(stage, len(results) / len(futures))
         except BaseException:
             self._client.cancel(list(futures))
             raise
-        return [found[future.key] for future in futures]
+        return [results[future.key] for future in futures]
 
 
 def _tile_rows(client: Any, row_bytes: int = ROW_BYTES) -> int:

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 from process_state import descendants, hear_ctrl_c
 
 hear_ctrl_c()
@@ -27,6 +28,11 @@ os.environ.pop("PYTHONUNBUFFERED", None)
 settings.register_profile("liftmesh", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None, database=None, print_blob=True)
 settings.load_profile("liftmesh")
+
+# It also draws what the modules of a project have as constants. Which of them are loaded depends on
+# the tests before, so the same examples would not be drawn each time. There is no option for it.
+if hasattr(providers, "is_local_module_file"):
+    providers.is_local_module_file = lambda _: False
 
 LIMIT = 1500.0  # seconds of a test, after which the programs it started are killed
 

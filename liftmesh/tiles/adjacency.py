@@ -57,11 +57,11 @@ def link(context: RunContext, name: int) -> str:
     """Write what other shards have beyond the edges of one."""
     shards, cuts = (np.load(context.scratch / each) for each in (_SHARDS, _CUTS))
     above = [name, *load_plan(context).above(name)]
-    found = links_to(name, [
+    links = links_to(name, [
         np.load(context.scratch / f"{label(cut)}-links.npy")
         for cut in above if cut in cuts
     ], shards)  # fmt: skip
-    return save_array(context.out / links_name(label(name)), found)
+    return save_array(context.out / links_name(label(name)), links)
 
 
 def links_to(name: int, links: Sequence[Integers], shards: Integers) -> Integers:
@@ -97,11 +97,11 @@ def paired(edges: Integers) -> tuple[Integers, Integers]:
 class AdjacencyProof:
     """Collects what is wrong with the neighbours of a folder."""
 
-    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, found: Findings) -> None:
+    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, findings: Findings) -> None:
         self._tiled = tiled
         self._plan = plan
         self._scratch = scratch
-        self._found = found
+        self._findings = findings
         self._shards = {path.stem: path for path in tiled.shards}
         self._waiting: dict[int, Integers] = {}
 
@@ -120,7 +120,7 @@ class AdjacencyProof:
         triangles = open_shard(path)
         neighbors: Array = mapped(self._tiled.directory / neighbors_name(path.name))
         if neighbors.shape != triangles.shape or neighbors.dtype != np.int32:
-            self._found.add("other_neighbors", 1)
+            self._findings.add("other_neighbors", 1)
             neighbors = np.full(triangles.shape, -1, dtype=np.int32)
         for begin in range(0, len(triangles), _BLOCK):
             block = slice(begin, begin + _BLOCK)
@@ -139,12 +139,12 @@ class AdjacencyProof:
             for k in range(3):
                 has_edge |= (beyond[:, k] == head) & (beyond[:, (k + 1) % 3] == tail)
             wrong += int((~has_edge).sum())
-        self._found.add("other_neighbors", wrong)
+        self._findings.add("other_neighbors", wrong)
 
     def finish(self, hull_edges: int) -> None:
         """Compare the links of all shards, and count what is left."""
         (left,) = self._waiting.values()
-        self._found.add("other_neighbors", abs(len(left) - hull_edges))
+        self._findings.add("other_neighbors", abs(len(left) - hull_edges))
         names = [node_of(path.stem) for path in self._tiled.shards]
         for name, path in zip(names, self._tiled.shards, strict=True):
             above = [name, *self._plan.above(name)]
@@ -154,6 +154,6 @@ class AdjacencyProof:
 
     def _compare(self, expected: Integers, stated: Array) -> None:
         if stated.shape != expected.shape:
-            self._found.add("other_neighbors", max(1, abs(len(expected) - len(stated))))
+            self._findings.add("other_neighbors", max(1, abs(len(expected) - len(stated))))
         else:
-            self._found.add("other_neighbors", int((stated != expected).any(axis=1).sum()))
+            self._findings.add("other_neighbors", int((stated != expected).any(axis=1).sum()))

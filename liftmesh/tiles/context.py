@@ -54,17 +54,17 @@ class Groups:
 
     def apart(self, arrays: Mapping[str, Array]) -> dict[str, Array]:
         """Give each group its part of what is sorted by tile."""
-        found = {what: each for what, each in arrays.items() if what not in _OF_ROWS}
+        parts = {what: each for what, each in arrays.items() if what not in _OF_ROWS}
         begins = arrays["-begins"]
         for group in range(self.count):
             tiles = self.tiles_of(group)
             rows = slice(begins[tiles.start], begins[tiles.stop])
-            found |= {
+            parts |= {
                 f"{group_suffix(group)}{what}": arrays[what][rows]
                 for what in _OF_ROWS
                 if what in arrays
             }
-        return found
+        return parts
 
     def names(self, *, with_values: bool, without: Collection[int] = ()) -> list[str]:
         """List what `apart` returns."""

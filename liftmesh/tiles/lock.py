@@ -189,9 +189,9 @@ def _lock(lock: int, path: Path) -> None:
 
 def _check_lock(lock: int, path: Path) -> None:
     """Raise if the file is not what a run leaves; nothing has been written to it."""
-    found = os.fstat(lock)
-    is_alone = stat.S_ISREG(found.st_mode) and found.st_nlink == 1
-    if not is_alone or (found.st_size and {*_holder(lock)} != {"holder", "scratch"}):
+    state = os.fstat(lock)
+    is_alone = stat.S_ISREG(state.st_mode) and state.st_nlink == 1
+    if not is_alone or (state.st_size and {*_holder(lock)} != {"holder", "scratch"}):
         raise _not_ours(path)
 
 

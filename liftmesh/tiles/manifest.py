@@ -185,8 +185,8 @@ def _are_files_named(manifest: Mapping[str, Any]) -> bool:
     ends += ["-vertices", "-faces"] * ("surface" in manifest)
     names = [shard["file"] for shard in manifest["shards"]]
     pattern = rf"((tile|seam)-\d{{5,}})\.{manifest['shard_format']}"
-    found = [re.fullmatch(pattern, name, re.ASCII) for name in names]
-    stems = [each[1] for each in found if each is not None]
+    matches = [re.fullmatch(pattern, name, re.ASCII) for name in names]
+    stems = [each[1] for each in matches if each is not None]
     expected = {f"{stem}{end}.npy" for stem in stems for end in ends} | _ALWAYS
     return len({*stems}) == len(names) > 0 and {*manifest["files"]} == expected
 

@@ -121,11 +121,11 @@ def numbered_by_place(part: Frontier) -> tuple[Frontier, Integers]:
 
 
 def choose_vertices(
-    found: Merged, records: Integers, values: Array, policy: str, repeated: Floats
+    merged: Merged, records: Integers, values: Array, policy: str, repeated: Floats
 ) -> Vertices:
     """Choose the row that stands for each position, and name it instead of the place."""
     rows = records[:, 0]
-    pairs = found.duplicates.astype(np.int32)
+    pairs = merged.duplicates.astype(np.int32)
     positions = records[:, 1:].view(np.float64)
     choice = choose_rows(pairs, values["z"], positions, policy, rows)
     chosen = np.arange(len(rows))
@@ -134,18 +134,18 @@ def choose_vertices(
     heights = _heights_at(repeated, positions[alone], values["z"][chosen[alone]])
     values = np.array(values)
     values["z"][choice.moved] = choice.new_heights
-    places = chosen[found.frontier.records[:, 0]]
-    merged = Merged(
-        rows[chosen[found.triangles]],
+    places = chosen[merged.frontier.records[:, 0]]
+    renamed = Merged(
+        rows[chosen[merged.triangles]],
         np.column_stack((rows[choice.left_out], rows[choice.representatives])),
-        rows[chosen[found.hull]],
-        replace(found.frontier, records=records[places]),
-        found.is_flat,
-        found.neighbors,
+        rows[chosen[merged.hull]],
+        replace(merged.frontier, records=records[places]),
+        merged.is_flat,
+        merged.neighbors,
     )
-    shard, faces = mesh_of(chosen[found.triangles], rows, values)
+    shard, faces = mesh_of(chosen[merged.triangles], rows, values)
     overhangs = int(np.count_nonzero(choice.overhanging))
-    return Vertices(merged, shard, faces, values[places], overhangs, heights)
+    return Vertices(renamed, shard, faces, values[places], overhangs, heights)
 
 
 def mesh_of(triangles: Array, rows: Integers, values: Array) -> tuple[Array, Rows]:
@@ -163,11 +163,11 @@ def with_rows(rows: Integers, values: Array) -> Array:
     """Put rows and their values into records."""
     kind = values.dtype
     fields: list[Any] = [ROW, *((name, kind[name]) for name in kind.names or ())]
-    found = np.empty(len(rows), fields)
-    found[ROW[0]] = rows
+    records = np.empty(len(rows), fields)
+    records[ROW[0]] = rows
     for name in kind.names or ():
-        found[name] = values[name]
-    return found
+        records[name] = values[name]
+    return records
 
 
 def _heights_at(repeated: Floats, positions: Floats, heights: Floats) -> Floats:
@@ -182,11 +182,11 @@ def _heights_at(repeated: Floats, positions: Floats, heights: Floats) -> Floats:
 
 def overhangs_apart(apart: Iterable[Path], chosen: Sequence[Path]) -> int:
     """Count the rows that are in no tile and at another height than the chosen one."""
-    found = np.concatenate([np.empty((0, 2)), *(np.load(path) for path in chosen)])
-    if not len(found):
+    pairs = np.concatenate([np.empty((0, 2)), *(np.load(path) for path in chosen)])
+    if not len(pairs):
         return 0
-    heights = np.full(int(found[:, 0].max()) + 1, np.nan)
-    heights[found[:, 0].astype(np.int64)] = found[:, 1]
+    heights = np.full(int(pairs[:, 0].max()) + 1, np.nan)
+    heights[pairs[:, 0].astype(np.int64)] = pairs[:, 1]
     count = 0
     for path in apart:
         which, height = np.load(path).T

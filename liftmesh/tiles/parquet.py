@@ -49,10 +49,10 @@ def parquet_files(name: str) -> list[str]:
     """List the files of a folder of Parquet in the order of their numbers, as Dask wrote them."""
     if not (name.lower().rstrip("/").endswith((".parquet", ".pq")) and Path(name).is_dir()):
         return [name]
-    found = [str(path) for path in Path(name).glob("*.parquet")]
-    if not found:
+    names = [str(path) for path in Path(name).glob("*.parquet")]
+    if not names:
         raise FormatError(f"{name}: the folder holds no *.parquet")
-    return sorted(found, key=_numbers)
+    return sorted(names, key=_numbers)
 
 
 def _numbers(name: str) -> tuple[list[int], str]:
@@ -66,13 +66,13 @@ def parquet_chunks(origin: Origin, name: str, rows: int) -> list[ParquetChunk]:
         columns = planar_columns(name, file.schema_arrow.names)
         sizes = [file.metadata.row_group(i).num_rows for i in range(file.num_row_groups)]
     place = os.path.abspath(name)  # noqa: PTH100 - links stay as they are
-    found: list[ParquetChunk] = []
+    chunks: list[ParquetChunk] = []
     first = 0
     for groups in _grouped(sizes, rows):
         count = sum(sizes[i] for i in groups)
-        found.append(ParquetChunk(replace(origin, row=first), place, groups, columns, count))
+        chunks.append(ParquetChunk(replace(origin, row=first), place, groups, columns, count))
         first += count
-    return found
+    return chunks
 
 
 def _grouped(sizes: Sequence[int], rows: int) -> Iterator[tuple[int, ...]]:
@@ -147,8 +147,8 @@ def _floats(column: Any, name: str) -> Floats:
 def _array(column: Any) -> Array:
     """Convert values of a table or a batch, of which those of a batch may be copied."""
     is_batch = hasattr(column, "buffers")
-    found: Array = column.to_numpy(zero_copy_only=False) if is_batch else column.to_numpy()
-    return found
+    values: Array = column.to_numpy(zero_copy_only=False) if is_batch else column.to_numpy()
+    return values
 
 
 def planar_columns(name: str, names: Sequence[str]) -> tuple[str, str]:

@@ -114,9 +114,7 @@ class Run:
         save_plan(context, plan)
         context = replace(context, released=released(runner, context))
         numbered = enumerate(zip(self.chunks, self._firsts, scanned, strict=True))
-        calls = [
-            (context, chunk, i, first, found.as_chunk) for i, (chunk, first, found) in numbered
-        ]
+        calls = [(context, chunk, i, first, each.as_chunk) for i, (chunk, first, each) in numbered]
         runner.each("partition", partition, calls)
         return context, *save_boxes(context, plan)
 
@@ -173,8 +171,8 @@ class Run:
             (chunk, first, -(-_SAMPLED * self._tiles * chunk.rows // total), self.skips)
             for chunk, first in zip(self.chunks, self._firsts, strict=True)
         ]
-        found: list[Scanned] = runner.each("scan", scan, calls)
-        return found
+        scanned: list[Scanned] = runner.each("scan", scan, calls)
+        return scanned
 
     def _identity(self, chunks: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
         """Tell what the files of a run depend on."""

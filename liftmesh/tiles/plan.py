@@ -59,37 +59,37 @@ class Plan:
 
     def around(self, boxes: Floats) -> Floats:
         """Find the boxes of all nodes from those of the tiles."""
-        found = np.concatenate((np.empty((len(self.axes), 4)), boxes[::-1]))
+        all_boxes = np.concatenate((np.empty((len(self.axes), 4)), boxes[::-1]))
         for cut in reversed(range(len(self.axes))):
-            before, after = found[self.children[cut]]
-            found[cut, :2] = np.minimum(before, after)[:2]
-            found[cut, 2:] = np.maximum(before, after)[2:]
-        return found
+            before, after = all_boxes[self.children[cut]]
+            all_boxes[cut, :2] = np.minimum(before, after)[:2]
+            all_boxes[cut, 2:] = np.maximum(before, after)[2:]
+        return all_boxes
 
     def above(self, name: int) -> list[int]:
         """List the cuts above a node, the nearest one first."""
-        found: list[int] = []
+        cuts: list[int] = []
         while name in self._above:
             name, _ = self._above[name]
-            found.append(name)
-        return found
+            cuts.append(name)
+        return cuts
 
     def others(self, name: int) -> list[int]:
         """List nodes that together have all tiles but those of a node; few of them are far away."""
-        found: list[int] = []
+        nodes: list[int] = []
         while name in self._above:
             parent, sibling = self._above[name]
-            found += self._within(sibling, _LEVELS)
+            nodes += self._within(sibling, _LEVELS)
             name = parent
-        return found
+        return nodes
 
     @cached_property
     def _above(self) -> dict[int, tuple[int, int]]:
         """The cut above each node, and the node on its other side."""
-        found = {}
+        parents = {}
         for cut, (before, after) in enumerate(self.children.tolist()):
-            found[before], found[after] = (cut, after), (cut, before)
-        return found
+            parents[before], parents[after] = (cut, after), (cut, before)
+        return parents
 
     def _within(self, name: int, levels: int) -> list[int]:
         """List the nodes that are some cuts below a node, or tiles before that."""
@@ -141,7 +141,7 @@ class Plan:
     def from_dict(cls, lists: Mapping[str, Any]) -> Plan:
         """Return the plan of such lists."""
         try:
-            found = cls(
+            plan = cls(
                 np.array(lists["axes"], dtype=np.uint8),
                 np.array(lists["at"], dtype=np.float64).reshape(-1, 2),
                 np.array(lists["children"], dtype=np.int32).reshape(-1, 2),
@@ -149,9 +149,9 @@ class Plan:
             )
         except (KeyError, TypeError, ValueError, OverflowError) as error:
             raise FormatError(f"no plan of tiles ({error}): tile the source again") from error
-        if not found.is_tree:
+        if not plan.is_tree:
             raise FormatError("no plan of tiles (its cuts are no tree): tile the source again")
-        return found
+        return plan
 
     @property
     def is_tree(self) -> bool:
@@ -172,13 +172,13 @@ def planned(sample: Floats, tiles: int) -> Plan:
     axes: list[int] = []
     at: list[Floats] = []
     children: list[list[int]] = []
-    found = 0
+    tiles_so_far = 0
     waiting = [(sample + 0.0, tiles, (-1, 0))]
     while waiting:
         part, wanted, (parent, side) = waiting.pop(0)
         cut = _cut(part, wanted)
         if cut is None:
-            name, found = ~found, found + 1
+            name, tiles_so_far = ~tiles_so_far, tiles_so_far + 1
         else:
             name = len(axes)
             axis, middle, ordered = cut
@@ -231,14 +231,14 @@ def _crossings(part: Floats, simplices: Rows, axis: int, wanted: int) -> int:
 
 def positions_of(rows: Floats) -> Array:
     """Return x and y as one number for each row, where 0 and -0 are equal."""
-    found: Array = np.ascontiguousarray(rows + 0.0).view(np.complex128).reshape(-1)
-    return found
+    positions: Array = np.ascontiguousarray(rows + 0.0).view(np.complex128).reshape(-1)
+    return positions
 
 
 def frequent(sample: Floats) -> tuple[Floats, Floats]:
     """Find positions that are often in a sample."""
-    found, first, counts = np.unique(positions_of(sample), return_index=True, return_counts=True)
-    often = found[counts >= _OFTEN]
+    distinct, first, counts = np.unique(positions_of(sample), return_index=True, return_counts=True)
+    often = distinct[counts >= _OFTEN]
     is_other = ~np.isin(positions_of(sample), often)
     is_other[first] = True
     return often.view(np.float64).reshape(-1, 2), sample[is_other]
@@ -253,16 +253,16 @@ def set_apart(
         return firsts, firsts, firsts
     positions, sought = positions_of(rows), positions_of(repeated)
     at = np.minimum(np.searchsorted(sought, positions), len(sought) - 1)
-    found = np.flatnonzero(sought[at] == positions)
-    which = at[found]
+    repeats = np.flatnonzero(sought[at] == positions)
+    which = at[repeats]
     present, first = np.unique(which, return_index=True)
-    firsts[present] = found[first]
-    is_apart = np.ones(len(found), dtype=np.bool_)
+    firsts[present] = repeats[first]
+    is_apart = np.ones(len(repeats), dtype=np.bool_)
     is_apart[first] = False
-    if heights is not None and len(found):
-        is_apart[_needed(which, heights[found], policy)] = False
-    rows[found[is_apart]] = np.nan
-    return found[is_apart], which[is_apart], firsts
+    if heights is not None and len(repeats):
+        is_apart[_needed(which, heights[repeats], policy)] = False
+    rows[repeats[is_apart]] = np.nan
+    return repeats[is_apart], which[is_apart], firsts
 
 
 def _needed(which: Integers, heights: Floats, policy: str) -> Integers:

@@ -71,9 +71,9 @@ class Proof:
         self._threads = threads
         self._lowest = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._shards = {path.stem: path for path in tiled.shards}
-        self.found = Findings()
+        self.findings = Findings()
         self._adjacency = (
-            AdjacencyProof(tiled, plan, scratch, self.found)
+            AdjacencyProof(tiled, plan, scratch, self.findings)
             if tiled.manifest["neighbors"]
             else None
         )
@@ -92,16 +92,16 @@ class Proof:
         self._context = replace(self._context, chunks=number)
         _, skipped = save_boxes(self._context, self._plan)
         if not np.array_equal(skipped, self._tiled.skipped):
-            self.found.add("other_skipped", 1)
+            self.findings.add("other_skipped", 1)
         return len(skipped), digest.hexdigest()
 
     def _sorted(self, records: Array, first: int) -> dict[str, Array]:
         """Sort a chunk by tile."""
         rows = planar_of(records)
         pairs = self._set_apart(rows, first)
-        *found, skipped = self._plan.partition(rows, first)
-        found.append(np.setdiff1d(skipped, pairs[:, 0]))
-        return dict(zip(("", "-begins", "-boxes", "-skipped"), found, strict=True))
+        *arrays, skipped = self._plan.partition(rows, first)
+        arrays.append(np.setdiff1d(skipped, pairs[:, 0]))
+        return dict(zip(("", "-begins", "-boxes", "-skipped"), arrays, strict=True))
 
     def _set_apart(self, rows: Floats, first: int) -> Integers:
         """Leave out rows at positions that are repeated very often; the lowest one is known."""
@@ -125,13 +125,13 @@ class Proof:
             yield
         (root,) = waiting.values()
         self.hull_edges = len(root.edges)
-        self.found.add_rows("missing_vertices", root.records[root.is_bare])
+        self.findings.add_rows("missing_vertices", root.records[root.is_bare])
         self._check_boundary(root)
         if self._adjacency is not None:
             self._adjacency.finish(len(root.edges))
         self._check_apart()
         if self.duplicates != len(self._tiled.duplicates):
-            self.found.add("other_duplicates", 1)
+            self.findings.add("other_duplicates", 1)
 
     def _tile(self, tile: int) -> Loose:
         records = tile_records(self._context, tile)
@@ -140,7 +140,7 @@ class Proof:
         is_bare[corners.reshape(-1)] = False
         pairs = duplicated(records.view(np.float64)[:, 1:], is_bare)
         pairs, values = self._chosen_rows(tile, records, pairs)
-        self.found.add("invalid_index", int((~is_bare[pairs[:, 0]]).sum()))
+        self.findings.add("invalid_index", int((~is_bare[pairs[:, 0]]).sum()))
         self._check_duplicates(records[pairs, 0])
         is_bare[:] = True
         is_bare[pairs[:, 0]] = False  # nothing may name them
@@ -162,7 +162,7 @@ class Proof:
         at = np.searchsorted(stated[:, 0], pairs[:, 0])
         at[at == len(stated)] = 0
         if len(pairs) and (len(stated) == 0 or not np.array_equal(stated[at], pairs)):
-            self.found.add("other_duplicates", 1)
+            self.findings.add("other_duplicates", 1)
         self.duplicates += len(pairs)
 
     def _cut(self, name: int, children: Sequence[Loose]) -> Loose:
@@ -182,8 +182,8 @@ class Proof:
         """Add the triangles of a shard, and pair edges."""
         self._check_vertices(loose, corners, name)
         flaws, interior, opened = _kernel.verify_part(loose.points, corners, self._threads, False)
-        self.found.add_flaws(flaws, corners, loose.records, f"{label(name)}.npy")
-        self.found.interior_edges += interior
+        self.findings.add_flaws(flaws, corners, loose.records, f"{label(name)}.npy")
+        self.findings.interior_edges += interior
         is_bare = loose.is_bare.copy()
         is_bare[corners.reshape(-1)] = False
         edges = self._paired(loose, np.concatenate((loose.edges, opened)))
@@ -211,7 +211,7 @@ class Proof:
             corners[begin : begin + _BLOCK] = places
             is_known[begin : begin + _BLOCK] = (places >= 0).all(axis=1)
         if not is_known.all():
-            self.found.add_strange(triangles, ~is_known, path.name)
+            self.findings.add_strange(triangles, ~is_known, path.name)
             corners = corners[is_known]
         return corners
 
@@ -225,7 +225,7 @@ class Proof:
         at = np.minimum(np.searchsorted(rows, vertices[:, 0]), max(0, len(rows) - 1))
         places = records[order[at], 1:].view(np.float64)
         is_right = (places == vertices[:, 1:].view(np.float64)).all(axis=1)
-        self.found.add("other_coordinates", int((~is_right).sum()))
+        self.findings.add("other_coordinates", int((~is_right).sum()))
 
     def _paired(self, loose: Loose, edges: Rows) -> Rows:
         """Test the edges with one triangle on either side; return those without a partner."""
@@ -240,7 +240,7 @@ class Proof:
         is_pair = edges[one, 0] == edges[other, 1]
         one, other = one[is_pair], other[is_pair]
         self._check_pairs(loose, edges[one], edges[other, 2])
-        self.found.interior_edges += len(one)
+        self.findings.interior_edges += len(one)
         is_open = np.ones(len(edges), dtype=np.bool_)
         is_open[one] = is_open[other] = False
         return edges[is_open]
@@ -252,23 +252,23 @@ class Proof:
             signs = np.empty(len(rows), dtype=np.int8)
             _kernel.incircle(a, b, c, d, signs, canonical)
             rows = rows[signs > 0]
-            self.found.add_edges(kind, loose.records[:, 0][rows])
+            self.findings.add_edges(kind, loose.records[:, 0][rows])
 
     def _check_boundary(self, root: Loose) -> None:
         """The edges that are left have to be those of the stated hull, and the hull convex."""
         rows = np.ascontiguousarray(root.records[:, 0])
         stated = np.asarray(self._tiled.convex_hull)[:, 0]
         if len(root.edges) != len(stated) or not np.isin(stated, rows).all():
-            self.found.add("other_hull", 1)
+            self.findings.add("other_hull", 1)
             return
         hull = np.searchsorted(rows, stated)
         follows = np.full(len(rows), -1, dtype=np.int64)
         follows[root.edges[:, 0]] = root.edges[:, 1]
         is_cycle = len(np.unique(hull)) == len(hull)
         if not is_cycle or not np.array_equal(follows[hull], np.roll(hull, -1)):
-            self.found.add("other_hull", 1)
+            self.findings.add("other_hull", 1)
         elif not is_convex(np.ascontiguousarray(root.points[hull])):
-            self.found.add("not_convex", 1)
+            self.findings.add("not_convex", 1)
 
 
 def duplicated(points: Floats, is_bare: Array) -> Integers:
@@ -353,7 +353,7 @@ class SurfaceProof(Proof):
             self._check_duplicates(np.column_stack((pairs[:, 0], self._chosen[at])))
             self._overhangs += int((self._heights[at] != apart[:, 1]).sum())
         if self._overhangs != self._tiled.manifest["surface"]["overhangs"]:
-            self.found.add("other_duplicates", 1)
+            self.findings.add("other_duplicates", 1)
 
     def _check_vertices(self, loose: Loose, corners: Rows, name: int) -> None:
         shard = f"{label(name)}.npy"
@@ -364,7 +364,7 @@ class SurfaceProof(Proof):
         names = vertices_name(shard), faces_name(shard)
         for array, file in zip(expected, names, strict=True):
             if not _is_same(array, mapped(self._tiled.directory / file)):
-                self.found.add("other_vertices", 1)
+                self.findings.add("other_vertices", 1)
 
 
 def _is_same(one: Array, other: Array) -> bool:

@@ -127,12 +127,12 @@ def _merged(files: Sequence[Path], apart: Sequence[Path], rows: int) -> Iterator
     lowest: dict[int, int] = {}
     named = np.array(sorted({row for path in apart for row in _kept(path)}), dtype=np.int64)
     for begin in range(0, rows, _STRETCH):
-        found = _stretch(files, begin)
-        lowest |= dict(found[np.isin(found[:, 0], named)].tolist())
+        pairs = _stretch(files, begin)
+        lowest |= dict(pairs[np.isin(pairs[:, 0], named)].tolist())
         others = _stretch(apart, begin)
         known, place = np.unique(others[:, 1], return_inverse=True)
         others[:, 1] = np.array([lowest.get(row, row) for row in known.tolist()] or [0])[place]
-        both = np.concatenate((found, others))
+        both = np.concatenate((pairs, others))
         yield both[np.argsort(both[:, 0])]
 
 
@@ -145,12 +145,12 @@ def _kept(path: Path) -> list[int]:
 
 def _stretch(files: Sequence[Path], begin: int) -> Integers:
     """Read the pairs of a stretch of rows from lists in their order."""
-    found = [np.empty((0, 2), dtype=np.int64)]
+    parts = [np.empty((0, 2), dtype=np.int64)]
     for path in files:
         pairs = np.load(path, mmap_mode="r")
         first, last = np.searchsorted(pairs[:, 0], (begin, begin + _STRETCH))
-        found.append(np.array(pairs[first:last]))
-    return np.concatenate(found)
+        parts.append(np.array(pairs[first:last]))
+    return np.concatenate(parts)
 
 
 def about_surface(
@@ -164,13 +164,13 @@ def about_surface(
     within = sum(each.overhangs for each in done)
     boxes = np.array([each.extent for each in done if each.vertices])
     extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
-    found = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
-    return {"surface": {**identity["surface"], **found}}
+    facts = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
+    return {"surface": {**identity["surface"], **facts}}
 
 
 def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
     """List the files of a source with the number of their first row, two of one name apart."""
-    found: list[dict[str, Any]] = []
+    entries: list[dict[str, Any]] = []
     first, number = 0, -1
     for chunk in chunks:
         if chunk.origin.number != number:
@@ -178,17 +178,17 @@ def _files(chunks: Sequence[SourceChunk], out: Path) -> list[dict[str, Any]]:
             entry = {"file": Path(chunk.origin.source).name, "first": first, "rows": 0}
             if chunk.origin.is_path:
                 entry["path"] = os.path.relpath(chunk.origin.source, out)
-            found.append(entry)
-        found[-1]["rows"] += chunk.rows
+            entries.append(entry)
+        entries[-1]["rows"] += chunk.rows
         first += chunk.rows
-    return found
+    return entries
 
 
 def _shard(context: RunContext, done: Done) -> dict[str, Any]:
     name = _shard_name(context, done)
     size = (context.out / name).stat().st_size
-    found = {"file": name, "triangles": done.triangles, "bytes": size}
-    return {**found, "sha256": done.shards[name], **extent_in_manifest(done)}
+    entry = {"file": name, "triangles": done.triangles, "bytes": size}
+    return {**entry, "sha256": done.shards[name], **extent_in_manifest(done)}
 
 
 def _shard_name(context: RunContext, done: Done) -> str:

@@ -82,11 +82,11 @@ class Serial:
 
     def each(self, stage: str, task: Callable[..., Any], calls: Sequence[tuple[Any, ...]]) -> Any:
         """Call a task with each of some arguments."""
-        found = []
+        results = []
         for arguments in calls:
-            found.append(task(*arguments))
-            self._meter.show(stage, len(found) / len(calls))
-        return found
+            results.append(task(*arguments))
+            self._meter.show(stage, len(results) / len(calls))
+        return results
 
     def tree(self, context: RunContext, plan: Plan, sizes: Sequence[int]) -> list[Done]:
         """Work through a plan; a merge comes as soon as its children are done."""
@@ -109,14 +109,14 @@ class Serial:
 
 def in_order(plan: Plan) -> list[tuple[int, list[int]]]:
     """List the nodes of a plan with their children: these first, and the root last."""
-    found: list[tuple[int, list[int]]] = []
+    nodes: list[tuple[int, list[int]]] = []
     waiting = [0 if plan.tiles > 1 else ~0]
     while waiting:  # parents first, then reversed
         name = waiting.pop()
         children = plan.children[name].tolist() if name >= 0 else []
-        found.append((name, children))
+        nodes.append((name, children))
         waiting += children
-    return found[::-1]
+    return nodes[::-1]
 
 
 def release(context: RunContext, group: int, done: Sequence[Done]) -> None:
@@ -139,8 +139,8 @@ def released(runner: Runner, context: RunContext) -> frozenset[int]:
     ]
     if not begun:
         return frozenset()
-    found = runner.each("check", is_done, [(context, group) for group in begun])
-    return frozenset(group for group, done in zip(begun, found, strict=True) if done)
+    are_done = runner.each("check", is_done, [(context, group) for group in begun])
+    return frozenset(group for group, done in zip(begun, are_done, strict=True) if done)
 
 
 def is_done(context: RunContext, group: int) -> bool:

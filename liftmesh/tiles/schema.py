@@ -151,12 +151,12 @@ def schema_of(cloud: Cloud) -> Schema:
 
 def records_from(cloud: Cloud) -> Array:
     """Put the rows of a cloud and their values into records."""
-    found = np.empty(len(cloud), schema_of(cloud).dtype)
+    records = np.empty(len(cloud), schema_of(cloud).dtype)
     for k, (name, _) in enumerate(POSITION):
-        found[name] = cloud.points[:, k]
+        records[name] = cloud.points[:, k]
     for name, values in _values_of(cloud).items():
-        found[name] = values
-    return found
+        records[name] = values
+    return records
 
 
 def cloud_from(records: Array, schema: Schema) -> Cloud:

@@ -114,15 +114,15 @@ def _read_parquet(path: Path) -> Array:
 def _columns(file: Any, kind: Any) -> Array:
     if any(file.schema_arrow.field(name).type != kind for name in _COLUMNS):
         raise ValueError("the columns hold no 64-bit integers")
-    found = np.empty((file.metadata.num_rows, 3), dtype=np.int64)
+    triangles = np.empty((file.metadata.num_rows, 3), dtype=np.int64)
     at = 0
     for group in file.iter_batches(_GROUP, columns=[*_COLUMNS], use_threads=False):
         for k, column in enumerate(group.columns):
-            found[at : at + len(column), k] = column.to_numpy()  # refuses missing values
+            triangles[at : at + len(column), k] = column.to_numpy()  # refuses missing values
         at += group.num_rows
-    if at != len(found):
-        raise ValueError(f"{at:,} rows of {len(found):,}")
-    return found
+    if at != len(triangles):
+        raise ValueError(f"{at:,} rows of {len(triangles):,}")
+    return triangles
 
 
 def _save_ply(path: Path, triangles: Integers, records: Integers) -> str:

@@ -61,8 +61,8 @@ class Scanned:
 def scan(chunk: SourceChunk, first: int, sampled: int, skips: bool) -> Scanned:
     """Read a chunk for the first time."""
     records = chunk.records()
-    rows = planar_of(records)
     digest, values = digests_of(records)
+    rows = planar_of(records)
     finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])  # eight times as fast as `all`
     heights = heights_of(records)
     if heights is not None:
@@ -141,7 +141,7 @@ def sorted_by_tile(plan: Plan, records: Array, first: int, duplicates: str) -> d
     apart, which, firsts = set_apart(rows, plan.repeated, heights, duplicates)
     tiles, begins, boxes, skipped = plan.partition(rows, first)
     pairs = first + np.column_stack((apart, firsts[which]))
-    found = {
+    arrays = {
         "": tiles,
         "-begins": begins,
         "-boxes": boxes,
@@ -149,9 +149,9 @@ def sorted_by_tile(plan: Plan, records: Array, first: int, duplicates: str) -> d
         "-duplicates": pairs,
     }
     if heights is not None:
-        found["-values"] = records[tiles[:, 0] - first]
-        found["-apart"] = np.column_stack((which.astype(np.float64), heights[apart]))
-    return found
+        arrays["-values"] = records[tiles[:, 0] - first]
+        arrays["-apart"] = np.column_stack((which.astype(np.float64), heights[apart]))
+    return arrays
 
 
 def changed(chunk: SourceChunk) -> InputError:
@@ -191,11 +191,11 @@ def tile_sample(context: RunContext, tile: int, count: int) -> Floats:
     """Draw rows of a tile from all chunks, evenly."""
     chunks = [*_holding(context, tile)]
     step = max(1, _count(chunks) // count)
-    found = [
+    drawn = [
         np.array(np.load(f"{stem}.npy", mmap_mode="r")[begin:end:step])
         for stem, begin, end in chunks
     ]
-    return np.concatenate(found).view(np.float64)[:, 1:]
+    return np.concatenate(drawn).view(np.float64)[:, 1:]
 
 
 def stem_of(context: RunContext, number: int) -> str:

@@ -67,12 +67,12 @@ def source_chunks(
     """Cut a source into chunks."""
     files = files_of(source)
     if files is not None:
-        each = readings([file.source for file in files], reading)
-        found = [
-            file_chunks(file, file.source, rows, scratch, each[k], _nth(show, k, len(files)))
+        how = readings([file.source for file in files], reading)
+        chunks_of_files = [
+            file_chunks(file, file.source, rows, scratch, how[k], _nth(show, k, len(files)))
             for k, file in enumerate(files)
         ]
-        return alike([chunk for chunks in found for chunk in chunks])
+        return alike([chunk for chunks in chunks_of_files for chunk in chunks])
     check_no_options(reading)
     if isinstance(source, Iterator):
         items = _of_iterator(source, show)
@@ -96,14 +96,14 @@ def files_of(source: object) -> list[Origin] | None:
 
 def readings(names: Sequence[str], reading: Reading) -> list[Reading]:
     """Say how each file is read: of lidar the ground of a surface, unless the caller says more."""
-    found = [reading] * len(names)
+    of_files = [reading] * len(names)
     if reading.is_planar:
-        return found
+        return of_files
     lidar = [k for k, name in enumerate(names) if name.lower().endswith((".las", ".laz"))]
     chosen = for_chunks([names[k] for k in lidar], reading.options)
     for k, options in zip(lidar, chosen, strict=True):
-        found[k] = replace(reading, options=options)
-    return found
+        of_files[k] = replace(reading, options=options)
+    return of_files
 
 
 def file_chunks(

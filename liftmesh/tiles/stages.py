@@ -1,7 +1,7 @@
 """The tasks of nodes, which are tiles and merges; each reads and writes files, in any process.
 
 A task that finds its work done, and the files sound, returns what it returned then. So a run that
-was killed goes on where it was.
+was killed resumes.
 """
 
 from __future__ import annotations
@@ -81,25 +81,29 @@ def _merged(context: RunContext, name: int, children: Sequence[Done], threads: i
     if children and not is_root and were_merged and handed > _HOPELESS * given:
         below = tuple(source for child in children for source in child.frontier)
         return Done(name, given, handed, 0, 0, 0, all(c.is_flat for c in children), below, {}, {})
-    rows, found, surface, corners = _decided(context, plan, name, children, threads)
-    up = found.frontier
-    keeps: dict[str, Array] = {"duplicates": found.duplicates, "records": up.records, "rim": up.rim}
+    rows, merged, surface, corners = _decided(context, plan, name, children, threads)
+    up = merged.frontier
+    keeps: dict[str, Array] = {
+        "duplicates": merged.duplicates,
+        "records": up.records,
+        "rim": up.rim,
+    }
     if is_root:
-        keeps["hull"] = found.hull
+        keeps["hull"] = merged.hull
     if context.neighbors:
-        keeps["links"], keeps["edges"] = _linked(context, name, found, children)
+        keeps["links"], keeps["edges"] = _linked(context, name, merged, children)
     if surface is not None:
         keeps |= {"values": surface.up, "heights": surface.heights}
-    shards = _saved_shard(context, label(name), found, surface, corners)
+    shards = _saved_shard(context, label(name), merged, surface, corners)
     notes = _saved(context.scratch, label(name), keeps)
     done = Done(
         name,
         rows,
         len(up),
         up.nbytes,
-        len(found.triangles),
-        len(found.duplicates),
-        found.is_flat,
+        len(merged.triangles),
+        len(merged.duplicates),
+        merged.is_flat,
         (name,),
         shards,
         notes,
@@ -117,7 +121,7 @@ def _decided(
     if context.has_values:
         part, corners = numbered_by_place(part)
     boxes = np.load(context.scratch / "boxes.npy")[plan.others(name)]
-    found = merge(
+    merged = merge(
         part,
         plan.cells[name],
         boxes[boxes[:, 0] <= boxes[:, 2]],
@@ -128,10 +132,10 @@ def _decided(
     )
     del part
     if not context.has_values:
-        return rows, found, None, corners
+        return rows, merged, None, corners
     values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = choose_vertices(found, corners, values, context.duplicates, repeated)
+    surface = choose_vertices(merged, corners, values, context.duplicates, repeated)
     return rows, surface.merged, surface, corners
 
 
@@ -151,14 +155,14 @@ def _with_vertices(done: Done, surface: Vertices) -> Done:
 
 
 def _saved_shard(
-    context: RunContext, stem: str, found: Merged, surface: Vertices | None, corners: Integers
+    context: RunContext, stem: str, merged: Merged, surface: Vertices | None, corners: Integers
 ) -> dict[str, str]:
     """Write triangles and what stands beside them; return the SHA-256 of the files."""
-    if not len(found.triangles):
+    if not len(merged.triangles):
         return {}
     shard = f"{stem}.{context.shards}"
-    saved = {shard: save_shard(context.out / shard, found.triangles, corners)}
-    beside: dict[str, Array] = {"neighbors": found.neighbors} if context.neighbors else {}
+    saved = {shard: save_shard(context.out / shard, merged.triangles, corners)}
+    beside: dict[str, Array] = {"neighbors": merged.neighbors} if context.neighbors else {}
     if surface is not None:
         beside |= {"vertices": surface.shard, "faces": surface.faces}
     return saved | _saved(context.out, stem, beside)
@@ -173,11 +177,11 @@ def _saved(folder: Path, stem: str, arrays: Mapping[str, Array]) -> dict[str, st
 
 
 def _linked(
-    context: RunContext, name: int, found: Merged, children: Sequence[Done]
+    context: RunContext, name: int, merged: Merged, children: Sequence[Done]
 ) -> tuple[Integers, Integers]:
     """Pair the open edges of a node and of those below it; return links, and what goes up."""
     below = [context.scratch / f"{label(each)}-edges.npy" for c in children for each in c.frontier]
-    edges = [open_edges(name, found.triangles, found.neighbors), *map(np.load, below)]
+    edges = [open_edges(name, merged.triangles, merged.neighbors), *map(np.load, below)]
     return paired(np.concatenate(edges))
 
 

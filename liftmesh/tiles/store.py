@@ -109,14 +109,14 @@ def save_blocks(path: Path, shape: tuple[int, int], blocks: Iterable[Integers]) 
 def mapped(path: Path) -> Integers:
     """Map a file of a folder."""
     try:
-        found: Integers = np.load(path, mmap_mode="r")
+        array: Integers = np.load(path, mmap_mode="r")
     except (ValueError, EOFError) as error:
         raise damaged(path, error) from error
     except OSError as error:
         if error.errno == errno.ENOMEM:  # no room for the map
             raise MemoryError from error
         raise
-    return found
+    return array
 
 
 def within(numbers: Array, least: int, end: int) -> bool:

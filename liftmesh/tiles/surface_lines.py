@@ -56,9 +56,9 @@ class _Steps:
 
     @classmethod
     def of(cls, tiled: TiledSurfaceData, levels: Floats) -> _Steps:
-        found = [cls(np.empty(0, np.int64), np.empty((0, 2, 2), np.int64), np.empty((0, 2, 2)))]
-        found += _steps_of_shards(tiled, levels)
-        parts = zip(*((each.levels, each.sides, each.points) for each in found), strict=True)
+        steps = [cls(np.empty(0, np.int64), np.empty((0, 2, 2), np.int64), np.empty((0, 2, 2)))]
+        steps += _steps_of_shards(tiled, levels)
+        parts = zip(*((each.levels, each.sides, each.points) for each in steps), strict=True)
         return cls(*(np.concatenate(part) for part in parts))
 
 
@@ -100,9 +100,9 @@ def _crossings(ends: Floats, levels: Floats) -> Floats:
         share = (levels - low) / (high - low)
         halved = (levels / 2 - low / 2) / (high / 2 - low / 2)
         share = np.where(np.isfinite(high - low), share, halved)
-        found = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
-    found = np.where((high == levels)[..., None], v[..., :2], found)
-    result: Floats = np.where((low == levels)[..., None], u[..., :2], found)
+        points = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
+    points = np.where((high == levels)[..., None], v[..., :2], points)
+    result: Floats = np.where((low == levels)[..., None], u[..., :2], points)
     return result
 
 
@@ -123,7 +123,7 @@ class _Line:
 def _lines(steps: _Steps) -> list[_Line]:
     """Join steps to lines, by level and then in lexicographic order."""
     follows, levels, points = _joined(steps)
-    found = []
+    lines = []
     for nodes, is_closed in _chains(follows):
         line = points[nodes]
         is_new = np.r_[True, (line[1:] != line[:-1]).any(axis=1)]
@@ -131,8 +131,8 @@ def _lines(steps: _Steps) -> list[_Line]:
         if is_closed:
             line = _from_least(line)
         if len(line) > 1:
-            found.append(_Line(int(levels[nodes[0]]), line, is_closed))
-    return sorted(found, key=lambda line: (line.level, _Sequence(line.points)))
+            lines.append(_Line(int(levels[nodes[0]]), line, is_closed))
+    return sorted(lines, key=lambda line: (line.level, _Sequence(line.points)))
 
 
 class _Sequence:

@@ -67,8 +67,8 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     layout = _layout(tiled, resolution, bounds, transform, shape)
     windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
     values = np.empty((layout.rows, layout.columns), wanted.kind)
-    for (down, across), found in windows.values(progress):
-        values[down.start : down.stop, across.start : across.stop] = found
+    for (down, across), block in windows.values(progress):
+        values[down.start : down.stop, across.start : across.stop] = block
     return Raster(values, layout.transform, tiled.crs, quantity, unit_of(tiled, quantity))
 
 
@@ -184,18 +184,18 @@ class _Windows:
 
     def _at(self, centres: Floats, surface: Surface | None) -> Array:
         """Compute the values at centres; without a face, these are NaN."""
-        found = np.empty(centres.shape[:2], self._wanted.kind)
+        values = np.empty(centres.shape[:2], self._wanted.kind)
         if self._wanted.quantity == "height":
-            found[...] = np.nan
+            values[...] = np.nan
             if surface is not None:
-                found[...] = surface.sample(centres, self._method, threads=self._threads)
+                values[...] = surface.sample(centres, self._method, threads=self._threads)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
                 gradients = surface.gradient(centres, threads=self._threads)
-            found[...] = self._wanted.of_gradients(gradients)
-        self._wanted.finish(found)
-        return found
+            values[...] = self._wanted.of_gradients(gradients)
+        self._wanted.finish(values)
+        return values
 
 
 def _halves(down: range, across: range, axis: int) -> list[Window]:
@@ -268,8 +268,8 @@ def _overlaps(along: Floats, low: float, high: float) -> Array:
     """Whether the corners of each triangle reach into a range."""
     a, b, c = along.T
     least, greatest = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
-    found: Array = (least <= high) & (greatest >= low)
-    return found
+    overlaps: Array = (least <= high) & (greatest >= low)
+    return overlaps
 
 
 def _points_of(vertices: Array) -> Floats:
@@ -329,9 +329,9 @@ class Circles:
             held = [
                 _reaching(points, faces[i * _CIRCLES : (i + 1) * _CIRCLES], window) for i in blocks
             ]
-            found = np.concatenate(held)
-            if len(found):
-                yield apart(vertices, found)
+            reaching = np.concatenate(held)
+            if len(reaching):
+                yield apart(vertices, reaching)
 
     def _read(self, shard: Mapping[str, Any]) -> tuple[Any, Floats, Rows]:
         """Return the vertices of a shard, where they are, and its faces."""
@@ -345,5 +345,5 @@ def _boxes(points: Floats, faces: Rows) -> Floats:
 
 
 def _reaching(points: Floats, faces: Rows, window: Floats) -> Rows:
-    found: Rows = faces[_kernel.find_reaching(points, faces, window)]
-    return found
+    reaching: Rows = faces[_kernel.find_reaching(points, faces, window)]
+    return reaching

@@ -111,10 +111,10 @@ class TiledSurfaceData(TiledData):
     @property
     def classes(self) -> dict[int, int]:
         """The rows of each class of lidar that were taken; empty if the source has no classes."""
-        found: Counter[int] = Counter()
+        counts: Counter[int] = Counter()
         for chunk in self.manifest["chunks"]:
-            found.update({int(each): rows for each, rows in chunk.get("classes", {}).items()})
-        return dict(sorted(found.items()))
+            counts.update({int(each): rows for each, rows in chunk.get("classes", {}).items()})
+        return dict(sorted(counts.items()))
 
 
 def stated_files(tiled: TiledData) -> dict[str, Mapping[str, Any]]:

@@ -131,14 +131,14 @@ def _shown(chunks: Iterable[Array], count: int, show: Progress) -> Iterator[Arra
 
 def _check_files(tiled: TiledData, proof: Proof) -> None:
     if not is_intact(tiled):
-        proof.found.add("damaged_files", 1)
+        proof.findings.add("damaged_files", 1)
 
 
 def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> Certificate:
-    flaws = proof.found.flaws()
+    flaws = proof.findings.flaws()
     triangles = sum(len(block) for block in blocks_of(tiled))
     missing = sum(flaw.count for flaw in flaws if flaw.kind == "missing_vertices")
-    edges = proof.found.interior_edges + proof.hull_edges
+    edges = proof.findings.interior_edges + proof.hull_edges
     vertices = tiled.npoints - skipped - proof.duplicates - missing
     if vertices - edges + triangles != 1:
         text = f"vertices - edges + triangles is {vertices - edges + triangles}, not 1"

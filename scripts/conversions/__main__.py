@@ -17,7 +17,9 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from conversions.campaign import any_seed, hunt
+from campaign import seed_of
+
+from conversions.campaign import hunt
 from conversions.comparing import ChangedError
 from conversions.given import files_in, there_and_back
 from conversions.table import PAGE, page
@@ -34,7 +36,7 @@ def main() -> None:
     if options.files is not None:
         raise SystemExit(sum(map(_is_changed, files_in(options.files))) > 0)
     if options.seconds is not None:
-        seed = any_seed() if options.seed is None else options.seed
+        seed = seed_of(options.seed)
         print(f"seed {seed}", flush=True)
         print(f"{hunt(options.seconds, seed):,} clouds, no find")
         return

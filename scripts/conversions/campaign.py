@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 import time
 from collections.abc import Callable, Iterator
 from functools import partial
@@ -81,8 +80,3 @@ def _trips(first: list[str]) -> Iterator[Trip]:
     for name in first:
         for way in WAYS:
             yield partial(check_pairs, first=[BY_NAME[name]], second=[way])
-
-
-def any_seed() -> int:
-    """Draw a seed."""
-    return random.SystemRandom().randrange(1 << 31)

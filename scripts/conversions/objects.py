@@ -96,7 +96,10 @@ def _native(values: Array) -> Array:
 
 def to_pandas(cloud: Cloud) -> pd.DataFrame:
     columns = table_columns(cloud)
-    return pd.DataFrame({k: each for k, each in columns.items() if each.dtype.itemsize <= 8})
+    try:
+        return pd.DataFrame({k: each for k, each in columns.items() if each.dtype.itemsize <= 8})
+    except UnicodeEncodeError as error:
+        raise InputError("pandas has no such name") from error
 
 
 def to_polars(cloud: Cloud) -> pl.DataFrame:

@@ -117,7 +117,7 @@ def scan(cloud: Cloud, path: Path) -> None:
         raise InputError("XML has no such characters, or no such blanks")
     try:
         path.write_bytes(e57(Scan(values), crs=crs))
-    except (libe57.E57Exception, UnicodeEncodeError) as error:
+    except (libe57.E57Exception, UnicodeEncodeError, TypeError) as error:  # of half a character
         raise InputError("E57 has no such field or text") from error
 
 

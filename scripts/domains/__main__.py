@@ -13,8 +13,6 @@ and the cells must fill the domain exactly. Exits with 1 and the sites and domai
 from __future__ import annotations
 
 import sys
-import time
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -23,9 +21,11 @@ import numpy as np
 import shapely
 
 SCRIPTS = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(SCRIPTS))  # it holds this package
 sys.path.append(str(SCRIPTS.parent / "tests"))  # for the check of cells
 
-from checked_cells import check  # noqa: E402 - found there
+from campaign import run_kinds  # noqa: E402 - found there
+from checked_cells import check  # noqa: E402 - as above
 
 import liftmesh  # noqa: E402 - as above
 
@@ -35,34 +35,17 @@ MOST = 10  # sites
 
 def main() -> None:
     """Run the campaign."""
-    options = read_options()
-    for kind in options.kinds:
-        began = time.process_time()
-        rng = np.random.default_rng(options.seed)
-        for number in range(options.count):
-            holds(kind, number, rng)
-        print(
-            f"{kind:10} {options.count:,} domains, {time.process_time() - began:.0f} s", flush=True
-        )
+    run_kinds(__doc__, DOMAINS, 1000, holds, "domains")
 
 
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=1000)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kinds", nargs="*", default=[*DOMAINS], choices=[*DOMAINS])
-    return parser.parse_args()
-
-
-def holds(kind: str, number: int, rng: np.random.Generator) -> None:
+def holds(kind: str, rng: np.random.Generator) -> None:
     """Check the cells of one set of sites in one domain; ends the program at a difference."""
     domain, sites = DOMAINS[kind](rng), random_sites(rng)
     named, squares = random_weights(len(sites), rng)
     try:
         check(liftmesh.power_diagram(sites, **named, domain=domain), squares)
     except Exception as error:
-        print(f"{kind} {number}: {domain.wkt}\nsites {sites.tolist()}\n{named}", file=sys.stderr)
+        print(f"{kind}: {domain.wkt}\nsites {sites.tolist()}\n{named}", file=sys.stderr)
         raise SystemExit(1) from error
 
 

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import json
 import os
-import random
 import subprocess
 import sys
 import tempfile
@@ -26,6 +25,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
+from campaign import seed_of
+
 from fault_injection.control import PRELOAD, build
 
 SCRIPTS = Path(__file__).resolve().parents[1]
@@ -34,7 +35,7 @@ SCRIPTS = Path(__file__).resolve().parents[1]
 def main() -> None:
     """Run the workers, and print a summary."""
     options = read_options()
-    seed = random.SystemRandom().randrange(1 << 31) if options.seed is None else options.seed
+    seed = seed_of(options.seed)
     began = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="liftmesh-") as name:
         place = Path(name).resolve()

@@ -25,13 +25,14 @@ Needs clang with its sanitizers for the kernel, and Atheris for the readers.
 
 from __future__ import annotations
 
-import random
 import sys
 import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
+
+from campaign import seed_of
 
 from fuzz.campaign import Outcome, fuzz, reason
 from fuzz.distill import distill
@@ -84,7 +85,7 @@ def try_files(target: Target, files: list[Path]) -> int:
 
 def hunt_lies(options: Namespace) -> int:
     """Read files that lie, and print a summary; return 1 if there are faults."""
-    seed = random.SystemRandom().randrange(1 << 31) if options.seed is None else options.seed
+    seed = seed_of(options.seed)
     found = hunt(
         (options.folder or OUT / STRUCTURE).resolve(),
         seconds=options.seconds,
@@ -103,7 +104,7 @@ def campaign(target: Target, options: Namespace) -> int:
     """Fuzz and print a summary; return 1 if there are finds."""
     target.command()  # builds the target before the clock starts
     began = time.monotonic()
-    seed = random.SystemRandom().randrange(1, 1 << 31) if options.seed is None else options.seed
+    seed = seed_of(options.seed)
     folder = (options.folder or target.folder).resolve()
     found = fuzz(target, folder, options.seconds, options.jobs, seed)
     seconds = time.monotonic() - began

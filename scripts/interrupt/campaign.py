@@ -6,7 +6,6 @@ import json
 import math
 import os
 import random
-import re
 import resource
 import select
 import signal
@@ -21,6 +20,7 @@ from itertools import cycle
 from pathlib import Path
 from typing import Any
 
+from campaign import without_figures
 from jobs import LONG_COMMANDS
 from process_state import MEGA, RETURNING, State, halted
 
@@ -248,8 +248,8 @@ def _signalled(
         return _ended_before(delay, 0.0 if told == out else _of_ended() - others - computed)
     faults = list(_changes(folder, files))
     # It may have begun to print its results.
-    if (child.returncode, err) != ENDS[number] or not _without_figures(output).startswith(
-        _without_figures(out)
+    if (child.returncode, err) != ENDS[number] or not without_figures(output).startswith(
+        without_figures(out)
     ):
         faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
     return Interrupt(delay, _stage(opened, folder, words), seconds, tuple(faults))
@@ -260,11 +260,6 @@ def _told(child: subprocess.Popen[str]) -> str:
     output = child.stdout.fileno()
     ready, _, _ = select.select([output], [], [], 0)
     return os.read(output, 1 << 16).decode() if ready else ""
-
-
-def _without_figures(text: str) -> str:
-    """Remove the numbers, which differ from run to run."""
-    return re.sub(r"[\d.,\s]", "", text)
 
 
 def _stage(opened: list[str], folder: Path, words: tuple[str, ...]) -> str:

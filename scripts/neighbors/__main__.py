@@ -13,8 +13,6 @@ Exits with 1 and the points at a difference.
 from __future__ import annotations
 
 import sys
-import time
-from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable
 from fractions import Fraction
 from pathlib import Path
@@ -25,9 +23,11 @@ from numpy.random import Generator
 from numpy.typing import NDArray
 
 SCRIPTS = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(SCRIPTS))  # it holds this package
 sys.path.append(str(SCRIPTS.parent / "tests"))  # for the oracle
 
-from natural_oracle import Exact, exact, shares, turn  # noqa: E402 - found there
+from campaign import run_kinds  # noqa: E402 - found there
+from natural_oracle import Exact, exact, shares, turn  # noqa: E402 - as above
 
 import liftmesh  # noqa: E402 - as above
 
@@ -38,22 +38,7 @@ ASKED = 3  # points of a set
 
 def main() -> None:
     """Run the campaign."""
-    options = read_options()
-    for kind in options.kinds:
-        began = time.process_time()
-        rng = np.random.default_rng(options.seed)
-        worst = max(holds(kind, rng) for _ in range(options.count))
-        seconds = time.process_time() - began
-        print(f"{kind:8} {options.count:,} sets, {worst:.1e} at worst, {seconds:.0f} s", flush=True)
-
-
-def read_options() -> Namespace:
-    """Parse the command line."""
-    parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
-    parser.add_argument("--count", type=int, default=200)
-    parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("--kinds", nargs="*", default=[*KINDS], choices=[*KINDS])
-    return parser.parse_args()
+    run_kinds(__doc__, KINDS, 200, holds, "sets")
 
 
 def holds(kind: str, rng: Generator) -> float:

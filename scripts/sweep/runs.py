@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
+from campaign import without_figures
 from jobs import OLD, Command
 from process_state import halted
 
@@ -198,11 +199,8 @@ def _was_lost(end: _End) -> bool:
 
 def _begins(found: bytes, whole: bytes) -> bool:
     """Whether a text is the beginning of another, apart from the numbers, which differ."""
-    return _without_figures(whole).startswith(_without_figures(found))
-
-
-def _without_figures(text: bytes) -> bytes:
-    return re.sub(rb"[\d.,\s]", b"", text)
+    one, other = (without_figures(each.decode("utf-8", "replace")) for each in (whole, found))
+    return one.startswith(other)
 
 
 def _of_files(planned: Plan, end: _End, place: Path, known: Known) -> Iterator[str]:
