@@ -51,10 +51,13 @@ class Generated:
         """The first row."""
         return Origin("generated", row=self.number * _CHUNK)
 
-    def records(self) -> Points:
+    def points(self) -> Points:
         """Make the rows: the same each time, whatever chunks came before."""
-        points = np.random.default_rng((SEED, self.number)).random((self.rows, 2))
-        return records_of_points(points, PLANAR, "generated")
+        return np.random.default_rng((SEED, self.number)).random((self.rows, 2))
+
+    def records(self) -> Any:
+        """Return them as tiles read them."""
+        return records_of_points(self.points(), PLANAR, "generated")
 
 
 class Generator(Serial):

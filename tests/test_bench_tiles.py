@@ -66,8 +66,8 @@ def test_generated_points_have_one_hash_whatever_the_tiles(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(tiles_out_of_core, "_CHUNK", 3_000)
         one, other = (tiles_out_of_core.hashed(10_000, rows, str(tmp_path)) for rows in (900, 2500))
-        chunks = [tiles_out_of_core.Generated(i, 3_000).read() for i in range(3)]
-        points = np.concatenate((*chunks, tiles_out_of_core.Generated(3, 1_000).read()))
+        chunks = [tiles_out_of_core.Generated(i, 3_000).points() for i in range(3)]
+        points = np.concatenate((*chunks, tiles_out_of_core.Generated(3, 1_000).points()))
     assert one == other
     simplices = liftmesh.delaunay(points).simplices.astype(np.int64)
     mark = bench_tiles.mark_of(bench_tiles.turned(simplices, points))
