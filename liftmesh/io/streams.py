@@ -148,8 +148,9 @@ def check_links(path: str | os.PathLike[str]) -> None:
 def add_name(error: OSError, name: str) -> None:
     """Name the file in an error of a stream, which knows no name, or only a temporary one."""
     known = error.filename
-    is_temporary = known == "." or str(known).startswith((".liftmesh-", "/proc/self/fd/"))
-    if error.errno is not None and (not isinstance(known, str) or is_temporary):
+    is_temporary = str(known).startswith((".liftmesh-", "/proc/self/fd/"))
+    is_in_folder = known in {".", os.path.basename(name)}  # noqa: PTH119 - of a folder that is open
+    if error.errno is not None and (not isinstance(known, str) or is_temporary or is_in_folder):
         error.filename = name
         del error.filename2  # of a link or a renaming
 
