@@ -307,7 +307,7 @@ def test_no_library_of_tables_is_imported() -> None:
 @pytest.mark.parametrize("function", [liftmesh.delaunay, liftmesh.lift, liftmesh.lower_hull])
 def test_arrays_of_records_are_points_for_every_function(function: Any) -> None:
     rows = np.random.default_rng(4).random((20, 3))
-    records = np.empty(20, dtype=[("Y", "f8"), ("X", "f8"), ("Z", "f8")])  # as PDAL names them
+    records = np.empty(20, dtype=[("Z", "f8"), ("X", "f8"), ("Y", "f8")])  # as PDAL names them
     records["X"], records["Y"], records["Z"] = rows.T
     assert same(function(records)) == same(function(rows))
 

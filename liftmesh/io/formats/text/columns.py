@@ -252,10 +252,12 @@ def _check_once(names: Sequence[str], given: Sequence[str], where: str) -> None:
 
 
 def _turned(names: Sequence[str], given: Sequence[str], options: TableOptions) -> Iterator[str]:
-    """Say that 'Y' before 'X' may be easting and northing, as where X points north."""
+    """Say that 'Y' before 'X' may be easting and northing, but not that of Z, Y and X."""
     places = [given.index(each) if each in given else -2 for each in ("Y", "X")]
     is_chosen = options.names is not None or not {"x", "y"}.isdisjoint(options.chosen)
     if places[1] - places[0] != 1 or is_chosen or [names[each] for each in places] != ["y", "x"]:
+        return
+    if places[0] > 0 and names[places[0] - 1] == "z":
         return
     yield (
         "'Y' stands before 'X', as in surveys where X is northing: if it is here, all is mirrored: "
