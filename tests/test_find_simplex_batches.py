@@ -59,6 +59,7 @@ def test_the_first_of_the_triangles_at_a_row_is_found(family: str) -> None:
     np.testing.assert_array_equal(tri.find_simplex(tri.points), tri.vertex_to_simplex)
 
 
+@pytest.mark.campaign
 def test_no_query_takes_much_however_it_lies() -> None:
     thin = [["inside_of_thin", 50_000, family] for family in ("oblique line", "noisy cross")]
     fans = [["around_the_middle", 24_000, family] for family in FANS[:2]]
@@ -77,6 +78,7 @@ def test_rows_that_were_overwritten_are_not_walked_through_for_ever() -> None:
     assert found.max() < tri.nsimplex
 
 
+@pytest.mark.campaign
 def test_the_first_raster_makes_no_index_of_edges() -> None:
     first, second = instructions(["first_raster", 40_000], ["second_raster", 40_000])
     assert first < 2 * second  # the index takes several times as much as the raster
@@ -91,6 +93,7 @@ def test_an_index_is_shared_by_threads_that_need_it_at_once() -> None:
             np.testing.assert_array_equal(found, expected)
 
 
+@pytest.mark.campaign
 def test_queries_of_one_trapezoid_start_from_each_other() -> None:
     at_once, apart = instructions(["in_parts", 20_000, 1], ["in_parts", 20_000, 100])
     assert at_once < 0.4 * apart  # as much as they would take from an edge of the sample: 0.57

@@ -29,6 +29,7 @@ FEW = ("e57",)
 """Generators of files whose readers start a process."""
 
 
+@pytest.mark.campaign
 def test_thousands_of_lies_find_nothing(tmp_path: Path) -> None:
     names = [each for each in GENERATORS if each not in FEW]
     found = hunt(tmp_path, seconds=600, seed=0, jobs=2, cases=CASES, names=names)
@@ -46,6 +47,7 @@ FILES = [
 ]
 
 
+@pytest.mark.campaign
 def test_no_known_file_does_harm(tmp_path: Path) -> None:
     assert len(FILES) > 150
     with (tmp_path / "printed").open("ab+") as stream:
@@ -119,6 +121,7 @@ def run(*words: object) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)
 
 
+@pytest.mark.campaign
 def test_the_command_sums_up_and_reads_files_again(tmp_path: Path) -> None:
     done = run("--cases", 3, "--formats", "npy", "off", "--seed", 5, "--folder", tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

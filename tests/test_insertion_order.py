@@ -29,6 +29,7 @@ print(module._SECRET, hashlib.sha256(b"".join(a.tobytes() for a in arrays)).hexd
 """
 
 
+@pytest.mark.campaign
 def test_points_made_for_a_known_order_are_as_quick_as_others() -> None:
     known, usual, unknown = instructions(
         *([name, ROWS] for name in ("known_order", "shuffled", "unknown_order"))

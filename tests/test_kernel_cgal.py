@@ -16,6 +16,8 @@ from reference import cgal_triangles
 
 import liftmesh
 
+pytestmark = pytest.mark.campaign
+
 N = 100_489  # 317 squared: the lattices have exactly as many points
 AT_SCALE = [
     "uniform",

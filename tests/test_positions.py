@@ -136,6 +136,7 @@ def test_pieces_and_merges_agree_with_one_sort() -> None:
     assert find_positions(falling).spacing == pytest.approx(np.sqrt(2) * np.median(nearest))
 
 
+@pytest.mark.campaign
 def test_a_summary_takes_a_small_multiple_of_a_triangulation() -> None:
     jobs = [[call, 10_000, family] for family in CLOUDS for call in ("summary", "triangulation")]
     found = instructions(*jobs)

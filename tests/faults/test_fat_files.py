@@ -110,6 +110,7 @@ def measured() -> dict[str, list[Any]]:
     return {name: json.loads(line) for name, line in zip(FAT, told.splitlines(), strict=True)}
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", FAT)
 def test_a_byte_takes_twenty_at_most(name: str, measured: dict[str, list[Any]]) -> None:
     size, told, grown = measured[name]

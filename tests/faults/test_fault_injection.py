@@ -13,11 +13,13 @@ import sys
 import textwrap
 from pathlib import Path
 
+import pytest
 from fault_injection.control import PRELOAD, build
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
+@pytest.mark.campaign
 def test_hundreds_of_failing_calls_do_no_harm() -> None:
     command = [sys.executable, "fault_injection", "--cases", "300", "--jobs", "2", "--seed", "3"]
     done = subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)

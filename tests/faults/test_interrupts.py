@@ -152,6 +152,7 @@ def campaign(*words: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
 
 
+@pytest.mark.campaign
 def test_the_campaign_interrupts_every_phase() -> None:
     jobs = ("delaunay", "tile", "write OBJ", "liftmesh verify", "liftmesh info")
     done = campaign("--rows", "100000", "--rounds", "2", "--most", "20", "--jobs", *jobs)
@@ -161,6 +162,7 @@ def test_the_campaign_interrupts_every_phase() -> None:
     assert "the files of a run after all of them  ok" in done.stdout
 
 
+@pytest.mark.campaign
 def test_the_campaign_fails_where_the_prompt_is_late() -> None:
     done = campaign("--rows", "300000", "--rounds", "3", "--most", "0", "--jobs", "write OBJ")
     assert done.returncode == 1, done.stdout + done.stderr

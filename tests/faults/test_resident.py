@@ -13,6 +13,8 @@ from growth.subjects import FILES, subjects
 
 from liftmesh.io.registry import FORMATS
 
+pytestmark = pytest.mark.campaign
+
 IN_CHUNKS = [each.name for each in FORMATS if each.read_chunks is not None]
 MEGA = 1_000_000
 

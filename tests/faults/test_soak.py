@@ -44,6 +44,7 @@ def test_nor_are_files_and_threads_that_stay(last: list[State], said: str) -> No
 UNCOUNTED = {name: value for name, value in os.environ.items() if "COVERAGE" not in name}
 
 
+@pytest.mark.campaign
 def test_a_short_soak_is_flat() -> None:
     words = ["--calls", "800", "--large", "5", "--rows", "40000"]
     done = subprocess.run(

@@ -6,7 +6,10 @@ import re
 import subprocess
 import sys
 
+import pytest
 from commands import ROOT
+
+pytestmark = pytest.mark.campaign
 
 
 def sweep(*words: str) -> subprocess.CompletedProcess[str]:
