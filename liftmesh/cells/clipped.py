@@ -7,14 +7,13 @@ Where the caller has one of that name, ours is called ``cell_area``: no value is
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import read_only
-from liftmesh.base.frozen import check_numbers, check_starts
+from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.base.options import counted, shown
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of

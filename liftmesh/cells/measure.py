@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, cast
 
@@ -21,6 +20,7 @@ from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import as_number, as_numbers, as_reals, read_only
+from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import shown
 from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
 from liftmesh.cells.domain import Domain, following_corners

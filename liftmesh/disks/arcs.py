@@ -25,12 +25,12 @@ is counter-clockwise and simple, and they share their sides.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
+from liftmesh.base.frozen import cached_property
 
 Box = tuple[float, float, float, float]
 

@@ -14,13 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.frozen import cached_property
 from liftmesh.errors import FormatError
 
 _EVERYWHERE = (-np.inf, -np.inf, np.inf, np.inf)
