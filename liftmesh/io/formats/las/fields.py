@@ -41,7 +41,7 @@ _RESERVED = {*PARTS, "X", "Y", "Z", "bit_fields", "raw_classification", "classif
 _TYPES = ("u1", "i1", "u2", "i2", "u4", "i4", "u8", "i8", "f4", "f8")
 _NAME = slice(4, 36)
 _SIZE = 192
-_HAS_LIMITS, _HAS_SCALE, _HAS_OFFSET = 0b110, 0b1000, 0b10000
+_HAS_SCALE, _HAS_OFFSET = 0b1000, 0b10000
 _SCALES, _OFFSETS = 112, 136  # places of three doubles each
 UNDESCRIBED = "ExtraBytes"  # the name that laspy gives to bytes that nothing describes
 _LONGEST = 32  # bytes of a name
@@ -313,14 +313,6 @@ def new_extra(name: str, values: Array) -> Extra | None:
     text = bytes([0, 0, number, 0]) + encoded.ljust(_LONGEST, b"\0")
     shaped = np.dtype((kind, (width,))) if is_vector else kind
     return Extra(name, shaped, text.ljust(_SIZE, b"\0"))
-
-
-def without_limits(extra: Extra) -> bytes:
-    """Return the description without the smallest and largest value, which may be others now."""
-    part = bytearray(extra.described)
-    if len(part) == _SIZE and part[2]:
-        part[3] &= ~_HAS_LIMITS & 0xFF
-    return bytes(part)
 
 
 def _stored(values: Array, base: np.dtype, scale: Array, offset: Array) -> Array | None:
