@@ -148,7 +148,7 @@ def _levels(values: Floats) -> Floats:
 
 
 def judged(colors: Array) -> tuple[Array, int | None]:
-    """Decide the depth of colours from all their values; None where nothing is to be decided."""
+    """Decide the depth of colours from all their values; None if they need no decision."""
     if colors.dtype.kind not in "iu" or colors.dtype == np.uint8:
         return colors, None
     low, high = (int(colors.min()), int(colors.max())) if colors.size else (0, 0)

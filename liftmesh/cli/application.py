@@ -112,7 +112,7 @@ class _Conversion:
         self._parse = parse
 
     def coerce(self, value: Any, param: Any, ctx: Any) -> Any:
-        """Convert what was typed; defaults are as they should be."""
+        """Convert what was typed; defaults stay as they are."""
         if param.multiple or isinstance(value, list | tuple):
             return [self._one(each, param, ctx) for each in value or ()]
         return self._one(value, param, ctx)

@@ -321,7 +321,7 @@ def about(path: Path) -> Iterator[None]:
 
 @contextmanager
 def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
-    """The same of several files, merged: a row is counted in its own."""
+    """Add the file to errors about rows of several files, merged, and count rows within it."""
     if len(sources) == 1:
         with about(sources[0]):
             yield

@@ -106,7 +106,7 @@ def as_usage() -> Iterator[None]:
 
 @contextmanager
 def as_option() -> Iterator[None]:
-    """The same of messages that begin with the name of an option of the library."""
+    """Tell what the library refuses as wrong usage, where messages begin with its option."""
     try:
         yield
     except InputError as error:

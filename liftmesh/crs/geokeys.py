@@ -86,7 +86,7 @@ def _geocentric(number: int) -> str:
 
 
 def _with_heights(base: str, keys: Mapping[int, int]) -> str:
-    """Add the system of heights, or a unit where there is no such, or it has another."""
+    """Add the system of heights, or a unit where there is none, or it has another unit."""
     code = keys.get(_HEIGHT, 0)
     number, unit = keys.get(_VERTICAL, 0), _UNITS.get(code)
     number = _HEIGHTS.get((number, code), number)

@@ -128,7 +128,7 @@ def write(
     --------
     >>> import io
     >>> import numpy as np
-    >>> from liftmesh.base.cloud import Cloud
+    >>> from liftmesh import Cloud
     >>> stream = io.BytesIO()
     >>> write(stream, Cloud(np.array([[0.1, 2.0, 1e300]])), format="obj").bytes
     28

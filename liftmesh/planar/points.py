@@ -25,7 +25,7 @@ from liftmesh.base.options import as_threads
 
 
 def rows_of(points: Any, *, has_heights: bool = False) -> Any:
-    """Return the points of a cloud or mesh, with a known z if it counts; all else as it is."""
+    """Return the points of a cloud or mesh; a table may lack heights. Arrays stay as they are."""
     if isinstance(points, np.ndarray):
         is_record = points.dtype.names is not None
     else:

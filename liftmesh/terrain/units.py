@@ -65,7 +65,7 @@ def slope_scale(surface: OverPlane, z_factor: float | None) -> tuple[float, floa
 
 
 def steepness(surface: OverPlane, z_factor: float | None) -> tuple[float, float]:
-    """Return `slope_scale` for slopes and their directions, which degrees do not have."""
+    """Return `slope_scale` for slopes, which x and y in degrees have only by a factor."""
     system = system_of(surface)
     axes = _AXES.get(surface.frame.name, (0, 1))[:2]
     units = [] if system is None else [system.units[axis] for axis in axes]

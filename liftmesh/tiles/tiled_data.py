@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class TiledData(FrozenResult):
-    """The fields of a `Tiled`, which describes them, and what they say at once."""
+    """The fields of a `Tiled`, which describes them, and what follows from them directly."""
 
     directory: Path
     manifest: Mapping[str, Any]
@@ -81,7 +81,7 @@ class UnprovedData(TiledData):
 
 @dataclass(frozen=True, repr=False)
 class TiledSurfaceData(TiledData):
-    """The fields of a `TiledSurface`, and what they say at once."""
+    """The fields of a `TiledSurface`, and what follows from them directly."""
 
     @property
     def schema(self) -> Schema:

@@ -99,7 +99,7 @@ def _corners(record: bytes, place: int, count: int) -> Floats:
 
 
 def _nested(rings: Sequence[Floats]) -> list[list[Any]]:
-    """Put each hole to the smallest outer ring around it; a ring alone is no hole."""
+    """Assign each hole to the smallest outer ring around it; a ring alone is no hole."""
     if len(rings) < 2:
         return [[each.tolist()] for each in rings]
     if min(map(len, rings)) < _FEWEST or not all(np.isfinite(each).all() for each in rings):

@@ -1,1 +1,1 @@
-"""glTF and GLB: what their JSON says is checked and walked through; trimesh decodes the rest."""
+"""glTF and GLB: what their JSON says is checked and walked through; NumPy reads the numbers."""
