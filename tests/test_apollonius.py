@@ -91,6 +91,7 @@ def test_a_disk_that_touches_one_which_comes_later_from_inside_leaves_no_trace()
         assert {tuple(rows[list(t)]) for t in expected} == triangles(graph_of(disks))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["uniform", "lattice", "circle", "row and apex"])
 @pytest.mark.parametrize("radius", [0.0, 0.75])
 def test_equal_radii_give_delaunay_triangles(family: str, radius: float) -> None:

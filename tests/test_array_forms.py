@@ -9,6 +9,7 @@ from array_forms import FORMS
 from growth.counting import count
 
 
+@pytest.mark.slow
 def test_no_form_of_the_points_costs_a_tenth_more(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
     plain, *others = (each.instructions for each in count("array_forms:prepare", [*FORMS]))

@@ -7,6 +7,7 @@ import sys
 
 import bench
 import numpy as np
+import pytest
 from benchmark.tasks import locate as bench_locate
 
 import liftmesh
@@ -41,6 +42,7 @@ def test_what_is_timed() -> None:
     assert bench_locate.cells(taken, 8) == ["500000.000", "250000.000", "4.00"]
 
 
+@pytest.mark.slow
 def test_a_table_is_printed() -> None:
     words = ["--n", "300", "--distributions", "circle", "--rounds", "1", "--before", sys.executable]
     done = subprocess.run(

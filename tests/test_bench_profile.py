@@ -67,6 +67,7 @@ def test_names_are_shown_without_what_is_long_in_them(name: str, short: str) -> 
     assert plain(name) == short
 
 
+@pytest.mark.slow
 def test_the_driver_fits_the_kernel() -> None:
     (driver,) = PROGRAM.folder.glob("*.cpp")
     subprocess.run([*PROGRAM.compiled_with(driver), "-fsyntax-only", str(driver)], check=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import bench
 import numpy as np
+import pytest
 import trimesh
 from benchmark.tasks import stl as bench_stl
 
@@ -28,6 +29,7 @@ def test_both_programs_do_the_same_work(tmp_path: Path) -> None:
     assert np.array_equal(ours.triangles, theirs.triangles)
 
 
+@pytest.mark.slow
 def test_the_table() -> None:
     command = [sys.executable, bench.__file__, "stl", "--n", "300", "--rounds", "1"]
     told = subprocess.run(command, capture_output=True, text=True, check=True).stdout

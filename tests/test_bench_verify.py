@@ -8,6 +8,7 @@ from pathlib import Path
 
 import bench
 import numpy as np
+import pytest
 from benchmark.tasks import verify as bench_verify
 
 import liftmesh
@@ -15,6 +16,7 @@ import liftmesh
 POINTS = np.random.default_rng(8).random((2000, 2))
 
 
+@pytest.mark.slow
 def test_both_are_timed_and_the_answer_is_told(tmp_path: Path) -> None:
     triangles = liftmesh.delaunay(POINTS).simplices
     judged = bench_verify.judge(POINTS, triangles, 2, 2, tmp_path)
@@ -42,6 +44,7 @@ def test_flawed_lists_are_flawed() -> None:
     assert wrong["all twice"] == 0
 
 
+@pytest.mark.slow
 def test_a_table_is_printed() -> None:
     words = [
         "--n",

@@ -57,12 +57,14 @@ FEW = st.integers(-3, 6)
 SITES = st.lists(st.tuples(FEW, FEW), min_size=1, max_size=9).map(lambda p: np.array(p, float))
 
 
+@pytest.mark.slow
 @given(SITES, st.sampled_from([*DOMAINS]), st.sampled_from([(0, 0), (1, 1), (0.5, -1)]))
 def test_cells_tile_the_domain_exactly(points: Points, domain: str, shift: Any) -> None:
     moved = shapely.affinity.translate(DOMAINS[domain], *shift)
     check(liftmesh.voronoi(points, domain=moved))
 
 
+@pytest.mark.slow
 @given(SITES, st.sampled_from([*DOMAINS]), st.data())
 def test_power_cells_tile_the_domain_exactly(points: Points, domain: str, data: Any) -> None:
     kind = data.draw(st.sampled_from(["weights", "radii"]))
@@ -73,6 +75,7 @@ def test_power_cells_tile_the_domain_exactly(points: Points, domain: str, data: 
     check(cells, [Fraction(v) ** (2 if kind == "radii" else 1) for v in values])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("domain", DOMAINS)
 def test_generic_sites(domain: str) -> None:
     points = RNG.random((25, 2)) * 9 - 3
@@ -143,6 +146,7 @@ def test_cells_are_those_of_shapely(offset: float) -> None:
     assert ours.not_simple.tolist() == []
 
 
+@pytest.mark.slow
 def test_a_large_set_tiles_its_domain() -> None:
     points = RNG.random((20_000, 2))
     turns = np.sort(RNG.random(2000)) * 2 * np.pi

@@ -104,6 +104,7 @@ def test_geojson_says_what_it_cannot_hold() -> None:
         assert shape == CELLS.to_shapely()[row] if shape else row in CELLS.empty
 
 
+@pytest.mark.slow
 def test_geojson_is_written_in_blocks() -> None:
     points = RNG.random((20_000, 2))
     many = liftmesh.voronoi(points)

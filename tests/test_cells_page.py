@@ -37,6 +37,7 @@ def test_python_examples() -> None:
     assert result.failed == 0, "".join(told)
 
 
+@pytest.mark.slow
 def test_console_examples(folder: Path) -> None:
     parts = re.split(r"^\$ (.*)\n", blocks("console"), flags=re.MULTILINE)
     assert len(parts) >= 5

@@ -71,6 +71,7 @@ def test_a_corner_of_the_domain_on_a_side_is_a_corner_of_both_cells() -> None:
     check(cells)
 
 
+@pytest.mark.slow
 @given(
     st.lists(st.tuples(*[st.integers(0, 8)] * 2), min_size=2, max_size=10, unique=True),
     st.lists(st.tuples(*[st.integers(1, 7)] * 2), min_size=3, max_size=5, unique=True),
@@ -147,6 +148,7 @@ def domain_of(pieces) -> shapely.Geometry:
     return domain
 
 
+@pytest.mark.slow
 @given(SITES, st.lists(PIECE, min_size=1, max_size=6), st.sampled_from([1, 2]), st.data())
 def test_cells_of_points_and_domains_on_one_lattice(points, pieces, finer: int, data) -> None:
     domain = domain_of(pieces)

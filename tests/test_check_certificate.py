@@ -225,6 +225,7 @@ def test_a_corner_counted_from_the_end_of_a_ply_is_no_row(tmp_path: Path) -> Non
     assert ended(tmp_path, lie, mesh) == 1
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(
     st.lists(st.tuples(st.integers(0, 4), st.integers(0, 4)), min_size=3, max_size=9),

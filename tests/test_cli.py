@@ -199,6 +199,7 @@ def test_a_closed_pipe_is_no_error(words, unbuffered):
     assert (done.returncode, done.stderr) == (exit_codes.PIPE_CLOSED, "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["triangulate", "compare", "info"])
 def test_ctrl_c_stops_at_once_and_leaves_nothing_behind(command, tmp_path):
     rng = np.random.default_rng(0)
@@ -226,6 +227,7 @@ def test_a_terminal_gets_colour_and_the_same_words():
         assert line.split()[-1] in told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("env", [{"NO_COLOR": "1"}, {"TERM": "dumb"}])
 def test_colour_can_be_refused(env):
     shown, code = on_terminal("compare", "data/hill.csv", cwd=ROOT, env=env)

@@ -31,6 +31,7 @@ def far(tmp_path):
     return path
 
 
+@pytest.mark.slow
 def test_the_terrain_is_right_on_both_sides(tmp_path):
     words = ("--lower", tmp_path / "lower.ply", "--hull", tmp_path / "hull.ply")
     done = process("compare", TERRAIN, *words)
@@ -122,6 +123,7 @@ def test_a_plane(tmp_path):
     assert liftmesh("compare", "wall.npy", "--plane", "fit", cwd=tmp_path).returncode == 0
 
 
+@pytest.mark.slow
 def test_a_terminal_shows_the_table_in_colour(far):
     shown, code = on_terminal("compare", far, "--q", "origin", "--proofs", "2")
     assert code == exit_codes.DIFFERENT

@@ -191,6 +191,7 @@ def test_a_file_that_is_not_there():
     failed(liftmesh("info", "nowhere.ply"), exit_codes.BAD_INPUT, "nowhere.ply: No such file")
 
 
+@pytest.mark.slow
 def test_predicted_memory_is_what_triangulating_takes(tmp_path):
     np.save(tmp_path / "c.npy", np.random.default_rng(0).random((600_000, 3)))
     np.save(tmp_path / "tiny.npy", np.eye(3))

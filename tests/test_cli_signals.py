@@ -112,6 +112,7 @@ sys.meta_path.insert(0, Sending())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "module"), TRIED)
 def test_no_signal_is_lost_amid_the_imports_of_trimesh(
     words: str, module: str, folder: Path
@@ -181,6 +182,7 @@ liftmesh.io.read.read = deaf
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ENDS)
 def test_a_signal_is_heard_within_a_second_while_compiled_code_runs(
     number: int, folder: Path
@@ -223,6 +225,7 @@ liftmesh.io.read.read = lambda *_, **__: send(signal.SIGINT)
     assert ended(child) == (ENDS[signal.SIGINT][0], "", ENDS[signal.SIGINT][1])
 
 
+@pytest.mark.slow
 def test_line_and_exit_code_agree_where_two_signals_come_together(folder: Path) -> None:
     change = """
 import liftmesh.io.read
@@ -240,6 +243,7 @@ liftmesh.io.read.read = both
         assert ((code, err), out) in [(each, "") for each in ENDS.values()]
 
 
+@pytest.mark.slow
 def test_the_watchdog_removes_a_temporary_file_that_has_a_name(folder: Path) -> None:
     change = """
 from liftmesh.io import atomic, write
@@ -254,6 +258,7 @@ write._write = deaf
     assert_nothing_was_written(folder)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ENDS)
 def test_the_watchdog_removes_the_folder_of_a_raster_of_tiles(number: int, tmp_path: Path) -> None:
     points = np.random.default_rng(0).random((200, 3))
@@ -272,6 +277,7 @@ rasterio.shutil.copy = deaf
     assert [path.name for path in tmp_path.iterdir()] == ["tiles"]
 
 
+@pytest.mark.slow
 def test_workers_leave_no_second_line(tmp_path: Path) -> None:
     np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((200, 2)))
     change = """
@@ -285,6 +291,7 @@ liftmesh.dask.delaunay = deaf
     assert [path.name for path in tmp_path.iterdir()] == ["cloud.npy"]
 
 
+@pytest.mark.slow
 def test_a_full_pipe_of_errors_does_not_hold_up_the_end(folder: Path) -> None:
     change = DEAF + "os.write(2, bytes(65536))\n"
     child = started(change, "info", "mesh.ply", cwd=folder)
@@ -329,6 +336,7 @@ hull.interruptible = begun
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", ENDS)
 def test_compare_ends_in_order_although_qhull_runs_on(number: int, folder: Path) -> None:
     change = QHULL_RUNS_ON.format(number=int(number))

@@ -42,6 +42,7 @@ def cloud(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", [".ply", ".obj"])
 def test_a_command_imports_what_it_needs(cloud: Path, suffix: str) -> None:
     mesh = cloud.with_suffix(suffix)

@@ -119,12 +119,14 @@ def test_verify_without_stderr_says_what_it_found(folder: Path) -> None:
     assert done.stdout.startswith("Valid")
 
 
+@pytest.mark.slow
 def test_paper_needs_no_stdout(folder: Path) -> None:
     done = run("paper --n 20 --seeds 1 --no-figures --out made", ">&-", folder)
     assert (done.returncode, done.stderr) == (exit_codes.DONE, "")
     assert os.path.getsize(folder / "made" / "tables.md")  # noqa: PTH202
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "said"),
     [
@@ -186,6 +188,7 @@ def test_a_name_that_the_terminal_cannot_show(words: str, folder: Path) -> None:
     assert (done.returncode, done.stderr) == (0, b"")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["npz", "3mf", "las", "glb"])
 def test_a_device_takes_every_format(kind: str, folder: Path) -> None:
     done = run(f"triangulate cloud.ply /dev/null --format {kind}", "", folder)

@@ -231,6 +231,7 @@ def test_a_terminal_shows_progress_and_the_result(tmp_path):
     assert "mesh.ply: 138,632 vertices, 275,772 triangles" in told
 
 
+@pytest.mark.slow
 def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
     np.save(tmp_path / "cloud.npy", np.random.default_rng(0).random((2_000_000, 3)))
     shown, code = on_terminal(
@@ -252,6 +253,7 @@ def test_a_bar_moves_while_a_large_cloud_is_triangulated(tmp_path):
     assert "mesh.ply: 2,000,000 vertices" in shown
 
 
+@pytest.mark.slow
 def test_a_bar_shows_how_far_and_how_fast_a_file_is_read(tmp_path):
     points = np.round(np.random.default_rng(0).random((4_000_000, 3)) * 1000, 2)
     lm.write(tmp_path / "cloud.laz", lm.Cloud(points))

@@ -181,6 +181,7 @@ def completed(shell: str, words: str, **variables: str) -> list[str]:
     return done.stdout.split()
 
 
+@pytest.mark.slow
 def test_shells_complete_commands_options_and_values() -> None:
     assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
     options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")

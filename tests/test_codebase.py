@@ -142,6 +142,7 @@ def code_lines(path: Path) -> int:
     return sum(1 for k, line in numbered if line and line[0] != "#" and k not in prose)
 
 
+@pytest.mark.slow
 def test_files_stay_small() -> None:
     sources = [p for p in project_files() if p.suffix in {".c", ".h", ".cpp", ".hpp"}]
     python = [p for p in project_files() if p.suffix == ".py"]
@@ -163,6 +164,7 @@ def test_every_room_stands_in_the_architecture() -> None:
     assert [name for name in names if name not in text] == []
 
 
+@pytest.mark.slow
 def test_what_no_test_reaches_says_why() -> None:
     pattern = r"pragma: no (?:cover|branch)(?! - \w)|GCOV_EXCL_(?:START|LINE)(?!: \w)"
     sources = [p for p in project_files() if PACKAGE in p.parents and p.suffix != ".md"]
@@ -214,6 +216,7 @@ def test_kernel_sources_include_what_is_below_them_by_room() -> None:
             assert {Path(name).parent.as_posix() for name in included} <= {room, *below}, source
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"]
 )

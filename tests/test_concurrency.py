@@ -112,6 +112,7 @@ def test_threads_share_one_triangulation() -> None:
     np.testing.assert_array_equal(actual, expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("points", "delay"),
     [
@@ -132,6 +133,7 @@ def test_ctrl_c_stops_a_long_run_within_a_second(points: str, delay: float, thre
     assert seconds_to_stop(program, delay) < 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("delay", [0.3, 1.5])
 @pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_stops_a_long_run_with_weights(delay: float, threads: int) -> None:
@@ -143,6 +145,7 @@ def test_ctrl_c_stops_a_long_run_with_weights(delay: float, threads: int) -> Non
     assert seconds_to_stop(program, delay) < 1.0
 
 
+@pytest.mark.slow
 def test_rows_that_others_spoil_meanwhile_leave_names_of_rows() -> None:
     points = np.random.default_rng(4).random((4_000_000, 2))
     told = []
@@ -167,6 +170,7 @@ SPOILT = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("kind", SPOILT)
 def test_rows_that_a_thread_writes_all_the_time_are_each_read_once(kind: str, threads: int) -> None:
@@ -196,6 +200,7 @@ def test_rows_that_a_thread_writes_all_the_time_are_each_read_once(kind: str, th
         np.testing.assert_array_equal(np.unique(rows), np.arange(len(points)))
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     program = LONG_RUN.format(
         points=TWO_COLUMNS,
@@ -205,6 +210,7 @@ def test_ctrl_c_stops_long_walks_within_a_second() -> None:
     assert seconds_to_stop(program, 0.3) < 1.0
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_long_clipping_within_a_second() -> None:
     prepare = "; ".join(
         [

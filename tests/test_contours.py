@@ -65,6 +65,7 @@ def segments_of(lines: liftmesh.Contours, level: float) -> Counter:
     return found
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(LATTICE, LEVELS, st.none() | st.floats(1.1, 4))
 def test_lines_are_the_segments_of_all_faces(points, levels, limit) -> None:

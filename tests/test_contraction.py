@@ -130,6 +130,7 @@ def hard_questions() -> NDArray[np.float64]:
     return np.concatenate((nearly_cocircular((800, 4, 2), rng), lattice + 0.1, line))
 
 
+@pytest.mark.slow
 def test_a_fused_filter_computes_other_numbers_and_still_keeps_its_bounds(tmp_path) -> None:
     asked = hard_questions()
     answers = []

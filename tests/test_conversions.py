@@ -36,6 +36,7 @@ def test_every_adapter_and_every_format_has_a_way() -> None:
     assert {f"{name}.gz" for name in own if readable[name].gzip} <= ways
 
 
+@pytest.mark.slow
 @SLOW
 @given(clouds())
 def test_every_way_keeps_every_value_or_names_the_loss(cloud: Cloud) -> None:
@@ -43,12 +44,14 @@ def test_every_way_keeps_every_value_or_names_the_loss(cloud: Cloud) -> None:
         went_through(way, cloud)
 
 
+@pytest.mark.slow
 @SLOW
 @given(clouds(), st.lists(st.sampled_from([*BY_NAME]), min_size=2, max_size=2, unique=True))
 def test_every_pair_keeps_every_value_or_names_the_loss(cloud: Cloud, first: list[str]) -> None:
     check_pairs(cloud, [BY_NAME[name] for name in first], QUICK)
 
 
+@pytest.mark.slow
 @SLOW
 @given(clouds())
 def test_files_in_pieces_have_the_rows_of_the_whole(cloud: Cloud) -> None:

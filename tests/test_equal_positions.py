@@ -169,6 +169,7 @@ def test_other_policies_are_refused(policy):
         choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", CHOOSING)
 @pytest.mark.parametrize("groups", [1, 500_000])
 def test_a_million_rows_take_no_loop(policy, groups):

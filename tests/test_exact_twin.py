@@ -65,12 +65,14 @@ def assert_twins(asked: Questions) -> None:
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(questions())
 def test_questions_of_every_cloud(asked: Questions) -> None:
     assert_twins(asked)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("coordinate", [FINITE, ANY_MAGNITUDE], ids=["floats", "magnitudes"])
 def test_questions_over_the_whole_range_of_exponents(coordinate) -> None:
     @settings(max_examples=100)
@@ -97,6 +99,7 @@ def test_a_smaller_epsilon_decides_no_tie_otherwise(asked: Questions) -> None:
         np.testing.assert_array_equal(found, twin.canonical_sides(twin.rational(asked), share))
 
 
+@pytest.mark.slow
 def test_every_order_of_every_four_points_of_a_lattice() -> None:
     lattice = np.indices((3, 3)).reshape(2, -1).T.astype(np.float64)
     orders = [order for rows in combinations(range(9), 4) for order in permutations(rows)]

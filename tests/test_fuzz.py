@@ -88,6 +88,7 @@ def seeds(tmp_path: Path) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_finds_are_noticed_and_shrunk(seeds: Path, tmp_path: Path) -> None:
     target = Small("small", ".txt", ("-max_len=20",), seeds, REFUSES_AB)
     found = fuzz(target, tmp_path, seconds=20, jobs=2, seed=1)

@@ -62,6 +62,7 @@ def test_every_format_has_a_generator() -> None:
     assert made == {each.name for each in FORMATS if each.read is not None}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GENERATORS)
 def test_a_number_makes_one_file_and_many_of_them_are_true(name: str) -> None:
     cases = [generated(name, number) for number in range(60)]

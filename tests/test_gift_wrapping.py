@@ -93,6 +93,7 @@ def test_small_sets_of_every_family(family: str) -> None:
         check(FAMILIES[family](int(rng.integers(3, 20)), rng), VERTICES[seed % len(VERTICES)])
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(rows(SMALL, SMALL), QS, OFFSETS, OFFSETS)
 def test_lattices_with_offsets(points: Points, q: Any, x: float, y: float) -> None:
@@ -105,6 +106,7 @@ def test_lattices_of_every_scale(points: Points, q: Any, x: float, y: float) -> 
     check(points * (x, y), q)
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(SMALL, SIGNED_ZERO), QS, st.booleans())
 def test_runs_on_lines_and_zeros_of_both_signs(points: Points, q: Any, turned: bool) -> None:
@@ -125,6 +127,7 @@ def test_neighbours_by_an_ulp(points: Points, q: Any) -> None:
     check(points, q)
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(st.one_of(MAGNITUDES, STEPS), MAGNITUDES), QS)
 def test_mixed_magnitudes(points: Points, q: Any) -> None:
@@ -177,6 +180,7 @@ def terrain() -> Points:
     return liftmesh.read(TERRAIN).points
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("q", ["origin", "median"])
 def test_the_terrain_thinned_to_3000_points(terrain: Points, q: str) -> None:
     thinned = np.random.default_rng(0).permutation(terrain)[:3000]
@@ -342,6 +346,7 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
 # Long runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("method", "points", "q"),
     [

@@ -83,6 +83,7 @@ def test_cost_grows_no_faster_than_the_input(libraries: bool) -> None:
     assert [each.fault for each in found if each.fault] == []
 
 
+@pytest.mark.slow
 def test_quadratic_work_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
     some = [("numbers", "each with all"), ("numbers", "each with the next")]
@@ -126,6 +127,7 @@ class Clock:
         self.now += seconds
 
 
+@pytest.mark.slow
 def test_slow_cases_are_timed_from_smaller_sizes_on(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = Clock()
     monkeypatch.setattr(seconds, "time", clock)

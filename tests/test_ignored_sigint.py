@@ -12,6 +12,7 @@ from commands import ROOT
 from process_state import descendants
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "test",
     [

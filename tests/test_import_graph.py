@@ -138,5 +138,6 @@ def test_a_page_without_markers_is_refused(house: Path, tmp_path: Path) -> None:
         main([], page, house)
 
 
+@pytest.mark.slow
 def test_the_graphs_of_the_architecture_are_up_to_date() -> None:
     assert import_graph.main(["--check"]) == 0

@@ -54,6 +54,7 @@ def deleted_maps() -> int:
     return Path("/proc/self/maps").read_text().count("(deleted)")
 
 
+@pytest.mark.slow
 def test_files_are_gone_with_the_result(tmp_path: Path) -> None:
     gc.collect()
     before = deleted_maps()

@@ -259,6 +259,7 @@ def is_heard_within(guard: Callable[[], Any]) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("guard", [preserve_signals, defer_signals])
 def test_bursts_of_signals_leave_the_handlers(guard: Callable[[], Any]) -> None:
     heard = 0
@@ -421,6 +422,7 @@ def open_files() -> int:
     return len([*Path("/proc/self/fd").iterdir()])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nameless", [True, False])
 def test_a_signal_at_any_instruction_leaves_no_file_open(
     nameless: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -68,6 +68,7 @@ def test_ctrl_c_at_calls_all_over_trimesh_is_heard(job: str) -> None:
             calls_of_trimesh(work, int(at))
 
 
+@pytest.mark.slow
 def test_ctrl_c_at_calls_all_over_the_hull_of_a_comparison_is_heard() -> None:
     """trimesh runs in a thread of its own there, and the main thread waits."""
     program = """
@@ -112,6 +113,7 @@ def test_ctrl_c_at_calls_all_over_the_hull_of_a_comparison_is_heard() -> None:
     assert output(program).split() == ["True", "0"]
 
 
+@pytest.mark.slow
 def test_ctrl_c_amid_the_import_of_trimesh_leaves_no_module_missing() -> None:
     program = """
     import io, os, signal, sys

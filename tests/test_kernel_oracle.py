@@ -50,6 +50,7 @@ def test_small_sets_of_every_family(family: str) -> None:
         check(FAMILIES[family](int(rng.integers(3, 28)), rng))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [100, 300])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_larger_sets_of_every_family(family: str, n: int) -> None:
@@ -63,6 +64,7 @@ def test_every_subset_of_a_lattice() -> None:
             check(lattice[list(chosen)])
 
 
+@pytest.mark.slow
 @settings(max_examples=400)
 @given(point_lists(SMALL, SMALL))
 def test_small_integers(points: NDArray[np.float64]) -> None:
@@ -75,6 +77,7 @@ def test_any_finite_doubles(points: NDArray[np.float64]) -> None:
     check(points)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(point_lists(st.one_of(SMALL, STEPS, ULPS, FINITE), st.one_of(SMALL, STEPS, ULPS)))
 def test_mixed_kinds_of_doubles(points: NDArray[np.float64]) -> None:

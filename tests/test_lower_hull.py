@@ -63,6 +63,7 @@ def rows(*axes: st.SearchStrategy[float]) -> st.SearchStrategy[Points]:
     return st.lists(st.tuples(*axes), min_size=1, max_size=10).map(np.array)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", SPACE)
 def test_small_sets_of_every_family(family: str) -> None:
     for seed in range(SEEDS):
@@ -70,12 +71,14 @@ def test_small_sets_of_every_family(family: str) -> None:
         check(SPACE[family](int(rng.integers(3, 12)), rng))
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(rows(SMALL, SMALL, SMALL))
 def test_lattices(points: Points) -> None:
     check(points)
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(SMALL, SMALL, SMALL), SCALES, SCALES, OFFSETS, OFFSETS)
 def test_scaled_and_shifted_lattices(
@@ -84,12 +87,14 @@ def test_scaled_and_shifted_lattices(
     check(points * (xy_scale, xy_scale, z_scale) + (xy, -xy, z))
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(rows(FINITE, FINITE, FINITE))
 def test_any_finite_doubles(points: Points) -> None:
     check(points)
 
 
+@pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(*[st.one_of(SMALL, STEPS, ULPS)] * 2, st.one_of(SMALL, STEPS, ULPS, FINITE)))
 def test_mixed_kinds_of_doubles(points: Points) -> None:
@@ -181,6 +186,7 @@ def test_lifted_integers_give_the_triangulation(family: str, method: str, q: Any
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["lattice", "two-columns", "duplicates", "small-integers"])
 def test_many_lifted_integers_give_the_triangulation(family: str) -> None:
     points = np.rint(FAMILIES[family](40_000, np.random.default_rng(19)) * 1000)
@@ -368,6 +374,7 @@ def test_integers_that_no_double_holds_are_named() -> None:
 # Long runs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("points", "method", "delay"),
     [

@@ -87,6 +87,7 @@ print((status("VmHWM") - before) / len(points))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("call", "most"),  # bytes a point; the result is 48
     [
@@ -123,6 +124,7 @@ print((resident() - before) / len(points))
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("last", ["0", "1"])
 def test_the_index_of_point_location_takes_at_most_8_bytes_a_row(last: str) -> None:
     program = INDEX.format(last=last)
@@ -159,6 +161,7 @@ print((peak() - before) / len(points))
 """
 
 
+@pytest.mark.slow
 def test_first_calls_at_once_make_one_index() -> None:
     done = subprocess.run(
         [sys.executable, "-c", FIRST_CALLS], capture_output=True, text=True, check=True

@@ -119,6 +119,7 @@ def moved_clouds(draw: st.DrawFn) -> tuple[Points, Points]:
     return points, moved
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(moved_clouds())
 def test_a_shift_without_rounding_changes_nothing(clouds: tuple[Points, Points]) -> None:
@@ -134,6 +135,7 @@ def exponents(points: Points) -> tuple[int, int]:
     return min(last, default=0), max(first, default=0)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(clouds(most=60), st.data())
 def test_a_power_of_two_that_loses_no_bit_changes_nothing(points: Points, data) -> None:

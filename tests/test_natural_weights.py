@@ -153,6 +153,7 @@ def test_slivers_whose_area_is_no_double() -> None:
     np.testing.assert_allclose(np.add.reduceat(found.weights, found.indptr[:-1]), 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", campaign.KINDS)
 def test_weights_are_right_in_hard_places(kind: str) -> None:
     rng = np.random.default_rng(33)

@@ -69,6 +69,7 @@ def test_every_public_name_stays_what_it_was() -> None:
         assert not isinstance(first, ModuleType), f"liftmesh.{name} is a module"
 
 
+@pytest.mark.slow
 def test_every_public_name_stays_what_it_was_after_all_modules_are_loaded(tmp_path: Path) -> None:
     code = """
 import importlib, pkgutil, types, liftmesh
@@ -80,6 +81,7 @@ print([n for n in liftmesh.__all__ if isinstance(getattr(liftmesh, n), types.Mod
     assert python(code, tmp_path).strip() == "[]"
 
 
+@pytest.mark.slow
 def test_no_attribute_of_a_room_is_both_a_module_and_something_else(tmp_path: Path) -> None:
     """A room's own names must not be overwritten when a module of that name is imported."""
     code = """
@@ -107,6 +109,7 @@ def test_no_module_bears_the_name_of_a_public_name() -> None:
     assert modules.isdisjoint(liftmesh.__all__)
 
 
+@pytest.mark.slow
 def test_all_public_names_load_at_once_where_that_is_asked_for(tmp_path: Path) -> None:
     code = "import os; os.environ['EAGER_IMPORT'] = '1'; import liftmesh; print(*vars(liftmesh))"
     assert set(liftmesh.__all__) - {"__version__"} <= set(python(code, tmp_path).split())

@@ -66,6 +66,7 @@ def test_a_missing_compiler_is_told_with_what_to_install() -> None:
         built(program)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", sorted(HERE.glob("*.cpp")), ids=lambda path: path.name)
 def test_the_driver_fits_the_kernel(source) -> None:
     program = BUILDS[0].program

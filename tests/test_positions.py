@@ -73,6 +73,7 @@ def rows(*axes: st.SearchStrategy[float]) -> st.SearchStrategy[Points]:
     return st.lists(st.tuples(*axes), min_size=1, max_size=14).map(np.array)
 
 
+@pytest.mark.slow
 @settings(max_examples=200)
 @given(rows(SCALED, SCALED))
 def test_several_scales_at_once(points: Points) -> None:

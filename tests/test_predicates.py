@@ -148,6 +148,7 @@ def test_orientation_of_any_doubles(a, b, c) -> None:
     assert liftmesh.orient2d(b, a, c) == -expected
 
 
+@pytest.mark.slow
 @settings(max_examples=500)
 @given(POINT, POINT, POINT, POINT)
 def test_in_circle_of_any_doubles(a, b, c, d) -> None:
@@ -157,6 +158,7 @@ def test_in_circle_of_any_doubles(a, b, c, d) -> None:
     assert liftmesh.incircle(b, a, c, d) == -expected
 
 
+@pytest.mark.slow
 @settings(max_examples=800)
 @given(*[st.one_of(INTEGER_POINT, POINT)] * 4)
 def test_ties_follow_the_rule(a, b, c, d) -> None:
@@ -183,6 +185,7 @@ def test_every_tie_of_an_exact_circle() -> None:
     np.testing.assert_array_equal(liftmesh.incircle(a, b, c, d, canonical=True), expected)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("origin", "first", "second"),
     [

@@ -62,6 +62,7 @@ def test_every_method_ends_with_one(run, n, method, listener):
     listener.check()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("threads", [1, 2, 5, None])
 @pytest.mark.parametrize("run", RUNS)
 def test_a_large_run_tells_how_far_it_is(run, threads, listener):

@@ -35,6 +35,7 @@ def test_every_page_with_examples_is_run() -> None:
     assert pages == {*EXAMPLES, "CELLS.md"}  # which has a test of its own
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("folder")
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_python_examples(name: str) -> None:
@@ -52,6 +53,7 @@ def console_examples() -> list[tuple[str, str]]:
     return list(zip(parts[1::2], parts[2::2], strict=True))
 
 
+@pytest.mark.slow
 def test_console_examples(folder: Path) -> None:
     examples = console_examples()
     assert len(examples) >= 3

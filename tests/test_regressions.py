@@ -42,6 +42,7 @@ def test_a_file_is_read_or_refused(name: str) -> None:
         assert TABLE[name].strip("`") in found
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", KERNEL)
 def test_the_kernel_does_as_it_should(name: str) -> None:
     assert TABLE[name] == "as it should be"

@@ -68,6 +68,7 @@ def height_of_others(sites: list[Site], row: int) -> Fraction | None:
     return min(found, default=None)
 
 
+@pytest.mark.slow
 @settings(max_examples=150)
 @given(weighted(), st.sampled_from(["weights", "radii"]))
 def test_small_sets_are_the_oracles(

@@ -144,6 +144,7 @@ FAMILIES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lift", ["weights", "radii"])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_small_sets_are_the_oracles(family: Callable[..., Sites], lift: str) -> None:

@@ -35,6 +35,7 @@ def test_what_the_error_recommends_reads_the_points(folder: Path) -> None:
     assert liftmesh.read(folder / "line.csv").points[0].tolist() == [4.5, 2, 4.5]
 
 
+@pytest.mark.slow
 def test_points_of_stdin_have_a_format_of_their_own(folder: Path) -> None:
     words = ("sample", "tin.ply", "-", "--format", "csv", "--at", "-")
     done = process(*words, cwd=folder, stdin=MARKS)

@@ -203,6 +203,7 @@ def test_samples_in_the_middle_of_edges(
     assert {*map(tuple, again.vertices)} == {*map(tuple, found.vertices)}
 
 
+@pytest.mark.slow
 def test_the_largest_distance_is_told_where_faces_are_slivers() -> None:
     x, y = (each.ravel() for each in np.meshgrid(np.arange(12.0), np.arange(12.0)))
     rng = np.random.default_rng(3)
@@ -263,6 +264,7 @@ def test_faces_that_are_whole_or_of_another_kind_do_not_count() -> None:
         np.testing.assert_array_equal(liftmesh.simplify(mesh, max_error=1).faces, expected.faces)
 
 
+@pytest.mark.slow
 def test_progress_rises_and_can_end_the_run() -> None:
     points = np.random.default_rng(0).random((60000, 3))
     seen: list[float] = []

@@ -184,6 +184,7 @@ def test_what_makes_no_solid_is_refused(given, said: str) -> None:
         liftmesh.triangulate(PYRAMID).solid(**given)
 
 
+@pytest.mark.slow
 def test_the_fault_has_the_volume_of_its_samples() -> None:
     heights = fault()
     surface = liftmesh.triangulate(as_points(heights))

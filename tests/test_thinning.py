@@ -55,6 +55,7 @@ def test_lattices_whose_distances_are_the_limit(places: list[tuple[int, int]], f
         assert (np.hypot(*(kept - place).T) < far).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options", [{"distance": 3.0}, {"cell": 4.0}, {"cell": 4.0, "keep": "center"}]
 )

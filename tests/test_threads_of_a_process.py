@@ -22,6 +22,7 @@ def test_many_small_runs_begin_no_threads(tmp_path):
     assert begun_threads.output(program, tmp_path, **{VARIABLE: "8"}) == "0 0\n10 1\n"
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_run_of_several_threads_and_leaves_none_behind(tmp_path):
     program = """
         points = np.random.default_rng(0).random((3_000_000, 2))
@@ -49,6 +50,7 @@ def test_ctrl_c_ends_a_run_of_several_threads_and_leaves_none_behind(tmp_path):
     assert triangles > 59_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("way", ["os.fork", "multiprocessing", "amid a run"])
 def test_a_forked_process_goes_on(way):
     program = """
@@ -89,6 +91,7 @@ def test_a_forked_process_goes_on(way):
     assert output(program, {VARIABLE: "2"}, way) == "0 True\n"
 
 
+@pytest.mark.slow
 def test_a_process_forked_amid_a_run_has_its_threads_to_itself(tmp_path):
     program = """
         warnings.simplefilter("ignore", DeprecationWarning)  # Python's, of any fork with threads
@@ -110,6 +113,7 @@ def test_a_process_forked_amid_a_run_has_its_threads_to_itself(tmp_path):
     assert begun_threads.output(program, tmp_path, **{VARIABLE: "3"}) == "2\n"
 
 
+@pytest.mark.slow
 def test_a_system_without_threads_to_give_gets_the_same_result(tmp_path):
     program = """
         import resource

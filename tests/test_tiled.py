@@ -322,6 +322,7 @@ def test_a_shard_that_was_cut_off_is_named(tmp_path: Path) -> None:
         liftmesh.open_tiled(tmp_path)
 
 
+@pytest.mark.slow
 def test_memory_is_that_of_a_tile(tmp_path: Path) -> None:
     """400,000 rows take 6.4 MB to read, and 27 more to triangulate at once."""
     np.save(tmp_path / "points.npy", np.random.default_rng(2).random((400_000, 2)))

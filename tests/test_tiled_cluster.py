@@ -143,6 +143,7 @@ def test_credentials_cannot_be_made_without_cryptography(monkeypatch: pytest.Mon
         pass
 
 
+@pytest.mark.slow
 def test_the_command_starts_such_a_cluster(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert liftmesh.dask.local_cluster is clusters.local_cluster
     (tmp_path / "points.xyz").write_text("0 0 1\n1 0 2\n0 1 3\n")

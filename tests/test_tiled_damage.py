@@ -152,6 +152,7 @@ def everything(folder: Path) -> None:
 KINDS = ["surface", "npy", "parquet", "ply"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_manifest_that_was_changed_and_sealed_again(
     kind: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -203,6 +204,7 @@ def sealed(folder: Path, name: str, content: bytes) -> None:
     place.write_text(json.dumps({**forged, "seal": store.seal(forged)}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [
     "tile-00000.npy", "tile-00000-faces.npy", "tile-00000-vertices.npy", "tile-00000-links.npy",
     "tile-00000-neighbors.npy", "hull.npy", "duplicates.npy", "skipped.npy",

@@ -90,6 +90,7 @@ def expected(source: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     return contents(out)
 
 
+@pytest.mark.slow
 def test_the_bytes_are_those_of_one_process(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -160,6 +161,7 @@ def test_workers_decode_files(
         liftmesh.dask.delaunay("d.laz", tmp_path / "d", client=client)
 
 
+@pytest.mark.slow
 def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) -> None:
     """Also if a worker is killed in the middle."""
     cloud = steep_cloud(rows=12_000, side=90)
@@ -202,6 +204,7 @@ def test_surfaces_of_frames_and_arrays(client: Client, tmp_path: Path) -> None:
         liftmesh.dask.triangulate(points, tmp_path / "b", duplicates="error", client=client)
 
 
+@pytest.mark.slow
 def test_a_worker_is_killed_in_the_middle(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -233,6 +236,7 @@ with Client(sys.argv[1], security=pickle.loads(bytes.fromhex(sys.stdin.readline(
 """
 
 
+@pytest.mark.slow
 def test_a_client_dies_and_comes_back(
     client: Client, source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -283,6 +287,7 @@ def test_files_of_workers_are_cut_off_as_by_a_full_disk(
     assert found.verify().canonical
 
 
+@pytest.mark.slow
 def test_the_scheduler_is_lost_and_started_again(
     source: Path, expected: dict[str, bytes], tmp_path: Path
 ) -> None:
@@ -347,6 +352,7 @@ def test_the_first_error_ends_the_run_and_is_not_tried_again(
     assert (tmp_path / "1").read_text() == "xxx"
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_at_a_task_is_replaced_however_long_it_takes() -> None:
     """By default Dask gives up a worker that needs 15 seconds to start again."""
     impatient = dask.config.set({"distributed.deploy.lost-worker-timeout": "1ms"})
@@ -404,6 +410,7 @@ def test_tiles_fit_the_memory_of_a_worker(client: Client, tmp_path: Path) -> Non
     assert found.manifest["tile_rows"] == 700_000
 
 
+@pytest.mark.slow
 def test_without_a_client_there_is_a_cluster_for_the_call(
     source: Path, expected: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -413,6 +420,7 @@ def test_without_a_client_there_is_a_cluster_for_the_call(
     assert contents(tmp_path) == expected
 
 
+@pytest.mark.slow
 def test_without_dask_the_message_says_what_to_install(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

@@ -190,6 +190,7 @@ liftmesh.tile_surface(sys.argv[1], sys.argv[2], tile_rows=1000, threads=1)
 """
 
 
+@pytest.mark.slow
 def test_killed_before_and_while_rows_are_removed(source: Path, tmp_path: Path) -> None:
     """There are 12 files in a group, so these are the first, the last, and one between."""
     made("surface", source, tmp_path / "expected")

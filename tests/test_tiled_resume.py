@@ -205,6 +205,7 @@ liftmesh.tile(source, out, tile_rows=1000, threads=1, progress=end)
 """
 
 
+@pytest.mark.slow
 def test_killed_in_every_stage_and_begun_again(tmp_path: Path) -> None:
     source, out = tmp_path / "points.npy", tmp_path / "out"
     np.save(source, np.random.default_rng(3).random((24_000, 2)))

@@ -243,6 +243,7 @@ def test_points_of_lidar_are_those_that_are_read(tmp_path: Path) -> None:
         found.verify()
 
 
+@pytest.mark.slow
 def test_one_position_repeated_very_often_takes_no_room(tmp_path: Path) -> None:
     rng = np.random.default_rng(9)
     often = np.repeat([[0.5, 0.5], [0.0, 0.25], [-0.0, 0.75], [0.125, 0.0]], 12_000, axis=0)

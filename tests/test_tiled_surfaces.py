@@ -186,6 +186,7 @@ def test_the_ground_of_lidar_files_is_taken_as_by_triangulate(tmp_path: Path) ->
     assert liftmesh.open_tiled(tmp_path / "cli").compute().tolist() == found.compute().tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("policy", POLICIES)
 def test_neighbors_are_those_of_one_call(policy: Any, tmp_path: Path) -> None:
     """Triangles name the rows that the policy chooses; which of them share an edge is the same."""

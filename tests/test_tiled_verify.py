@@ -197,6 +197,7 @@ def test_progress_and_a_damaged_plan(tmp_path: Path) -> None:
         tiled.verify(POINTS)
 
 
+@pytest.mark.slow
 def test_memory_is_that_of_a_tile(tmp_path: Path) -> None:
     np.save(tmp_path / "points.npy", np.random.default_rng(2).random((400_000, 2)))
     liftmesh.tile(tmp_path / "points.npy", tmp_path / "out", tile_rows=40_000)

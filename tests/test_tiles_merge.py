@@ -50,6 +50,7 @@ def test_every_distribution_is_that_of_one_call(name: str) -> None:
         check(points, tiles, points[:: max(1, len(points) // (200 * tiles))], chunk=7_001)
 
 
+@pytest.mark.slow
 @settings(max_examples=100, deadline=None)
 @given(rows=clouds(), seed=st.integers(0, 1 << 30), tiles=st.integers(1, 9))
 def test_small_clouds_through_random_trees(rows: Points, seed: int, tiles: int) -> None:

@@ -382,6 +382,7 @@ def test_what_it_accepts_is_right(
         assert liftmesh.verify(points, rows).canonical == (whole and turned and len(rows) > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("family", ["uniform", "lattice", "duplicates", "circle"])
 def test_certificates_are_the_same_for_any_number_of_threads(family: str) -> None:
     points = FAMILIES[family](70_000, np.random.default_rng(2))
@@ -415,6 +416,7 @@ def test_progress_is_told_and_can_end_the_run() -> None:
         liftmesh.verify(points, simplices, progress=end)
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_run() -> None:
     program = """
 import os, signal, threading

@@ -64,6 +64,7 @@ print((status("VmHWM") - before) / len(points))
 """
 
 
+@pytest.mark.slow
 def test_hidden_rows_take_little_memory() -> None:
     done = subprocess.run([sys.executable, "-c", PEAK], capture_output=True, text=True, check=True)
     # Bytes a row: 12 a triangle for its neighbours, and the index that locates rows.

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 from versions.worker import in_order, triangulated
 
 import liftmesh
@@ -42,6 +43,7 @@ def test_sets_that_follow_one_another_are_kept_apart() -> None:
     assert found["errors"].tolist() == ["", "all 3 distinct points lie on one line", ""]
 
 
+@pytest.mark.slow
 def test_a_version_is_as_itself() -> None:
     command = [sys.executable, "versions", sys.executable, "--sets", "120", "--rows", "300"]
     done = subprocess.run(command, cwd=SCRIPTS, capture_output=True, text=True, check=False)

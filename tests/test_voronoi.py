@@ -49,6 +49,7 @@ def check_vertices(diagram: liftmesh.Voronoi) -> None:
     assert len(diagram.vertices) == len({*centres})
 
 
+@pytest.mark.slow
 @given(clouds(most=14))
 def test_each_coordinate_is_the_nearest_double(points: Points) -> None:
     if diagram := made(points):

@@ -22,6 +22,7 @@ def collected(*words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words", [SOME, ["--whole", *SOME], ["--whole", "-k", "nested"]])
 def test_only_a_whole_run_has_to_be_whole(words: list[str]) -> None:
     done = collected(*words)
@@ -34,6 +35,7 @@ def test_nested() -> None:
     """Something to choose."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("words", "is_there"), [([], True), (["--whole"], False)])
 def test_a_whole_run_is_all_but_campaigns(words: list[str], is_there: bool) -> None:
     done = collected("-k", "test_nested or test_of_a_campaign", *words)

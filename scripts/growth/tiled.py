@@ -114,6 +114,6 @@ def tiled_functions() -> Iterator[tuple[Any, ...]]:
     for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
         yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
         surface = on_surface_tiles(getattr(liftmesh.TiledSurface, name))
-        yield f"TiledSurface.{name}", SPATIAL, surface, ()
+        yield f"Tiled.{name} of a surface", SPATIAL, surface, ()
     yield "Tiled.report", PLANAR, on_tiles(lambda tiled: tiled.report), ()
     yield from tiled_surface_functions()

@@ -44,6 +44,7 @@ def run(
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["ply", "obj", "glb"])
 def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
     # The terrain's mesh takes megabytes in every format.
@@ -56,6 +57,7 @@ def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -78,6 +80,7 @@ def test_no_room_for_what_a_surface_is_asked(words: str, tmp_path: Path) -> None
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.slow
 def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
     program = """
         import signal, sys
@@ -104,6 +107,7 @@ def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
     assert len(list(tmp_path.iterdir())) == len(FORMATS)
 
 
+@pytest.mark.slow
 def test_a_stream_without_a_buffer_that_takes_a_part() -> None:
     program = """
         import io, sys, tempfile
@@ -157,6 +161,7 @@ def test_a_device_that_cannot_be_read(kind: str) -> None:
         liftmesh.read("/proc/self/mem", format=kind)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [
@@ -246,6 +251,7 @@ def test_a_folder_that_takes_the_place_of_the_target_meanwhile(tmp_path: Path) -
     assert list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.slow
 def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
     program = """
         import sys
@@ -264,6 +270,7 @@ def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
     assert isinstance(liftmesh.read(target), Cloud)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", ["", "--compress none", "--cog", "--cog --compress none"])
 def test_no_room_for_a_raster_of_tiles(options: str, tmp_path: Path) -> None:
     """What does not fit as GDAL closes the file is told to nobody: the file is read again."""

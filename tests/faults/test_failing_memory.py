@@ -60,6 +60,7 @@ def test_a_batch_that_memory_fails_changes_nothing(case: str, tmp_path: Path) ->
     assert int(output(program, tmp_path)) > 10
 
 
+@pytest.mark.slow
 def test_maps_of_files_are_given_back(tmp_path: Path) -> None:
     program = """
 points = np.random.default_rng(0).random((300_000, 2))

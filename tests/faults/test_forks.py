@@ -45,6 +45,7 @@ FORK_AMID = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("way", "threads"), [("delaunay", 1), ("delaunay", 3), ("verify", 3), ("signal", 3)]
 )

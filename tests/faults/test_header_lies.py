@@ -41,6 +41,7 @@ READ_ALL = """
 """
 
 
+@pytest.mark.slow
 def test_lies_of_headers_are_told_with_their_place_in_little_memory() -> None:
     lies = all_lies()
     tests = Path(__file__).resolve().parent.parent
@@ -111,6 +112,7 @@ LONG = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", LONG)
 def test_no_file_takes_time_beyond_its_size(name: str) -> None:
     program = """

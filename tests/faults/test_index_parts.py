@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from faults.children import output
 
 SETUP = """
@@ -35,6 +36,7 @@ def test_a_handler_may_need_what_it_interrupts() -> None:
     assert output(SETUP + program) == "True True True\n"
 
 
+@pytest.mark.slow
 def test_a_handler_amid_the_making_makes_one_of_its_own() -> None:
     # Signals are looked for every 50 ms. So the making must take longer, and the call begin with
     # it: calls that are ended early have paid for it, and left it unmade.
@@ -86,6 +88,7 @@ def test_a_handler_amid_the_making_makes_one_of_its_own() -> None:
     assert output(SETUP + program) == "True True True True\n"
 
 
+@pytest.mark.slow
 def test_a_child_makes_what_a_thread_of_its_parent_was_making() -> None:
     # The first part is made ahead: Python 3.11 holds a lock while it computes a cached property.
     program = """

@@ -144,6 +144,7 @@ WRITING = [
 ]
 
 
+@pytest.mark.slow
 def test_a_kill_amid_what_surfaces_write_leaves_the_old_file_alone(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "cloud.ply", np.random.default_rng(0).random((1000, 3)))
     folder = tmp_path / "inner"

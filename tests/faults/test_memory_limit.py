@@ -101,6 +101,7 @@ SWEEP = """
 MEGA = 1_000_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "rows", "most"),
     [
@@ -174,6 +175,7 @@ COMMAND_LINE = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "imported", "most", "limits"),
     [
@@ -238,6 +240,7 @@ SHAPES = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "words",
     [

@@ -241,6 +241,7 @@ def test_suffixes_are_looked_up_and_never_imported(name: str, tmp_path: Path) ->
 COMMANDING = "\x1b]0;title\x07\x1b[31m"
 
 
+@pytest.mark.slow
 def test_no_name_in_a_file_commands_the_terminal(tmp_path: Path) -> None:
     cloud = Cloud(small_mesh().points, attributes={f"{COMMANDING}k": np.zeros(4)})
     lm.write(tmp_path / "cloud.npz", cloud)

@@ -96,6 +96,7 @@ def test_cut_short_at_every_byte(key: str) -> None:
             assert len(found) <= len(whole)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", SAMPLES)
 @pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_every_bit_turned(key: str) -> None:

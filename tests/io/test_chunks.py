@@ -142,6 +142,7 @@ def test_text_means_the_same_in_pieces(lines: list[tuple[str, ...]], rows: int) 
     assert start == len(whole)
 
 
+@pytest.mark.slow
 def test_blocks_of_lines_become_chunks_too() -> None:
     rng = np.random.default_rng(7)
     data = "\n".join(f"{x} {y}" for x, y in rng.random((300_000, 2)).round(6)).encode()

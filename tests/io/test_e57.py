@@ -293,6 +293,7 @@ def test_a_process_that_dies_is_an_error(monkeypatch: pytest.MonkeyPatch) -> Non
             read(data)
 
 
+@pytest.mark.slow
 def test_a_process_that_takes_too_much_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
     data = e57(Scan(FEW))
     limits = decoding.Limits

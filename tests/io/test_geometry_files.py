@@ -120,6 +120,7 @@ def test_values_are_kept(tmp_path: Path, suffix: str) -> None:
         assert [row[name] for row in rows] == values
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=1, max_size=6))
 def test_holes_go_to_the_smallest_ring_around_them(tmp_path_factory, corners) -> None:
@@ -310,6 +311,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("change", REFUSED, ids=lambda each: each.__name__)
 def test_what_is_no_row_of_a_table_is_refused(tmp_path: Path, change: Any) -> None:
     path = change(saved(tmp_path / "a.gpkg", [SQUARE]))

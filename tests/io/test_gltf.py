@@ -233,6 +233,7 @@ def test_trees_of_nothing_are_counted_too(part: bytes, count: int) -> None:
         liftmesh.read(io.BytesIO(data), format="gltf", max_bytes=10**9)
 
 
+@pytest.mark.slow
 def test_nodes_nested_as_deep_as_one_likes() -> None:
     model = shape(5)
     depth = 20_000

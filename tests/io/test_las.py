@@ -244,6 +244,7 @@ def test_the_coordinate_system_in_an_extended_record() -> None:
     assert read(encoded(las)).crs == WKT
 
 
+@pytest.mark.slow
 def test_a_fork_reads_laz_too(tmp_path: Path) -> None:
     program = tmp_path / "forking.py"
     tile(120_000).write(str(tmp_path / "a.laz"))

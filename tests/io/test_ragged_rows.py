@@ -71,6 +71,7 @@ def written(form: str, rows: list[list[int]]) -> tuple[str, bytes]:
 FORMS = ("binary_little_endian", "binary_big_endian", "ascii", "off", "obj")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("lengths", LENGTHS, ids=lambda lengths: str(len(lengths)))
 def test_faces_of_every_size_become_their_fans(form: str, lengths: list[int]) -> None:
@@ -104,6 +105,7 @@ WIDE = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(*[st.integers(0, 5)] * 3), min_size=1, max_size=300))
 def test_scalars_between_lists_are_found(sizes: list[tuple[int, int, int]]) -> None:
     lines = [WIDE[0].replace("3", str(len(sizes))), *WIDE[1:]]

@@ -63,6 +63,7 @@ def test_numpy_files(mesh: Cloud) -> None:
     assert_same_mesh(loaded(saved(mesh, "npz"), "npz"), mesh)
 
 
+@pytest.mark.slow
 @given(meshes().filter(lambda mesh: mesh.faces is not None and np.isfinite(mesh.points).all()))
 def test_off(mesh: Cloud) -> None:
     shape = Cloud(mesh.points, faces=mesh.faces)

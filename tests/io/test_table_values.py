@@ -111,6 +111,7 @@ def test_columns_of_text_and_dates_are_left_out_and_named() -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_text_far_behind_the_first_block_leaves_out_the_whole_column() -> None:
     rows = "".join(f"{k % 7}.5,{k % 5},{k},{k}\n" for k in range(50_000))
     cloud = read(f"x,y,z,code\n{rows}1,2,3,A7\n")

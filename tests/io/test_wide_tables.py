@@ -77,6 +77,7 @@ def test_wide_tables_are_refused_with_both_figures_and_the_option(
         next(liftmesh.read_chunks(io.BytesIO(data), format=kind, max_bytes=given))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", WIDE)
 def test_wide_tables_are_read_with_the_limit_that_they_need(name: str) -> None:
     kind, data, _ = WIDE[name]
@@ -108,6 +109,7 @@ def test_the_command_line_tells_its_own_option(
     assert json.loads(capsys.readouterr().out)["rows"] == ROWS
 
 
+@pytest.mark.slow
 def test_as_many_columns_as_the_limit_allows() -> None:
     for count, fits in ((10_000, True), (10_001, False)):
         columns = [f"property uchar a{k}" for k in range(count - 3)]
@@ -162,6 +164,7 @@ DEAR = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DEAR)
 @pytest.mark.parametrize("encoding", ["ascii", "binary_little_endian"])
 def test_columns_take_no_more_than_is_counted_for_them(name: str, encoding: str) -> None:

@@ -45,6 +45,7 @@ def made(tmp_path_factory):
     return folder, process("paper", *TINY, "--out", folder)
 
 
+@pytest.mark.slow
 def test_a_run_tells_and_writes_everything(made):
     folder, done = made
     assert (done.returncode, done.stderr) == (0, "")
@@ -73,6 +74,7 @@ def test_a_run_tells_and_writes_everything(made):
             )
 
 
+@pytest.mark.slow
 def test_what_is_counted_is_the_same_in_every_run(made, tmp_path):
     folder, _ = made
     again = paper(tmp_path / "again")
@@ -100,6 +102,7 @@ def test_the_same_again_measures_nothing(made):
     assert (folder / "measurements.csv").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_one_table_after_the_other(tmp_path):
     assert paper(tmp_path, *TINY, "--table", "5.2").returncode == 0
     assert names_in(tmp_path) == ["measurements.csv", "paper.json", "table_5_2.csv", "tables.md"]
@@ -109,6 +112,7 @@ def test_one_table_after_the_other(tmp_path):
     assert "table_5_1.csv" in names_in(tmp_path)
 
 
+@pytest.mark.slow
 def test_the_command_told_makes_all_tables_of_the_folder(tmp_path):
     for table, words in (("5.1", " --table 5.1"), ("5.2", ""), ("5.1", "")):
         done = paper(tmp_path, "--n", 20, "--seeds", 1, "--no-figures", "--table", table)
@@ -118,6 +122,7 @@ def test_the_command_told_makes_all_tables_of_the_folder(tmp_path):
         assert f"Remade by `{command}`" in (tmp_path / "tables.md").read_text()
 
 
+@pytest.mark.slow
 def test_a_printed_size_stands_beside_the_printed_numbers(tmp_path):
     done = paper(tmp_path, "--n", 1000, "--seeds", 1, "--table", "5.2", "--no-figures")
     assert done.returncode == 0
@@ -146,6 +151,7 @@ def killed(folder, number):
     return run.returncode, out, err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
 def test_a_run_that_was_stopped_goes_on(number, tmp_path):
     code, out, err = killed(tmp_path, number)
@@ -164,6 +170,7 @@ def test_a_run_that_was_stopped_goes_on(number, tmp_path):
     assert path.read_text().count("\n") == 2 + 8 * 4
 
 
+@pytest.mark.slow
 def test_ctrl_c_is_heard_amid_a_long_measurement(tmp_path):
     """Ten times the largest size of the paper: the first method alone would take half an hour."""
     words = ("paper", "--n", 200_000, "--no-figures", "--out", tmp_path)
@@ -188,6 +195,7 @@ def test_ctrl_c_is_heard_amid_a_long_measurement(tmp_path):
     assert path.read_text().count("\n") == 2
 
 
+@pytest.mark.slow
 def test_an_unfinished_end_is_measured_again(made, tmp_path):
     text = (made[0] / "measurements.csv").read_text()
     path = tmp_path / "measurements.csv"
@@ -244,6 +252,7 @@ sys.exit(main([*words, "--out", out]))
 """
 
 
+@pytest.mark.slow
 def test_a_read_only_folder(made):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -270,6 +279,7 @@ def test_wrong_usage(words, tmp_path):
     assert not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 def test_quick_is_one_seed(tmp_path):
     assert paper(tmp_path, "--quick", "--n", 20, "--no-figures").returncode == 0
     told = json.loads((tmp_path / "paper.json").read_text())
@@ -277,6 +287,7 @@ def test_quick_is_one_seed(tmp_path):
     assert told["command"] == "liftmesh paper --quick --n 20"
 
 
+@pytest.mark.slow
 def test_quick_and_whole_runs_keep_to_folders_of_their_own(tmp_path):
     words = ("--n", 20, "--seeds", 1, "--no-figures")
     for quick, folder in (("--quick",), "paper-quick"), ((), "paper"):
@@ -295,6 +306,7 @@ sys.exit(main(sys.argv[1:]))
 """
 
 
+@pytest.mark.slow
 def test_without_matplotlib_the_tables_can_be_made_alone(tmp_path):
     command = [sys.executable, "-c", WITHOUT_MATPLOTLIB, "paper", "--n", "20", "--seeds", "1"]
     command += ["--out", str(tmp_path / "new")]
@@ -306,6 +318,7 @@ def test_without_matplotlib_the_tables_can_be_made_alone(tmp_path):
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_a_terminal_shows_a_bar_and_the_table_on_one_line(tmp_path):
     words = ("--n", 1000, "--table", "5.2", "--seeds", 2, "--no-figures", "--out", tmp_path)
     shown, code = on_terminal("paper", *words)
@@ -318,6 +331,7 @@ def test_a_terminal_shows_a_bar_and_the_table_on_one_line(tmp_path):
     assert re.search(row, told, re.MULTILINE)
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_beside_the_tables(tmp_path):
     done = paper(tmp_path, "--n", 20, "--n", 30, "--seeds", 1)
     assert (done.returncode, done.stderr) == (0, "")

@@ -59,6 +59,7 @@ def counts(measurement: Measurement) -> dict[str, object]:
     return {"method": measurement.method, **found}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("trial", [Trial(table, 1000, seed) for table in TABLES for seed in (1, 2)])
 def test_the_methods_count_what_is_committed(trial: Trial) -> None:
     committed = [*map(counts, measurements()[trial])]

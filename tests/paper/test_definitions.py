@@ -50,6 +50,7 @@ def test_definition_2_1_is_about_heights(points: list[Exact]) -> None:
         assert is_lower_facet(*abp, points) == above
 
 
+@pytest.mark.slow
 @given(planar_sets, vertices)
 @settings(max_examples=50)
 def test_the_lower_facets_of_a_lifted_set_are_a_lifting(points: list[Planar], q: Planar) -> None:

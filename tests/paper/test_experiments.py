@@ -58,6 +58,7 @@ def test_points_depend_on_the_seed_alone():
     assert 195 < first.max() < 200
 
 
+@pytest.mark.slow
 def test_a_measurement_tells_what_the_methods_did(measured):
     for group in measured:
         trial = group[0].trial
@@ -82,6 +83,7 @@ def test_lfres_looks_at_the_points_lf_looks_at(measured):
         assert sum(lf.rejected.values()) == engine.evaluations == engine.planes == 0
 
 
+@pytest.mark.slow
 def test_rounds_go_forth_and_back():
     names: list[str] = []
     measure(Trial("5.1", 20, seed=1), names.append)

@@ -56,6 +56,7 @@ def points_of(axes: Any, gid: str) -> Array:
 # What is drawn
 
 
+@pytest.mark.slow
 def test_2_1_w_stands_above_the_plane(drawn: dict[str, Figure]) -> None:
     (axes,) = drawn["figure_2_1"].axes
     plane = Plane.through(*lifting.CORNERS.tolist())
@@ -302,6 +303,7 @@ def files(rows: list[Row], tmp_path_factory: pytest.TempPathFactory) -> dict[str
     return {path.name: path for path in written}
 
 
+@pytest.mark.slow
 def test_each_figure_is_a_png_and_an_svg(files: dict[str, Path]) -> None:
     assert list(files) == [f"{name}.{kind}" for name in NAMES for kind in ("png", "svg")]
 
@@ -321,6 +323,7 @@ def test_the_files_are_whole_and_small(files: dict[str, Path], name: str) -> Non
     assert svg.stat().st_size < 400_000
 
 
+@pytest.mark.slow
 def test_drawn_twice_gives_the_same_bytes_whatever_the_readers_settings(
     files: dict[str, Path], rows: list[Row], tmp_path: Path
 ) -> None:
@@ -339,6 +342,7 @@ def test_what_cannot_be_written_leaves_no_part(tmp_path: Path) -> None:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["figure_2_1.png", "figure_2_1.svg"]
 
 
+@pytest.mark.slow
 def test_neither_pyplot_nor_matplotlib_is_loaded_before_a_figure_is_drawn(tmp_path: Path) -> None:
     program = (
         "import sys; from pathlib import Path; from liftmesh.paper import figures;"

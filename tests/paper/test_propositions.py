@@ -236,6 +236,7 @@ def test_lemma_4_1_bounds_every_point_of_the_ellipse(section: Section, tangent: 
     assert ellipse.min_y <= y <= ellipse.max_y
 
 
+@pytest.mark.slow
 @given(lattice, lattice, rational)
 def test_lemma_4_1_bounds_are_attained_on_the_line_cq(
     c: Planar, radius: Planar, share: Fraction

@@ -44,6 +44,7 @@ def tensor_cloud(**named):
     return cloud
 
 
+@pytest.mark.slow
 @given(any_rows)
 @settings(max_examples=50, deadline=None)
 def test_coordinates_survive_bit_for_bit(points):
