@@ -16,7 +16,7 @@ from reference import cgal_triangles
 
 import liftmesh
 
-pytestmark = pytest.mark.campaign
+pytestmark = pytest.mark.slow
 
 N = 100_489  # 317 squared: the lattices have exactly as many points
 AT_SCALE = [

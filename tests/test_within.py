@@ -149,7 +149,8 @@ def test_each_polygon_is_measured_by_itself(tmp_path) -> None:
 
 
 def test_rows_of_a_table_have_their_names(tmp_path) -> None:
-    geopandas = pytest.importorskip("geopandas")
+    import geopandas
+
     frame = geopandas.GeoDataFrame.from_features(LOTS["features"][:2], crs="EPSG:28992")
     frame.to_file(tmp_path / "lots.gpkg")
     slope = liftmesh.triangulate(SLOPE)

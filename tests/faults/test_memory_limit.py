@@ -252,7 +252,8 @@ SHAPES = """
 def test_no_signal_ends_a_command_with_shapes(
     words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    geopandas = pytest.importorskip("geopandas")
+    import geopandas
+
     points = np.random.default_rng(0).random((60_000, 3))
     np.save(tmp_path / "cloud.npy", points)
     np.save(tmp_path / "few.npy", points[:1000])
