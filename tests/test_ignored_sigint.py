@@ -16,8 +16,8 @@ from process_state import descendants
 @pytest.mark.parametrize(
     "test",
     [
-        "tests/test_cli.py::test_ctrl_c_stops_at_once_and_leaves_nothing_behind[triangulate]",
-        "tests/test_concurrency.py::test_ctrl_c_stops_long_walks_within_a_second",
+        "tests/cli/test_all_commands.py::test_ctrl_c_stops_at_once_and_leaves_nothing_behind[triangulate]",
+        "tests/core/test_concurrency.py::test_ctrl_c_stops_long_walks_within_a_second",
     ],
 )
 def test_tests_of_ctrl_c_pass_where_it_is_ignored(test: str) -> None:

@@ -26,7 +26,7 @@ from benchmark.process import NoAnswerError, Process, TimeLimitError
 from benchmark.results import Calls, Measurement, Timing, Trial
 from benchmark.system_load import SystemLoad
 
-sys.path.append(str(SCRIPTS.parent / "tests"))  # for the check of triangles
+sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the check of triangles
 
 from second_opinion import flaw
 

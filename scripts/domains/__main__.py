@@ -22,7 +22,7 @@ import shapely
 
 SCRIPTS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SCRIPTS))  # it holds this package
-sys.path.append(str(SCRIPTS.parent / "tests"))  # for the check of cells
+sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the check of cells
 
 from campaign import run_kinds  # noqa: E402 - found there
 from checked_cells import check  # noqa: E402 - as above

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 SCRIPTS = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(SCRIPTS))  # it holds this package
-sys.path.append(str(SCRIPTS.parent / "tests"))  # for the oracle
+sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the oracle
 
 from campaign import run_kinds  # noqa: E402 - found there
 from natural_oracle import Exact, exact, shares, turn  # noqa: E402 - as above

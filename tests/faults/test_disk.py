@@ -11,8 +11,8 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from children import output
 from commands import COMMAND, PLAIN, ROOT, TERRAIN
-from faults.children import output
 
 import liftmesh
 from liftmesh import Cloud

@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 import pytest
-from faults.children import output
+from children import output
 
 # What a file of these many bytes may take: 20 times its size, and what blocks and masks need.
 SIZE = 3_000_000

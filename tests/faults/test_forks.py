@@ -6,7 +6,7 @@ from pathlib import Path
 
 import begun_threads
 import pytest
-from faults.children import output
+from children import output
 
 from liftmesh.base.options import VARIABLE
 

@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
-from faults.children import output
-from faults.lies import all_lies, glb, gltf_tree, overlapping
+from children import output
 from file_samples import loaded
 from gltf_models import TRIANGLE
+from lies import all_lies, glb, gltf_tree, overlapping
 
 from liftmesh import FormatError
 
@@ -19,7 +19,7 @@ MOST_MEMORY = 200_000_000
 READ_ALL = """
     import io, json, sys, time, warnings
     sys.path.insert(0, sys.argv[1])
-    from faults.lies import all_lies
+    from lies import all_lies
     import laspy, lazrs, liftmesh, trimesh, scipy.spatial
     warnings.simplefilter("ignore")
     lies = all_lies()
@@ -44,8 +44,8 @@ READ_ALL = """
 @pytest.mark.slow
 def test_lies_of_headers_are_told_with_their_place_in_little_memory() -> None:
     lies = all_lies()
-    tests = Path(__file__).resolve().parent.parent
-    *lines, grown = output(READ_ALL, tests, MOST_MEMORY).splitlines()
+    support = Path(__file__).resolve().parents[1] / "support"
+    *lines, grown = output(READ_ALL, support, MOST_MEMORY).splitlines()
     assert len(lines) == len(lies) > 150
     wrong = []
     for (kind, data, cause), line in zip(lies, lines, strict=True):
@@ -117,18 +117,18 @@ LONG = {
 def test_no_file_takes_time_beyond_its_size(name: str) -> None:
     program = """
         import io, sys, time
-        sys.path.insert(0, sys.argv[1])
-        from faults.test_header_lies import LONG
+        sys.path[:0] = sys.argv[1:3]
+        from test_header_lies import LONG
         import liftmesh
-        kind, data, _ = LONG[sys.argv[2]]
+        kind, data, _ = LONG[sys.argv[3]]
         begin = time.thread_time()
         try:
             liftmesh.read(io.BytesIO(data), format=kind)
         except liftmesh.FormatError as error:
             print(time.thread_time() - begin, error)
     """
-    tests = Path(__file__).resolve().parent.parent
-    seconds, message = output(program, tests, name).split(maxsplit=1)
+    support = Path(__file__).resolve().parents[1] / "support"
+    seconds, message = output(program, support, Path(__file__).parent, name).split(maxsplit=1)
     assert float(seconds) < 5
     assert re.search(LONG[name][2], message)
     assert len(message) < 1000

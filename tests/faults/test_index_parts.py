@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from faults.children import output
+from children import output
 
 SETUP = """
     import copy, os, signal, threading, time, warnings

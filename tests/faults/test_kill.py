@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faults.stopped import STOPS, begun, ended, wait_until_stopped
+from stopped import STOPS, begun, ended, wait_until_stopped
 
 import liftmesh
 from liftmesh import Cloud

@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import failed, liftmesh, on_terminal
-from faults.lies import glb, gltf_tree, npy, zipped
 from file_samples import loaded, saved, small_mesh
+from lies import glb, gltf_tree, npy, zipped
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError

@@ -10,7 +10,7 @@ import numpy as np
 import oracle
 import pytest
 from hypothesis import assume, given, settings, strategies as st
-from paper.positions import (
+from paper_positions import (
     ON_CIRCLE,
     Planar,
     lower_facets_by_definition,
@@ -18,7 +18,7 @@ from paper.positions import (
     space_sets,
     vertices,
 )
-from paper.reference import lf, lower_facets
+from paper_reference import lf, lower_facets
 
 import liftmesh
 from liftmesh.errors import InputError

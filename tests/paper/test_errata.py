@@ -11,8 +11,8 @@ from itertools import combinations, pairwise, permutations
 
 import numpy as np
 import pytest
-from paper.positions import edges, lower_facets_by_definition
-from paper.reference import Tally, lf, lower_facets, printed_algorithm_2, printed_lf
+from paper_positions import edges, lower_facets_by_definition
+from paper_reference import Tally, lf, lower_facets, printed_algorithm_2, printed_lf
 
 import liftmesh
 from liftmesh.paper.geometry import (

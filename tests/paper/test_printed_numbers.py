@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from paper.reference import Tally, lf
+from paper_reference import Tally, lf
 from scipy.stats import chi2
 
 import liftmesh

@@ -10,7 +10,7 @@ from random import Random
 import numpy as np
 import pytest
 from hypothesis import assume, given, settings, strategies as st
-from paper.positions import (
+from paper_positions import (
     Planar,
     around,
     edges,

@@ -6,14 +6,14 @@ import numpy as np
 import oracle
 import pytest
 from hypothesis import assume, given, settings
-from paper.positions import (
+from paper_positions import (
     Planar,
     lower_facets_by_definition,
     planar_sets,
     space_sets,
     vertices,
 )
-from paper.reference import Tally, lf, lower_facets
+from paper_reference import Tally, lf, lower_facets
 
 import liftmesh
 from liftmesh.paper.geometry import Exact, mu

@@ -9,8 +9,8 @@ import zipfile
 from typing import Any
 
 import numpy as np
-from faults.las_lies import las_lies, laz_lies
 from gltf_models import TRIANGLE, Model
+from las_lies import las_lies, laz_lies
 
 HUGE = (2**31, 2**32 - 1, 2**62 // 10, 10**18 - 1)
 

@@ -22,7 +22,7 @@ from fuzz.targets import PARTS, TARGETS, Target
 
 from liftmesh import Cloud
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 SUMMARY = re.compile(r"([\d,]+) executions .* ([\d,]+) branches, .* (\d+) finds")
 
 # Branches that the seeds alone reach: fewer mean that nothing is counted, or seeds are gone.

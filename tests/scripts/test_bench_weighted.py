@@ -15,7 +15,7 @@ from weighted.families import FAMILIES, hidden_share, under_the_hull, with_share
 
 import liftmesh
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.parametrize("name", FAMILIES)

@@ -16,7 +16,7 @@ from commands import failed, liftmesh as run, process
 import liftmesh
 from liftmesh import Cloud
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 CHECKER = ROOT / "scripts" / "check_certificate.py"
 
 

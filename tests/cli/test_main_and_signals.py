@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from commands import liftmesh as command
-from test_cli_signals import ENDS, assert_nothing_was_written, ended, folder, started
+from test_signals import ENDS, assert_nothing_was_written, ended, folder, started
 
 from liftmesh.base import interruption
 from liftmesh.cli import exit_codes

@@ -57,7 +57,7 @@ def test_the_rows_of_several_boundaries_are_their_lowest() -> None:
 
 @pytest.mark.slow
 def test_a_flaw_costs_hardly_more_than_none(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"))
     none, *flawed = (each.instructions for each in count("flawed_meshes:prepare", [*FLAWS]))
     shares = {flaw: n / none for flaw, n in zip([*FLAWS][1:], flawed, strict=True)}
     # 1.2 at most, and twice to five times with a pass of its own

@@ -8,8 +8,8 @@ import subprocess
 import time
 from pathlib import Path
 
+from children import ALONE
 from commands import COMMAND, PLAIN
-from faults.children import ALONE
 
 # Makes a program stop itself once a file that it writes has grown.
 STOPS = """

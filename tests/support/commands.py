@@ -16,7 +16,7 @@ from pathlib import Path
 
 from liftmesh.cli import main
 
-ROOT = Path(__file__).resolve().parent.parent
+ROOT = Path(__file__).resolve().parents[2]
 TERRAIN = ROOT / "data" / "jacksboro.ply"
 COMMAND = [sys.executable, "-m", "liftmesh"]
 ESCAPES = re.compile(r"\x1b\[[0-9;?]*[A-Za-z]")

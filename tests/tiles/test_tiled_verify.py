@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from children import output
 from commands import liftmesh as command
 from distributions import DISTRIBUTIONS
-from faults.children import output
 from tilings import Points
 
 import liftmesh

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from faults.children import output
+from children import output
 
 import liftmesh
 from liftmesh.errors import InputError

@@ -12,7 +12,7 @@ from versions.worker import in_order, triangulated
 
 import liftmesh
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 
 
 def test_the_order_of_rows_and_corners_does_not_matter() -> None:

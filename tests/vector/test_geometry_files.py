@@ -14,7 +14,7 @@ import geopandas
 import numpy as np
 import pytest
 import shapely
-from faults.children import output
+from children import output
 from hypothesis import given, settings, strategies as st
 
 from liftmesh.cells.files import read_domain

@@ -23,7 +23,7 @@ from benchmark.system_load import SystemLoad
 
 import liftmesh
 
-SCRIPTS = Path(__file__).resolve().parent.parent / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "scripts"
 SCIPY, MATPLOTLIB = Contestant("scipy"), Contestant("matplotlib")
 ORPHAN = """
 import os, time

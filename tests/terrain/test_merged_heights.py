@@ -12,7 +12,7 @@ from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator
 
 import liftmesh
 
-DATA = Path(__file__).resolve().parent.parent / "data"
+DATA = Path(__file__).resolve().parents[2] / "data"
 POLICIES = pytest.mark.parametrize("policy", ["first", "last", "lowest", "highest", "mean"])
 CHOICES = {
     "first": lambda group: group[0],

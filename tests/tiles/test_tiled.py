@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 import pyarrow.parquet
 import pytest
-from faults.children import output
+from children import output
 from tilings import Points, ordered
 
 import liftmesh

@@ -10,7 +10,7 @@ from fuzz.campaign import reason
 from fuzz.round_trip import outcome
 from fuzz.targets import KINDS, TARGETS
 
-FOLDER = Path(__file__).resolve().parent / "regressions"
+FOLDER = Path(__file__).resolve().parents[1] / "regressions"
 TABLE = dict(
     re.findall(
         r"^\| `(\d{4}-[^`]+)` \| [^|]+ \| ([^|]+) \|$",

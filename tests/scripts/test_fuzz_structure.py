@@ -13,16 +13,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh  # noqa: F401 - or its import is measured with the first file that needs it
-from faults.lies import npy
 from fuzz.structure.campaign import hunt
 from fuzz.structure.case import Case, in_order
 from fuzz.structure.checks import check
 from fuzz.structure.generators import GENERATORS, generated
 from fuzz.structure.parts import Chance, Liar, Part, encoded
+from lies import npy
 
 from liftmesh.io.registry import FORMATS, find_format
 
-TESTS = Path(__file__).resolve().parent
+TESTS = Path(__file__).resolve().parents[1]
 SCRIPTS = TESTS.parent / "scripts"
 CASES = 60
 FEW = ("e57",)

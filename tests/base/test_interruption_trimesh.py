@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
-from faults.children import output
+from children import output
 
 import liftmesh
 

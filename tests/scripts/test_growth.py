@@ -85,7 +85,7 @@ def test_cost_grows_no_faster_than_the_input(libraries: bool) -> None:
 
 @pytest.mark.slow
 def test_quadratic_work_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"))
     some = [("numbers", "each with all"), ("numbers", "each with the next")]
     quadratic, linear = grown(some, prepare="quadratic_work:prepare")
     assert quadratic.ratio > 6

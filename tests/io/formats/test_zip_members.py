@@ -12,8 +12,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from children import output
 from failing_stream import Failing
-from faults.children import output
 from file_samples import loaded
 from growth.resident import forked
 from zip_archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed

@@ -11,7 +11,7 @@ from growth.counting import count
 
 @pytest.mark.slow
 def test_no_form_of_the_points_costs_a_tenth_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parent))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[1] / "support"))
     plain, *others = (each.instructions for each in count("array_forms:prepare", [*FORMS]))
     shares = {form: n / plain for form, n in zip([*FORMS][1:], others, strict=True)}
     assert {form: share for form, share in shares.items() if share > 1.1} == {}

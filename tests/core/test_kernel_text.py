@@ -85,7 +85,7 @@ def test_a_difference_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
         check(b"\x00-0.0")
 
 
-SEEDS = sorted((Path(__file__).parent / "corpus" / "numbers").iterdir())
+SEEDS = sorted((Path(__file__).parents[1] / "corpus" / "numbers").iterdir())
 
 
 @pytest.mark.parametrize("seed", SEEDS, ids=lambda path: path.name)

@@ -33,7 +33,7 @@ from test_predicates import nearly_cocircular
 
 from liftmesh import _kernel
 
-CORE = Path(__file__).resolve().parent.parent / "liftmesh" / "_core"
+CORE = Path(__file__).resolve().parents[2] / "liftmesh" / "_core"
 PROGRAMS = Path(__file__).parent / "contraction"
 PREDICATES = [CORE / f"predicates/{name}.cpp" for name in ("orient2d", "incircle", "perturbation")]
 FUSING = "-ffp-contract=fast"
