@@ -96,7 +96,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.apollonius_diagram,
         {"centers": PLANAR, "radii": PLANAR[:, 0] ** 2},
     ),
-    "cell_sides": (GRAPH.cell_sides, GRAPH.cell_sides, {"box": (0, 0, 1, 1), "tolerance": 0.1}),
+    "cell_sides": (
+        GRAPH.cell_sides,
+        GRAPH.cell_sides,
+        {"bounds": (0, 0, 1, 1), "max_deviation": 0.1},
+    ),
     "neighbors_of": (GRAPH.neighbors_of, GRAPH.neighbors_of, {"row": 0}),
     "lift": (liftmesh.lift, liftmesh.lift, {"points": PLANAR}),
     "project": (liftmesh.project, liftmesh.project, {"points": ROWS}),
