@@ -67,11 +67,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.NaturalNeighbors.interpolate,
         {"values": PLANAR[:, 0]},
     ),
-    "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "steps": 2}),
+    "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "max_iter": 2}),
     "transport": (
         liftmesh.transport,
         liftmesh.transport,
-        {"points": PLANAR, "masses": np.ones(len(PLANAR)), "steps": 2},
+        {"points": PLANAR, "masses": np.ones(len(PLANAR)), "max_iter": 2},
     ),
     "Voronoi": (liftmesh.Voronoi, liftmesh.Voronoi, {"points": PLANAR}),
     "triangulate": (liftmesh.triangulate, liftmesh.triangulate, {"cloud": ROWS}),
@@ -94,7 +94,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "apollonius_diagram": (
         liftmesh.apollonius_diagram,
         liftmesh.apollonius_diagram,
-        {"centers": PLANAR, "radii": PLANAR[:, 0] ** 2},
+        {"points": PLANAR, "radii": PLANAR[:, 0] ** 2},
     ),
     "cell_sides": (
         GRAPH.cell_sides,
