@@ -3,12 +3,12 @@ from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,
 )
-from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
+from .cells.lloyd import LloydResult as LloydResult, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,
     natural_neighbors as natural_neighbors,
 )
-from .cells.transport import Transported as Transported, transport as transport
+from .cells.transport import TransportResult as TransportResult, transport as transport
 from .cells.voronoi import (
     Cells as Cells,
     Unclipped as Unclipped,
@@ -37,7 +37,7 @@ from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
 )
-from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
+from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Violation as Violation
 from .planar.delaunay import delaunay as delaunay
 from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
 from .planar.lifting import (

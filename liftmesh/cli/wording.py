@@ -17,9 +17,9 @@ from difflib import get_close_matches
 from typing import Any
 
 _OPTION_NAMES = (
-    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
-    "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
-    "skip_rows", "to_crs", "unit", "z_factor",
+    "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
+    "duplicates", "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane",
+    "point_format", "scale", "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
@@ -44,8 +44,8 @@ _PHRASES = {
     "give one of None, ": "give one of none, ",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
-    "point_format", "resolution",
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
+    "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {"crs": "from_crs", "header": "no_header"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
