@@ -32,7 +32,7 @@ from .errors import (
 from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.write import Written as Written, write as write
+from .io.write import WriteResult as WriteResult, write as write
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,

@@ -95,15 +95,16 @@ def _selection(
         Returns | None,
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
-    bbox: Annotated[
-        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
+    bounds: Annotated[
+        Any,
+        option("XMIN,YMIN,XMAX,YMAX", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
-    resolution: Annotated[
+    copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
@@ -123,9 +124,9 @@ def _selection(
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
-    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    conditions = options.given(classes=classes, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+        every=every if every > 1 else None, withheld=withheld, copc_resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection

@@ -43,7 +43,7 @@ _PHRASES = {
     "give one of None, ": "give one of none, ",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
+    "adaptive", "bounds", "raster_bounds", "cell", "compress", "distance", "interval", "length",
     "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {"header": "no_header"}

@@ -61,7 +61,7 @@ def test_options_choose_other_rows(folder: Path) -> None:
     words = ("triangulate", "tile.laz", "tin.ply", "--classes", "all", "--withheld", "--json")
     done = liftmesh(*words, cwd=folder)
     assert json.loads(done.stdout)["rows"] == COUNT
-    words = ("--classes", "2,9", "--returns", "last", "--bbox", "500000,5400000,500900,5400900")
+    words = ("--classes", "2,9", "--returns", "last", "--bounds", "500000,5400000,500900,5400900")
     words += ("--z-range", "5,45", "--every", "2", "--json", "--overwrite")
     done = liftmesh("triangulate", "tile.laz", "tin.ply", *words, cwd=folder)
     report = json.loads(done.stdout)
@@ -69,7 +69,7 @@ def test_options_choose_other_rows(folder: Path) -> None:
         folder / "tile.laz",
         classes=(2, 9),
         returns="last",
-        bbox=(500000, 5400000, 500900, 5400900),
+        bounds=(500000, 5400000, 500900, 5400900),
         z_range=(5, 45),
         every=2,
         withheld=False,
@@ -155,8 +155,8 @@ WRONG = {
     ("--classes", "trees"): "--classes 'trees' is unknown: give ground, all or as 2,9",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
-    ("--bbox", "1,2,3"): "--bbox is [1.0, 2.0, 3.0]: give x0, y0, x1, y1",
-    ("--bbox", "a,b"): "--bbox 'a,b' is no list of numbers",
+    ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give xmin, ymin, xmax, ymax",
+    ("--bounds", "a,b"): "--bounds 'a,b' is no list of numbers",
     ("--z-range", "3,1"): "--z-range is [3.0, 1.0]: give z0, z1 with z0 <= z1",
     ("--every", "0"): "--every is 0: give a whole number from 1",
 }
@@ -225,11 +225,18 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     (folder / "tile.copc.laz").write_bytes(copc(tile(COUNT, point_format=6, version="1.4")))
     shown = liftmesh("info", "tile.copc.laz", cwd=folder).stdout
     assert re.search(r"copc +3 levels, spacing 16 at the first", shown)
-    words = ("--resolution", "20", "--bbox", "500000,5400000,500500,5400900", "--classes", "all")
+    words = (
+        "--copc-resolution",
+        "20",
+        "--bounds",
+        "500000,5400000,500500,5400900",
+        "--classes",
+        "all",
+    )
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
-    done = liftmesh("info", "tile.laz", "--resolution", "0", cwd=folder)
-    assert "--resolution '0' is not a positive number" in done.stderr
+    done = liftmesh("info", "tile.laz", "--copc-resolution", "0", cwd=folder)
+    assert "--copc-resolution '0' is not a positive number" in done.stderr
 
 
 @pytest.mark.parametrize(

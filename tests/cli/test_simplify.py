@@ -43,7 +43,10 @@ def test_a_report_for_people(tmp_path: Path) -> None:
         (("--tolerance", "nan"), "--tolerance 'nan' is not a distance"),
         (("--tolerance", "20", "--max-error", "1"), "--max-error and --tolerance are the same"),
         (("--max-points", "2"), "--max-points"),
-        (("--max-error", "1", "--resolution", "2,5"), "--resolution '2,5' is not a positive"),
+        (
+            ("--max-error", "1", "--copc-resolution", "2,5"),
+            "--copc-resolution '2,5' is not a positive",
+        ),
     ],
 )
 def test_what_is_asked_wrongly(words: tuple[str, ...], message: str, tmp_path: Path) -> None:

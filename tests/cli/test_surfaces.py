@@ -58,7 +58,15 @@ def test_a_raster_has_the_heights_of_the_surface(tin, tmp_path) -> None:
 
 
 def test_rasters_of_other_quantities(tin, tmp_path) -> None:
-    words = ("--resolution", "2,1", "--bounds", "0,0,50,50", "--quantity", "hillshade", "--json")
+    words = (
+        "--resolution",
+        "2,1",
+        "--raster-bounds",
+        "0,0,50,50",
+        "--quantity",
+        "hillshade",
+        "--json",
+    )
     done = run("raster", tin, tmp_path / "s.tif", *words, "--cog", "--compress", "none")
     found = json.loads(done.stdout)
     assert (found["rows"], found["columns"], found["quantity"]) == (50, 25, "hillshade")
@@ -230,7 +238,11 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("raster", "tin.ply", "out.tif", "--resolution", "1,2,3"), 2, "resolution is"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1e-12"), 3, "too many"),
         (("raster", "tin.ply", "out.tif"), 2, "--resolution"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--bounds", "1,2"), 2, "bounds"),
+        (
+            ("raster", "tin.ply", "out.tif", "--resolution", "1", "--raster-bounds", "1,2"),
+            2,
+            "bounds",
+        ),
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 2, "EPSG:1"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "tin.ply", "no/out.tif", "--resolution", "1"), 3, "does not exist"),
@@ -275,13 +287,21 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "'nan' is not a number"),
         (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 2, "--resolution is -1.0: give"),
         (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "one of none"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--bounds", "3,3,0,0"), 2, "--bounds"),
-        (("raster", "none.ply", "o.tif", "--resolution", "0"), 2, "--resolution is 0.0: give a"),
-        (("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "0,0,1"), 2, "--bounds"),
         (
-            ("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "10,10,0,0"),
+            ("raster", "tin.ply", "o.tif", "--resolution", "1", "--raster-bounds", "3,3,0,0"),
             2,
-            "--bounds are [10.0, 10.0, 0.0, 0.0]: give xmin, ymin, xmax, ymax (see liftmesh",
+            "--raster-bounds",
+        ),
+        (("raster", "none.ply", "o.tif", "--resolution", "0"), 2, "--resolution is 0.0: give a"),
+        (
+            ("raster", "none.ply", "o.tif", "--resolution", "1", "--raster-bounds", "0,0,1"),
+            2,
+            "--raster-bounds",
+        ),
+        (
+            ("raster", "none.ply", "o.tif", "--resolution", "1", "--raster-bounds", "10,10,0,0"),
+            2,
+            "--raster-bounds are [10.0, 10.0, 0.0, 0.0]: give xmin, ymin, xmax, ymax (see liftmesh",
         ),
         (
             (
