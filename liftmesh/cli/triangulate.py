@@ -102,14 +102,7 @@ def run(
             "triangles, lf and lfres are slow.",
         ),
     ] = "auto",
-    q: Annotated[
-        Any,
-        option(
-            "Q",
-            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
-            options.vertex,
-        ),
-    ] = "origin",
+    apex: options.Apex = "median",
     source_format: options.SourceFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
@@ -150,7 +143,7 @@ def run(
             duplicates=duplicates,
             nonfinite=nonfinite,
             algorithm=algorithm,
-            q=q,
+            apex=apex,
             threads=threads,
             **lifted_by,
         )

@@ -61,7 +61,10 @@ WRONG = [
     (["verify"], "FILE is missing: give liftmesh verify FILE"),
     (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
     (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),
-    (["compare", "a.ply", "--q", "1,2,3"], "--q '1,2,3' is unknown: give median, origin or a"),
+    (
+        ["compare", "a.ply", "--apex", "1,2,3"],
+        "--apex '1,2,3' is unknown: give median, origin or a",
+    ),
     (["paper", "--n", "2"], "--n is 2: give a whole number from 3"),
     (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
     (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
