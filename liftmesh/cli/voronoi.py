@@ -24,7 +24,7 @@ EXAMPLES = [
     "liftmesh voronoi schools.csv districts.geojson --domain city.geojson",
     "liftmesh voronoi wells.csv cells.gpkg --domain 0,0,1000,800",
     "liftmesh voronoi trees.csv crowns.gpkg --radii crown_radius",
-    "liftmesh voronoi masts.csv coverage.gpkg --disks reach --tolerance 5",
+    "liftmesh voronoi masts.csv coverage.gpkg --disks reach --max-deviation 5",
 ]
 
 
@@ -57,7 +57,7 @@ def run(
             "boundaries, with arcs as sides, unlike --radii, whose cells have straight sides.",
         ),
     ] = None,
-    tolerance: Annotated[
+    max_deviation: Annotated[
         float | None,
         option(
             "LENGTH",
@@ -66,9 +66,9 @@ def run(
             float,
         ),
     ] = None,
-    source_format: options.SourceFormat = None,
-    target_format: Annotated[
-        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format")
+    input_format: options.InputFormat = None,
+    output_format: Annotated[
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.")
     ] = None,
     *,
     table: inputs.Table,
@@ -78,15 +78,15 @@ def run(
     """Read a cloud, compute its cells, write them, and print a report."""
     if json:
         outputs.check_stdout()
-    _check_one(weights, radii, disks, tolerance)
-    kind = _kind(target, target_format)
+    _check_one(weights, radii, disks, max_deviation)
+    kind = _kind(target, output_format)
     outputs.check_place(target)
-    planar = {"flat": None} if is_table(source, source_format) else {}
-    reading = {**planar, **table, "format": source_format, "max_bytes": max_bytes}
+    planar = {"flat": None} if is_table(source, input_format) else {}
+    reading = {**planar, **table, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)
     with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
-        cells = _cells(cloud, area, weights, radii, disks, tolerance)
+        cells = _cells(cloud, area, weights, radii, disks, max_deviation)
     _note_rows_elsewhere(cells)
     size, dropped = _write(target, cells, kind, cloud, crs)
     with outputs.report_after(target):
@@ -94,12 +94,12 @@ def run(
 
 
 def _check_one(
-    weights: str | None, radii: str | None, disks: str | None, tolerance: float | None
+    weights: str | None, radii: str | None, disks: str | None, max_deviation: float | None
 ) -> None:
     if disks is not None and (weights is not None or radii is not None):
         raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
-    if disks is None and tolerance is not None:
-        raise typer.BadParameter("--tolerance needs --disks: give --disks COLUMN, too")
+    if disks is None and max_deviation is not None:
+        raise typer.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:
@@ -108,7 +108,9 @@ def _kind(target: Path, name: str | None) -> str:
     if name is not None:
         return check_format(name)
     if is_stream(target):
-        raise typer.BadParameter("stdout has no suffix: give the format with --format geojson")
+        raise typer.BadParameter(
+            "stdout has no suffix: give the format with --output-format geojson"
+        )
     return format_of(target)
 
 
@@ -136,7 +138,7 @@ def _cells(
     weights: str | None,
     radii: str | None,
     disks: str | None,
-    tolerance: float | None,
+    max_deviation: float | None,
 ) -> ClippedCells:
     import liftmesh
     from liftmesh.planar.kinds import named_values, weights_or_radii
@@ -144,7 +146,7 @@ def _cells(
     planar = cloud.points[:, :2]
     if disks is not None:
         reach = named_values(cloud, "disks", disks)
-        return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=tolerance)
+        return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=max_deviation)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
     kind, name = weights_or_radii(weights, radii)
@@ -209,7 +211,7 @@ def _report(
     if as_json:
         told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
         if cells.tolerance is not None:
-            told["tolerance"] = cells.tolerance
+            told["max_deviation"] = cells.tolerance
         terminal.as_json({**told, **counts, "dropped": dropped})
         return
     bytes_text = terminal.bytes_text(size)

@@ -172,12 +172,12 @@ def test_a_system_that_the_file_does_not_state(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the coordinate system '' is unknown"):
         lm.read(io.BytesIO(rows), format="xyz", crs="")
     (tmp_path / "a.xyz").write_bytes(rows)
-    words = ("triangulate", "a.xyz", "a.ply", "--to-crs", "EPSG:25832")
+    words = ("triangulate", "a.xyz", "a.ply", "--dst-crs", "EPSG:25832")
     done = liftmesh(*words, cwd=tmp_path)
     assert done.returncode == 3
-    assert "--to-crs needs the coordinate system of the points" in done.stderr
-    assert "read them with --from-crs\n" in done.stderr
-    assert liftmesh(*words, "--from-crs", "EPSG:4326", cwd=tmp_path).returncode == 0
+    assert "--dst-crs needs the coordinate system of the points" in done.stderr
+    assert "read them with --src-crs\n" in done.stderr
+    assert liftmesh(*words, "--src-crs", "EPSG:4326", cwd=tmp_path).returncode == 0
     assert np.array_equal(lm.read(tmp_path / "a.ply").points, found.points)
 
 
@@ -185,16 +185,18 @@ def test_commands_say_what_the_units_are(tmp_path: Path) -> None:
     (tmp_path / "a.las").write_bytes(lidar("EPSG:4326"))
     done = liftmesh("info", "a.las", cwd=tmp_path)
     assert "units       x: degree, y: degree, z: not stated" in done.stdout
-    line = "a.las: x and y are degrees (WGS 84), which are no lengths: transform them with --to-crs"
+    line = (
+        "a.las: x and y are degrees (WGS 84), which are no lengths: transform them with --dst-crs"
+    )
     assert line in done.stderr
     done = liftmesh(
-        "triangulate", "a.las", "a.ply", "--to-crs", "EPSG:25832", "--json", cwd=tmp_path
+        "triangulate", "a.las", "a.ply", "--dst-crs", "EPSG:25832", "--json", cwd=tmp_path
     )
     assert done.returncode == 0
     assert "degrees" not in done.stderr
     found = json.loads(liftmesh("info", "a.ply", "--json", cwd=tmp_path).stdout)
     assert (found["crs"], found["units"]) == ("EPSG:25832", ["metre", "metre", None])
-    done = liftmesh("triangulate", "a.las", "b.ply", "--to-crs", "EPSG:99", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.las", "b.ply", "--dst-crs", "EPSG:99", cwd=tmp_path)
     assert done.returncode == 3
     assert "error: a.las: the coordinate system 'EPSG:99' is unknown" in done.stderr
     assert not (tmp_path / "b.ply").exists()
@@ -205,7 +207,7 @@ def test_a_geocentric_tile_is_refused_in_one_line(tmp_path: Path) -> None:
     done = liftmesh("triangulate", "a.las", "a.ply", cwd=tmp_path)
     assert done.returncode == 3
     assert "error: a.las: the coordinates are geocentric" in done.stderr
-    assert "--to-crs" in done.stderr
+    assert "--dst-crs" in done.stderr
 
 
 def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -245,7 +247,7 @@ def test_what_is_given_must_be_a_system(crs: Any, tmp_path: Path) -> None:
         with pytest.raises(InputError, match=r"^the coordinate system .* is unknown: give WKT or"):
             read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=crs)
     (tmp_path / "a.csv").write_text("x,y,z\n0,0,1\n1,0,1\n0,1,1\n")
-    done = liftmesh("triangulate", "a.csv", "a.ply", "--from-crs", str(crs), cwd=tmp_path)
+    done = liftmesh("triangulate", "a.csv", "a.ply", "--src-crs", str(crs), cwd=tmp_path)
     assert done.returncode == 3
     assert "is unknown: give WKT or EPSG:n" in done.stderr
 
@@ -254,24 +256,24 @@ def test_a_system_in_place_of_the_stated_one_is_said(tmp_path: Path) -> None:
     cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
     lm.write(tmp_path / "a.ply", cloud)
     words = "a.ply: states ETRS89 / UTM zone 32N; taken as ETRS89 / UTM zone 33N"
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25833", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--src-crs", "EPSG:25833", cwd=tmp_path)
     assert words in done.stderr
     assert lm.read(tmp_path / "a.ply", crs="EPSG:25833").metadata["stated_crs"] == "EPSG:25832"
     assert "stated_crs" not in lm.read(tmp_path / "b.ply").metadata
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25832", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--src-crs", "EPSG:25832", cwd=tmp_path)
     assert "taken as" not in done.stderr
-    words = ("--from-crs", "EPSG:25833", "--to-crs", "EPSG:25832")
+    words = ("--src-crs", "EPSG:25833", "--dst-crs", "EPSG:25832")
     done = liftmesh("triangulate", "a.ply", "c.ply", *words, cwd=tmp_path)
-    assert "a.ply: states ETRS89 / UTM zone 32N; --from-crs says another system" in done.stderr
+    assert "a.ply: states ETRS89 / UTM zone 32N; --src-crs says another system" in done.stderr
 
 
 def test_degrees_that_were_asked_for(tmp_path: Path) -> None:
     cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
     lm.write(tmp_path / "a.ply", cloud)
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--to-crs", "EPSG:4326", cwd=tmp_path)
-    assert "are no lengths: name a projected system with --to-crs\n" in done.stderr
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--dst-crs", "EPSG:4326", cwd=tmp_path)
+    assert "are no lengths: name a projected system with --dst-crs\n" in done.stderr
     done = liftmesh("triangulate", "b.ply", "c.ply", cwd=tmp_path)
-    assert "are no lengths: transform them with --to-crs\n" in done.stderr
+    assert "are no lengths: transform them with --dst-crs\n" in done.stderr
 
 
 def test_no_system_is_no_error() -> None:

@@ -216,7 +216,7 @@ def test_commands_open_no_files_of_a_system(tmp_path: Path) -> None:
     lm.write(tmp_path / "a.ply", Cloud(points, crs=evil))
     lm.write(tmp_path / "b.ply", Cloud(points, crs="EPSG:25833"))
     for words in (
-        ("triangulate", "a.ply", "o.ply", "--to-crs", "EPSG:25833"),
+        ("triangulate", "a.ply", "o.ply", "--dst-crs", "EPSG:25833"),
         ("raster", "a.ply", "o.tif", "--resolution", "50"),
         ("contour", "a.ply", "o.gpkg", "--interval", "100"),
     ):
@@ -228,7 +228,7 @@ def test_commands_open_no_files_of_a_system(tmp_path: Path) -> None:
     named: Any = {"type": "name", "properties": {"name": evil}}
     polygon = {"type": "Polygon", "crs": named, "coordinates": square}
     (tmp_path / "c.geojson").write_text(json.dumps(polygon))
-    done = liftmesh("triangulate", "b.ply", "o.ply", "--polygon", "c.geojson", cwd=tmp_path)
+    done = liftmesh("triangulate", "b.ply", "o.ply", "--trim-polygon", "c.geojson", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     cells = lm.voronoi(points[:, :2], domain=(499000, 4999000, 502000, 5002000))
     object.__setattr__(cells.domain, "crs", evil)

@@ -83,10 +83,10 @@ def test_heights_of_no_stated_unit_get_none(crs: str, target: str) -> None:
 
 def test_the_command_refuses_cubic_metres_that_nobody_knows(tmp_path: Path) -> None:
     (tmp_path / "a.xyz").write_bytes(ROWS)
-    words = ("volume", "a.xyz", "--level", "400", "--to-crs", "EPSG:26910+5703", "--from-crs")
+    words = ("volume", "a.xyz", "--level", "400", "--dst-crs", "EPSG:26910+5703", "--src-crs")
     done = command(*words, "EPSG:26910", cwd=tmp_path)
     assert done.returncode == 3
-    assert "name their system, too, with --from-crs, as 'EPSG:2263+6360'" in done.stderr
+    assert "name their system, too, with --src-crs, as 'EPSG:2263+6360'" in done.stderr
     done = command(*words, "EPSG:26910+6360", cwd=tmp_path)
     assert done.returncode == 0
     assert " m3" in done.stdout
@@ -132,7 +132,7 @@ def test_reports_say_the_transformation(tmp_path: Path) -> None:
     assert "Transformed by Inverse of 3-degree Gauss-Kruger zone 3 + DHDN to ETRS89 (3)" in str(
         report
     )
-    words = ("--from-crs", "EPSG:31467", "--to-crs", "EPSG:25832", "--json")
+    words = ("--src-crs", "EPSG:31467", "--dst-crs", "EPSG:25832", "--json")
     done = command("triangulate", "a.las", "a.ply", *words, cwd=tmp_path)
     assert json.loads(done.stdout)["transformation"] == dict(report.transformation)
     assert "a.las: transformed by Inverse of 3-degree" in done.stderr
@@ -199,5 +199,5 @@ def test_slopes_of_degrees_are_refused(tmp_path: Path) -> None:
     words = ("raster", "a.ply", "o.tif", "--resolution", "0.0001", "--quantity", "slope")
     done = command(*words, cwd=tmp_path)
     assert (done.returncode, (tmp_path / "o.tif").exists()) == (3, False)
-    assert "with --to-crs a projected system, or give --z-factor" in done.stderr
+    assert "with --dst-crs a projected system, or give --z-factor" in done.stderr
     assert command(*words, "--z-factor", "9e-6", cwd=tmp_path).returncode == 0
