@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import GroundMethod, Method
+from liftmesh.base.options import Algorithm, GroundMethod
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -97,10 +97,10 @@ def run(
     on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
     algorithm: Annotated[
-        Method,
+        Algorithm,
         typer.Option(
-            metavar="NAME",
-            help="auto, divide-and-conquer, lf, lfres or lfres-indexed: all give the same "
+            metavar="ALGORITHM",
+            help="auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
             "triangles, lf and lfres are slow.",
         ),
     ] = "auto",
@@ -151,7 +151,7 @@ def run(
             plane=plane.value,
             duplicates=on_duplicate,
             nonfinite=nonfinite,
-            method=algorithm,
+            algorithm=algorithm,
             q=apex,
             threads=threads,
             **lifted_by,
