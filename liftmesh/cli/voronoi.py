@@ -41,8 +41,8 @@ def run(
         str | None,
         option(
             "DOMAIN",
-            "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'box', as by default: that of "
-            "the points, widened by a tenth of its longer side.",
+            "A file of polygons, a box XMIN,YMIN,XMAX,YMAX, or 'bounds', as by default: that "
+            "of the points, widened by a tenth of its longer side.",
         ),
     ] = None,
     weights: Annotated[
@@ -116,7 +116,7 @@ def _kind(target: Path, name: str | None) -> str:
 
 def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
     """The domain, and the coordinate system of the cells."""
-    if text is None or text == "box":
+    if text is None or text == "bounds":
         return None, cloud.crs
     if (box := options.box(text)) is not None:
         return box, cloud.crs
@@ -146,7 +146,7 @@ def _cells(
     planar = cloud.points[:, :2]
     if disks is not None:
         reach = named_values(cloud, "disks", disks)
-        return liftmesh.apollonius_diagram(planar, reach, domain=area, tolerance=max_deviation)
+        return liftmesh.apollonius_diagram(planar, reach, domain=area, max_deviation=max_deviation)
     if weights is None and radii is None:
         return liftmesh.voronoi(planar, domain=area)
     kind, name = weights_or_radii(weights, radii)
@@ -210,14 +210,14 @@ def _report(
     }
     if as_json:
         told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
-        if cells.tolerance is not None:
-            told["max_deviation"] = cells.tolerance
+        if cells.max_deviation is not None:
+            told["max_deviation"] = cells.max_deviation
         terminal.as_json({**told, **counts, "dropped": dropped})
         return
     bytes_text = terminal.bytes_text(size)
     line = f"{target}: {counts['cells']:,} cells in {cells.domain.text}, {bytes_text}"
-    if cells.tolerance is not None:
-        line += f"; arcs are polylines within {cells.tolerance:.3g}"
+    if cells.max_deviation is not None:
+        line += f"; arcs are polylines within {cells.max_deviation:.3g}"
     if dropped:
         line += f"; {kind} does not keep {', '.join(dropped)}"
     terminal.sentence(line, "good")

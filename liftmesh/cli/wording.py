@@ -48,8 +48,8 @@ _PHRASES = {
     "leave out method=": "leave out interpolation=",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
-    "point_format", "resolution",
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
+    "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {
     "bbox": "bounds", "bounds": "bounds", "crs": "src_crs", "format": "input_format",

@@ -75,7 +75,7 @@ def test_the_default_box_is_said_and_pictures_are_drawn(table: Path) -> None:
     root = ET.parse(io.StringIO(done.stdout)).getroot()
     assert len(root) == 60
     named = process(
-        "voronoi", table, "-", "--output-format", "svg", "--domain", "box", cwd=table.parent
+        "voronoi", table, "-", "--output-format", "svg", "--domain", "bounds", cwd=table.parent
     )
     assert named.stdout == done.stdout
 
@@ -194,14 +194,14 @@ def test_cells_of_disks(table: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "arcs are polylines within 0.05" in " ".join(done.stdout.split())
-    expected = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box, tolerance=0.05)
+    expected = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box, max_deviation=0.05)
     frame = geopandas.read_file(table.parent / "out.gpkg")
     assert frame["area"].tolist() == expected.areas.tolist()
     full = expected.areas > 0
     np.testing.assert_allclose(frame.geometry.area[full], expected.areas[full], rtol=1e-9)
     told = command("voronoi", table, "out.ply", *words, "--json", cwd=table.parent)
     default = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box)
-    assert json.loads(told.stdout)["max_deviation"] == default.tolerance
+    assert json.loads(told.stdout)["max_deviation"] == default.max_deviation
     assert json.loads(told.stdout)["hidden"] == len(default.hidden)
 
 
@@ -213,7 +213,7 @@ def test_cells_of_disks(table: Path) -> None:
         (("--disks", "reach"), "no values of that name: there are 'size', 'pupils'"),
         (
             ("--disks", "size", "--max-deviation", "-1"),
-            "tolerance is -1.0: give a positive, finite",
+            "--max-deviation is -1.0: give a positive, finite",
         ),
     ],
 )
