@@ -139,7 +139,7 @@ def _selection(
 
         with options.as_option():
             validate_selection(**conditions)
-    return conditions | options.given(to_crs=dst_crs, crs=src_crs, band=band)
+    return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
 Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
@@ -169,7 +169,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="dst_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -215,7 +215,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
         if _CRS_OF_OTHERS not in reading:
             return io.read(source, **reading)
         rest = {**reading}
-        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
+        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
         check_system(crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
@@ -247,9 +247,9 @@ def read_rows(
     for path in sources:
         if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    if "crs" in reading:
-        rest = {key: each for key, each in reading.items() if key != "crs"}
-        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
+    if "src_crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "src_crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["src_crs"]}
     with terminal.few_of_a_kind():
         clouds = [read_one(each) for each in sources]
     cloud = _merged(sources, clouds)

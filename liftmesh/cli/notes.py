@@ -82,7 +82,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
         words = "name a projected system with" if is_transformed else "transform them with"
-        change = "transform them with to_crs=", f"{words} --dst-crs"
+        change = "transform them with dst_crs=", f"{words} --dst-crs"
         return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None

@@ -19,16 +19,14 @@ from typing import Any
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
     "dst_crs", "duplicates", "encoding", "end", "flat", "interpolation", "method", "nodata",
-    "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "to_crs",
-    "unit", "z_factor",
+    "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
+    "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
     "with format='raster'": "with --input-format raster",
     "with format=": "with --input-format FORMAT",
     "with max_bytes=": "with --max-bytes SIZE",
-    "with crs=": "with --src-crs",
-    "to_crs= or crs=": "--dst-crs or --src-crs",
     "neighbors=True, resume=False": "--neighbors --restart",
     "resume=False": "--restart",
     "with neighbors ": "with --neighbors ",
@@ -39,7 +37,7 @@ _PHRASES = {
     "dtype='float64'": "--double",
     "find the ground with classify_ground": "find the ground with triangulate --ground csf",
     "flat=True": "--flat",
-    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
+    "read one with dst_crs= that of the other, or replace(crs=None) if they are the same": (
         "give --dst-crs, which transforms both"
     ),
     "give one of None, ": "give one of none, ",
@@ -52,12 +50,12 @@ _SUBJECTS = (
     "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {
-    "bbox": "bounds", "bounds": "bounds", "crs": "src_crs", "format": "input_format",
-    "header": "no_header", "polygon": "trim_polygon", "resolution": "copc_resolution",
+    "bbox": "bounds", "bounds": "bounds", "format": "input_format", "header": "no_header",
+    "polygon": "trim_polygon", "resolution": "copc_resolution",
 }  # fmt: skip
 _OTHER_NAMES = {
     "bounds": "raster_bounds", "distance": "min_distance", "duplicates": "on_duplicate",
-    "length": "min_length", "method": "algorithm", "to_crs": "dst_crs",
+    "length": "min_length",
 }  # fmt: skip
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")

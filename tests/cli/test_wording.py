@@ -87,10 +87,10 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
 @pytest.mark.parametrize(
     ("message", "said"),
     [
-        ("transform them with to_crs=", "transform them with --dst-crs"),
-        ("to_crs= needs a system", "--dst-crs needs a system"),
-        ("b: to_crs='EPSG:99': no such", "b: --dst-crs 'EPSG:99': no such"),
-        ('b: to_crs="it\'s": no such', 'b: --dst-crs "it\'s": no such'),
+        ("transform them with dst_crs=", "transform them with --dst-crs"),
+        ("dst_crs= needs a system", "--dst-crs needs a system"),
+        ("b: dst_crs='EPSG:99': no such", "b: --dst-crs 'EPSG:99': no such"),
+        ('b: dst_crs="it\'s": no such', 'b: --dst-crs "it\'s": no such'),
         ("b: band=, skip_rows= cannot be given", "b: --band, --skip-rows cannot be given"),
         ("flat=True says so (flat=)", "--flat says so (--flat)"),
         ("3MF has metre: give unit=", "3MF has metre: give --unit"),
@@ -109,7 +109,7 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
             "out holds a run with --tile-rows 500, not 99",
         ),
         ("with shard_format 'npy', not 'ply'", "with --shards 'npy', not 'ply'"),
-        ("b in None: give to_crs= or crs=", "b in None: give --dst-crs or --src-crs"),
+        ("b in None: give dst_crs= or src_crs=", "b in None: give --dst-crs or --src-crs"),
         ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
         ("band=2/a.tif: no file", "band=2/a.tif: no file"),
         ("tiles/cell=5: no file", "tiles/cell=5: no file"),

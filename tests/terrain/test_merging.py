@@ -131,7 +131,7 @@ def test_colours_of_different_types() -> None:
 def test_different_coordinate_systems_are_refused() -> None:
     one, two = Cloud(ROWS, crs="EPSG:25832"), Cloud(ROWS, crs=FEET)
     with pytest.raises(
-        InputError, match=r"UTM zone 32N \(metre\) and US survey \(foot\): give to_crs="
+        InputError, match=r"UTM zone 32N \(metre\) and US survey \(foot\): give dst_crs="
     ):
         liftmesh.merge([one, two])
 
@@ -198,7 +198,7 @@ def test_the_command_merges_tiles(folder: Path) -> None:
 
 
 def test_the_command_refuses_mixed_systems_and_files_twice(folder: Path) -> None:
-    moved = liftmesh.read(folder / "tile0.las", to_crs="EPSG:25833")
+    moved = liftmesh.read(folder / "tile0.las", dst_crs="EPSG:25833")
     liftmesh.write(folder / "moved.laz", moved)
     done = command("triangulate", "tile0.las", "moved.laz", "tin.ply", cwd=folder)
     assert done.returncode == 3
@@ -222,7 +222,9 @@ def test_the_system_of_files_that_state_none(folder: Path) -> None:
     assert "tile1.las and plain.las have different coordinate systems" in done.stderr
     both = command(*words, "EPSG:25833", "--dst-crs", "EPSG:25832", cwd=folder)
     assert both.returncode == 0
-    moved = liftmesh.read(folder / "plain.las", classes=2, crs="EPSG:25833", to_crs="EPSG:25832")
+    moved = liftmesh.read(
+        folder / "plain.las", classes=2, src_crs="EPSG:25833", dst_crs="EPSG:25832"
+    )
     kept = liftmesh.read(folder / "tile1.las", classes=2)
     expected = np.vstack([kept.points, moved.points])
     assert np.array_equal(liftmesh.read(folder / "tin.ply").points, expected)
