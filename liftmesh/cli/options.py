@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import VARIABLE, Duplicates as Policy, NonFinite, as_count, as_threads
+from liftmesh.base.options import VARIABLE, NonFinite, OnDuplicate as Policy, as_count, as_threads
 from liftmesh.cli.wording import as_on_command_line
 from liftmesh.errors import InputError
 
@@ -335,7 +335,7 @@ Plane: TypeAlias = Annotated[
         plane,
     ),
 ]
-Duplicates: TypeAlias = Annotated[
+OnDuplicate: TypeAlias = Annotated[
     Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[

@@ -51,7 +51,7 @@ def run(
         typer.Option("--prune/--no-prune", help="Remove vertices that the distance does not need."),
     ] = True,
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
+    on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
     source_format: options.SourceFormat = None,
     target_format: options.TargetFormat = None,
@@ -82,7 +82,7 @@ def run(
                 **limits,
                 prune=prune,
                 plane=plane.value,
-                duplicates=duplicates,
+                on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
                 progress=progress,
             )

@@ -149,7 +149,7 @@ def _note_overhangs(source: Path, count: int) -> None:
     if count:
         terminal.note(
             f"{source}: {counted(count, 'overhang')} left out: where rows share x and y at "
-            "different heights, the first counts; a mesh of triangulate --duplicates has others"
+            "different heights, the first counts; a mesh of triangulate --on-duplicate has others"
         )
 
 

@@ -25,7 +25,7 @@ SHORT_HELP = "Triangulate a point cloud and write a mesh file."
 HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
-    "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
+    "liftmesh triangulate lidar.csv mesh.obj --on-duplicate highest",
     "liftmesh triangulate survey.csv mesh.ply --columns x=East,y=North,z=GroundZ",
     "liftmesh triangulate *.laz tin.ply --cell 0.5",
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
@@ -92,7 +92,7 @@ def run(
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
+    on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
     method: Annotated[
         Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
@@ -142,7 +142,7 @@ def run(
         surface = _triangulate(
             cloud,
             plane=plane.value,
-            duplicates=duplicates,
+            on_duplicate=on_duplicate,
             nonfinite=nonfinite,
             method=method,
             q=q,

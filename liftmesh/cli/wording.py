@@ -17,9 +17,9 @@ from difflib import get_close_matches
 from typing import Any
 
 _OPTION_NAMES = (
-    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
-    "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
-    "skip_rows", "to_crs", "unit", "z_factor",
+    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "encoding",
+    "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane", "point_format",
+    "scale", "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
@@ -32,6 +32,7 @@ _PHRASES = {
     "resume=False": "--anew",
     "with neighbors ": "with --neighbors ",
     "with nonfinite '": "with --nonfinite '",
+    "with on_duplicate '": "with --on-duplicate '",
     "with shard_format '": "with --shards '",
     "with tile_rows ": "with --tile-rows ",
     "fewer tile_rows": "fewer --tile-rows",

@@ -81,7 +81,7 @@ def test_without_a_command_comes_the_help():
         (["triangulate"], ["IN", "(see liftmesh triangulate --help)"]),
         (["triangulate", "a.ply"], ["OUT"]),
         (["info", "a.ply", "--colour"], ["--colour"]),
-        (["triangulate", "a.ply", "b.ply", "--duplicates", "some"], ["some", "first", "mean"]),
+        (["triangulate", "a.ply", "b.ply", "--on-duplicate", "some"], ["some", "first", "mean"]),
         (
             ["triangulate", "a.ply", "b.ply", "--plane", "up"],
             ["'up'", "fit, NX,NY,NZ, A,B,C,D"],

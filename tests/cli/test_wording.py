@@ -41,10 +41,10 @@ WRONG = [
     ([*TRIANGULATE, "--threads", "two"], "--threads is 'two': give a whole number from 1 to 1024"),
     ([*TRIANGULATE, "--threads", "1.5"], "--threads is '1.5': give a whole number from 1"),
     ([*TRIANGULATE, "--threads", "-1"], "--threads is -1: give a whole number from 1"),
-    ([*TRIANGULATE, "--duplicates"], "--duplicates needs a value"),
+    ([*TRIANGULATE, "--on-duplicate"], "--on-duplicate needs a value"),
     (
-        [*TRIANGULATE, "--duplicates", "some"],
-        "--duplicates 'some' is unknown: give first, last, lowest, highest, mean or error (see",
+        [*TRIANGULATE, "--on-duplicate", "some"],
+        "--on-duplicate 'some' is unknown: give first, last, lowest, highest, mean or error (see",
     ),
     ([*TRIANGULATE, "--nonfinite", "x"], "--nonfinite 'x' is unknown: give error or skip"),
     ([*TRIANGULATE, "--plane", "up"], "--plane 'up' is neither a known name nor a file: give xy"),
@@ -185,8 +185,8 @@ def completed(shell: str, words: str, **variables: str) -> list[str]:
 def test_shells_complete_commands_options_and_values() -> None:
     assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
     options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")
-    assert options == ["--duplicates"]
-    values = completed("bash", "liftmesh triangulate a b --duplicates l", COMP_CWORD="5")
+    assert options == ["--on-duplicate"]
+    values = completed("bash", "liftmesh triangulate a b --on-duplicate l", COMP_CWORD="5")
     assert values == ["last", "lowest"]
     assert '"triangulate":"Triangulate' in " ".join(completed("zsh", "liftmesh tri"))
 

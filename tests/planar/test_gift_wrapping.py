@@ -309,9 +309,9 @@ def test_the_input_is_never_modified(method: str) -> None:
 @pytest.mark.parametrize("policy", ["first", "highest", "mean"])
 def test_surfaces_by_every_method(method: str, policy: str) -> None:
     cloud = layered()
-    options = {"duplicates": policy, "method": method, "q": "median"}
+    options = {"on_duplicate": policy, "method": method, "q": "median"}
     expected, actual = (
-        liftmesh.triangulate(cloud, duplicates=policy),
+        liftmesh.triangulate(cloud, on_duplicate=policy),
         liftmesh.triangulate(cloud, **options),
     )
     np.testing.assert_array_equal(actual.vertices, expected.vertices)
