@@ -37,7 +37,7 @@ from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
 )
-from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
+from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Violation as Violation
 from .planar.delaunay import delaunay as delaunay
 from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
 from .planar.lifting import (

@@ -22,8 +22,8 @@ _SHORT = 10**15
 _REPR = Repr()  # of a list it shows the first few, and looks at no others
 _REPR.maxstring = _REPR.maxother = _LONGEST
 
-Method: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
-HullMethod: TypeAlias = Literal["auto", "lf"]
+Algorithm: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
+HullAlgorithm: TypeAlias = Literal["auto", "lf"]
 NonFinite: TypeAlias = Literal["error", "skip"]
 RowOrder: TypeAlias = Literal["engine", "canonical"]
 PlyEncoding: TypeAlias = Literal["binary", "ascii"]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import GroundMethod, Method
+from liftmesh.base.options import Algorithm, GroundMethod
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -94,8 +94,13 @@ def run(
     plane: options.Plane = "xy",
     on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
-    method: Annotated[
-        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
+    algorithm: Annotated[
+        Algorithm,
+        typer.Option(
+            metavar="ALGORITHM",
+            help="auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
+            "triangles, lf and lfres are slow.",
+        ),
     ] = "auto",
     q: Annotated[
         Any,
@@ -144,7 +149,7 @@ def run(
             plane=plane.value,
             on_duplicate=on_duplicate,
             nonfinite=nonfinite,
-            method=method,
+            algorithm=algorithm,
             q=q,
             threads=threads,
             **lifted_by,

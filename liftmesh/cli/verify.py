@@ -31,7 +31,7 @@ EXAMPLES = [
     "liftmesh verify molecule.ply --radii radius",
     "liftmesh verify tiles/",
 ]
-SHOWN = 3  # offenders of a flaw
+SHOWN = 3  # violations of a flaw
 
 
 @outputs.guards("certificate")

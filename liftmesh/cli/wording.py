@@ -17,9 +17,9 @@ from difflib import get_close_matches
 from typing import Any
 
 _OPTION_NAMES = (
-    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "encoding",
-    "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane", "point_format",
-    "scale", "skip_rows", "to_crs", "unit", "z_factor",
+    "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
+    "encoding", "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane",
+    "point_format", "scale", "skip_rows", "to_crs", "unit", "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",

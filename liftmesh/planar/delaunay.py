@@ -1,6 +1,6 @@
 """delaunay(): planar Delaunay triangulation.
 
-Each set of points has one canonical triangulation, and every method finds it.
+Each set of points has one canonical triangulation, and every algorithm finds it.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
 from liftmesh.base.options import (
-    Method,
+    Algorithm,
     NonFinite,
     RowOrder,
     as_folder,
@@ -32,7 +32,7 @@ from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
-_AUTO: Method = "auto"  # the defaults are not checked, which takes as long as a point or two
+_AUTO: Algorithm = "auto"  # the defaults are not checked, which takes as long as a point or two
 _ERROR: NonFinite = "error"
 _ENGINE: RowOrder = "engine"
 _ORIGIN: ParaboloidVertex = "origin"
@@ -43,7 +43,7 @@ _NO_ROWS = np.empty(0, dtype=np.int32)
 def delaunay(  # noqa: PLR0913 - options are keywords
     points: ArrayLike,
     *,
-    method: Method = "auto",
+    algorithm: Algorithm = "auto",
     q: ParaboloidVertex = "origin",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
@@ -67,7 +67,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
         entries count as not finite. Of clouds and meshes of trimesh and Open3D, also as tensors,
         of tables whose columns have names, such as DataFrames and arrays of records, and of a
         `Cloud`, x and y are taken.
-    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
+    algorithm : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
         The algorithm. All give the same triangles; "auto" is divide and conquer. The others
         construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and
         "lfres" are the paper's procedures as printed, in quadratic to cubic time; "lfres-indexed"
@@ -146,7 +146,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     >>> [1, 3] in delaunay(rhombus, metric=[[1, 0], [0, 9]]).edges.tolist()
     True
     """
-    options = (method, q, nonfinite, order, threads, progress, copy)
+    options = (algorithm, q, nonfinite, order, threads, progress, copy)
     return triangulation_of(solve(rows_of(points), *options, metric=metric, scratch=scratch))
 
 
@@ -167,7 +167,7 @@ class Solution(NamedTuple):
 
 def solve(  # noqa: PLR0913 - as above
     points: ArrayLike,
-    method: Method = "auto",
+    algorithm: Algorithm = "auto",
     q: ParaboloidVertex = "origin",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
@@ -179,8 +179,8 @@ def solve(  # noqa: PLR0913 - as above
     scratch: str | os.PathLike[str] | None = None,
 ) -> Solution:
     """Compute what a `Triangulation` is made of."""
-    if not (method is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
-        check_option("method", method, Method)
+    if not (algorithm is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
+        check_option("algorithm", algorithm, Algorithm)
         check_options(nonfinite, order, progress)
     is_copied = copy is not False and as_switch("copy", copy)
     form = None if metric is None else as_metric(metric)
@@ -189,12 +189,12 @@ def solve(  # noqa: PLR0913 - as above
     planar = planar.copy() if is_copied else planar
     count, shared = as_threads(threads, len(rows))
     run = planar, nonfinite == "skip", count, shared, progress
-    folder = None if scratch is None else _folder(scratch, method, order, form)
+    folder = None if scratch is None else _folder(scratch, algorithm, order, form)
     counters = None
-    if method is not _AUTO and method in _WRAPPING:
+    if algorithm is not _AUTO and algorithm in _WRAPPING:
         if form is not None:
-            raise InputError(f"method {method!r} has no metric: leave one of the two out")
-        outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
+            raise InputError(f"algorithm {algorithm!r} has no metric: leave one of the two out")
+        outcome, counts = _kernel.gift_wrap(*run, algorithm, *resolve_q(q, planar))
         counters = Counters.from_kernel(counts)
     else:
         if q is not _ORIGIN:
@@ -207,14 +207,14 @@ def solve(  # noqa: PLR0913 - as above
 
 
 def _folder(
-    scratch: str | os.PathLike[str], method: Method, order: RowOrder, form: Floats | None
+    scratch: str | os.PathLike[str], algorithm: Algorithm, order: RowOrder, form: Floats | None
 ) -> str:
     """Check what has no arrays in files."""
     folder = as_folder("scratch", scratch)
     if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
         raise InputError(f"scratch {folder!r} is no folder: make it first")
     for name, is_given in (
-        (f"method={method!r}", method in _WRAPPING),
+        (f"algorithm={algorithm!r}", algorithm in _WRAPPING),
         (f"order={order!r}", order != _ENGINE),
         ("metric", form is not None),
     ):

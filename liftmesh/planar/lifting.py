@@ -336,7 +336,7 @@ class Counters:
     Examples
     --------
     >>> import liftmesh
-    >>> counters = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf").counters
+    >>> counters = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf").counters
     >>> counters.candidate_planes
     1
     """

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.errors import DataWarning, InputError
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
@@ -79,7 +79,7 @@ def lifting_of(
     weights: ArrayLike | str | None,
     radii: ArrayLike | str | None,
     metric: ArrayLike | None,
-    method: Method,
+    algorithm: Algorithm,
 ) -> Lifting:
     """Convert the options to what the points are lifted by."""
     cloud = _without_former(cloud)
@@ -91,8 +91,8 @@ def lifting_of(
     kind, given = weights_or_radii(weights, radii)
     if metric is not None:
         raise InputError(f"both {kind} and a metric are given: give one of them")
-    if method not in _DIVIDING:
-        raise InputError(f"method {method!r} takes no {kind}: leave one of the two out")
+    if algorithm not in _DIVIDING:
+        raise InputError(f"algorithm {algorithm!r} takes no {kind}: leave one of the two out")
     _check_hidden(cloud, kind)
     if isinstance(given, str):
         values = as_weights(kind, named_values(cloud, kind, given), len(cloud))

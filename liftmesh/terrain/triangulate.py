@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
-from liftmesh.base.options import Method, NonFinite, OnDuplicate, check_option, check_progress
+from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
@@ -55,7 +55,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
-    method: Method = "auto",
+    algorithm: Algorithm = "auto",
     q: ParaboloidVertex = "origin",
     threads: int | None = None,
     progress: Progress | None = None,
@@ -99,7 +99,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         counted.
     nonfinite : {"error", "skip"}
         Policy for rows that hold NaN or infinity: raise an error, or skip them.
-    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
+    algorithm : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
         The algorithm, as for `delaunay`; all give the same triangles.
     q : {"origin", "median"} or (2,) array_like
         The vertex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
@@ -181,12 +181,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     """
     check_option("on_duplicate", on_duplicate, OnDuplicate)
     check_option("nonfinite", nonfinite, NonFinite)
-    check_option("method", method, Method)
+    check_option("algorithm", algorithm, Algorithm)
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
     source = with_parts(read_rows(cloud, classes, **_table_options(columns, flat)), given)
-    lifting = lifting_of(source, weights, radii, metric, method)
+    lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
     check_system(source.crs, plane, stacklevel=4)
@@ -195,7 +195,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     stages.finish("plane")
-    options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
+    options: _Options = {"nonfinite": nonfinite, "algorithm": algorithm, "q": q, "threads": threads}
     solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
     stages.finish("triangulation")
     choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
@@ -245,7 +245,7 @@ class _Options(TypedDict):
     """Options of `delaunay`."""
 
     nonfinite: NonFinite
-    method: Method
+    algorithm: Algorithm
     q: ParaboloidVertex
     threads: int | None
 

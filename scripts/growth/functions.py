@@ -260,7 +260,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "delaunay in a metric", PLANAR, delaunay(metric=METRIC), ("uniform", *EXACT)
     yield "delaunay with rows left out", PLANAR, delaunay(nonfinite="skip"), ("few positions",)
     for method in ("lf", "lfres", "lfres-indexed"):
-        yield f"delaunay by {method}", PLANAR, delaunay(method=method), ("uniform",), 8
+        yield f"delaunay by {method}", PLANAR, delaunay(algorithm=method), ("uniform",), 8
     yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN
     for name in ("coplanar", "edges", "equations", "good", "vertex_neighbor_vertices"):
         yield f"Delaunay.{name}", PLANAR, on_scipys(lambda tri, name=name: getattr(tri, name)), ()
@@ -319,7 +319,7 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield (
         "lower_hull by lf",
         SPATIAL,
-        on_points(lambda points: liftmesh.lower_hull(points, method="lf")),
+        on_points(lambda points: liftmesh.lower_hull(points, algorithm="lf")),
         ("lifted points",),
         8,
     )

@@ -106,7 +106,7 @@ WITHOUT_DATA = {
     "Written": "tells what was written",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "Flaw": "a result, made by verify",
-    "Offender": "a result, made by verify",
+    "Violation": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",
     "Comparison": "a result, made by compare; its methods are watched",
     "Contour": "a line of Contours",

@@ -44,9 +44,9 @@ def _triangulation(rows: np.ndarray) -> liftmesh.Triangulation:
 
 
 def _delaunay(rows: np.ndarray, rng: Generator) -> object:
-    method = ("auto", "lfres-indexed")[rng.integers(2)]
+    algorithm = ("auto", "lfres-indexed")[rng.integers(2)]
     return liftmesh.delaunay(
-        rows[:, :2], method=method, order=("engine", "canonical")[rng.integers(2)]
+        rows[:, :2], algorithm=algorithm, order=("engine", "canonical")[rng.integers(2)]
     )
 
 

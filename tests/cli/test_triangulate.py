@@ -13,7 +13,7 @@ import trimesh
 from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, without_escapes
 
 import liftmesh as lm
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.cli import exit_codes
 
 HILL = ROOT / "data" / "hill.csv"
@@ -38,9 +38,9 @@ def test_a_file_becomes_a_mesh(name, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-@pytest.mark.parametrize("method", get_args(Method))
-def test_every_method_of_the_library_is_one_of_the_command(method, tmp_path):
-    succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--method", method, cwd=tmp_path))
+@pytest.mark.parametrize("algorithm", get_args(Algorithm))
+def test_every_method_of_the_library_is_one_of_the_command(algorithm, tmp_path):
+    succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--algorithm", algorithm, cwd=tmp_path))
     faces = lm.read(tmp_path / "mesh.ply").faces
     expected = lm.triangulate(HILL).faces
     assert set(map(frozenset, faces.tolist())) == set(map(frozenset, expected.tolist()))

@@ -155,7 +155,7 @@ def test_too_many_rows_are_refused_before_any_copy(dtype: type, columns: int) ->
 
 @pytest.mark.parametrize(
     "options",
-    [{"method": "fastest"}, {"nonfinite": "ignore"}, {"order": "random"}],
+    [{"algorithm": "fastest"}, {"nonfinite": "ignore"}, {"order": "random"}],
     ids=lambda options: next(iter(options)),
 )
 def test_unknown_options_name_the_choices(options: dict[str, str]) -> None:

@@ -67,7 +67,7 @@ SWEEP = """
         "disks": lambda: liftmesh.apollonius(planar, radii).simplices,
         "regular": lambda: liftmesh.regular(planar, radii=radii, threads=int(kind)).simplices,
         "tiles": tiles,
-        "wrap": lambda: liftmesh.delaunay(planar, method=kind).simplices,
+        "wrap": lambda: liftmesh.delaunay(planar, algorithm=kind).simplices,
         "hull": lambda: liftmesh.lower_hull(points).faces,
         "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), on_duplicate="mean").faces,
         "check": lambda: np.array([bool(verify(planar, tri.simplices, threads=int(kind)))]),

@@ -23,15 +23,15 @@ VERTICES: list[Any] = [
 ]
 
 
-def counters(points: ArrayLike, method: str, q: Any = "origin") -> liftmesh.Counters:
-    found = liftmesh.delaunay(points, method=method, q=q).counters
+def counters(points: ArrayLike, algorithm: str, q: Any = "origin") -> liftmesh.Counters:
+    found = liftmesh.delaunay(points, algorithm=algorithm, q=q).counters
     assert found is not None
     return found
 
 
-@pytest.mark.parametrize("method", ["auto", "divide-and-conquer"])
-def test_divide_and_conquer_counts_nothing(method: str) -> None:
-    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method).counters is None
+@pytest.mark.parametrize("algorithm", ["auto", "divide-and-conquer"])
+def test_divide_and_conquer_counts_nothing(algorithm: str) -> None:
+    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm).counters is None
 
 
 @pytest.mark.parametrize("family", ["uniform", "tenth-lattice", "integer-circles", "duplicates"])
@@ -53,23 +53,23 @@ def test_the_region_spares_most_dot_products(q: Any) -> None:
     assert 0 < lfres.rejected["4.4"] < lf.candidate_planes
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("family", ["uniform", "lattice", "circle", "duplicates"])
-def test_each_facet_and_each_rim_edge_takes_one_call(method: str, family: str) -> None:
+def test_each_facet_and_each_rim_edge_takes_one_call(algorithm: str, family: str) -> None:
     points = FAMILIES[family](200, np.random.default_rng(5))
-    result = liftmesh.delaunay(points, method=method, q="median")
+    result = liftmesh.delaunay(points, algorithm=algorithm, q="median")
     assert result.counters is not None
     assert result.counters.calls == len(result.simplices) + len(result.convex_hull)
     assert result.counters.candidate_planes >= len(result.simplices)
     assert 0 <= result.counters.undecided <= result.counters.evaluations
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_only_what_is_nearly_cocircular_is_left_to_the_exact_predicate(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_only_what_is_nearly_cocircular_is_left_to_the_exact_predicate(algorithm: str) -> None:
     even = FAMILIES["uniform"](400, np.random.default_rng(6))
     square = FAMILIES["lattice"](400, np.random.default_rng(6))
-    assert counters(even, method).undecided == 0
-    assert counters(square, method).undecided > 200
+    assert counters(even, algorithm).undecided == 0
+    assert counters(square, algorithm).undecided > 200
 
 
 def test_lf_counts_by_hand() -> None:

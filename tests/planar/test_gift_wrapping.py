@@ -13,8 +13,8 @@ from commands import ROOT, TERRAIN, failed, interrupted, liftmesh as command
 from hypothesis import given, settings, strategies as st
 from meshes import assert_oracle_agrees, assert_same_triangles, triangle_rows
 from numpy.typing import ArrayLike, NDArray
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 from surfaces import layered, triangles_of
-from test_concurrency import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 from liftmesh.cli import exit_codes
@@ -74,14 +74,14 @@ def check(points: ArrayLike, q: Any = "origin", **options: Any) -> None:
     """All three procedures give what the default engine gives."""
     expected = outcome(points, **options)
     q = resolved(q, points)
-    for method in METHODS:
-        assert outcome(points, method=method, q=q, **options) == expected, (method, q)
+    for algorithm in METHODS:
+        assert outcome(points, algorithm=algorithm, q=q, **options) == expected, (algorithm, q)
 
 
 def check_indexed(points: Points, about: str = "") -> None:
     """The indexed procedure gives what the default engine gives, on many points."""
     expected = liftmesh.delaunay(points, order="canonical")
-    actual = liftmesh.delaunay(points, method="lfres-indexed", order="canonical")
+    actual = liftmesh.delaunay(points, algorithm="lfres-indexed", order="canonical")
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(actual, name), getattr(expected, name), about + name)
 
@@ -148,8 +148,8 @@ def test_integers_float32_and_strided_rows(points: list[tuple[int, int]], q: Any
     wide[::2, 1:5:3] = integers
     expected = outcome(integers)
     for form in (points, integers, integers.astype(np.float32), wide[::2, 1:5:3]):
-        for method in METHODS:
-            assert outcome(form, method=method, q=resolved(q, integers)) == expected
+        for algorithm in METHODS:
+            assert outcome(form, algorithm=algorithm, q=resolved(q, integers)) == expected
 
 
 @settings(max_examples=120)
@@ -158,20 +158,20 @@ def test_rows_that_are_not_finite_are_skipped_alike(points: Points) -> None:
     check(points, "median", nonfinite="skip")
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_engine_order_is_the_same_set_and_what_the_oracle_says(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_engine_order_is_the_same_set_and_what_the_oracle_says(algorithm: str) -> None:
     for family in ("small-integers", "integer-circles", "ulp-lattice", "duplicates"):
         points = FAMILIES[family](60, np.random.default_rng(4))
-        found = liftmesh.delaunay(points, method=method, q="median").simplices
+        found = liftmesh.delaunay(points, algorithm=algorithm, q="median").simplices
         assert_oracle_agrees(points, found)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("q", VERTICES, ids=str)
-def test_a_few_hundred_points_at_every_vertex(method: str, q: Any) -> None:
+def test_a_few_hundred_points_at_every_vertex(algorithm: str, q: Any) -> None:
     for family in ("uniform", "tenth-lattice", "clusters", "circle", "far-offset"):
         points = FAMILIES[family](250, np.random.default_rng(6))
-        options = {"method": method, "q": resolved(q, points)}
+        options = {"algorithm": algorithm, "q": resolved(q, points)}
         assert outcome(points, **options) == outcome(points), family
 
 
@@ -186,8 +186,8 @@ def test_the_terrain_thinned_to_3000_points(terrain: Points, q: str) -> None:
     thinned = np.random.default_rng(0).permutation(terrain)[:3000]
     expected = liftmesh.delaunay(thinned, order="canonical")
     assert len(expected.simplices) > 5900
-    for method in METHODS:
-        actual = liftmesh.delaunay(thinned, method=method, q=q, order="canonical")
+    for algorithm in METHODS:
+        actual = liftmesh.delaunay(thinned, algorithm=algorithm, q=q, order="canonical")
         for name in ARRAYS:
             np.testing.assert_array_equal(getattr(actual, name), getattr(expected, name))
 
@@ -254,27 +254,27 @@ def test_too_little_for_a_triangle_in_the_same_words(points: ArrayLike, q: Any) 
     check(points, q)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_rows_that_are_not_finite_are_named(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_rows_that_are_not_finite_are_named(algorithm: str) -> None:
     points = np.random.default_rng(0).random((9, 2))
     points[7, 1] = np.nan
     points[8, 0] = np.inf
     with pytest.raises(liftmesh.NonFiniteError, match=r"row 7\b.*nan") as caught:
-        liftmesh.delaunay(points, method=method, q="median")
+        liftmesh.delaunay(points, algorithm=algorithm, q="median")
     assert caught.value.row == 7
-    left = liftmesh.delaunay(points, method=method, q="median", nonfinite="skip")
+    left = liftmesh.delaunay(points, algorithm=algorithm, q="median", nonfinite="skip")
     assert left.skipped.tolist() == [7, 8]
 
 
-@pytest.mark.parametrize("method", ["auto", *METHODS])
+@pytest.mark.parametrize("algorithm", ["auto", *METHODS])
 @pytest.mark.parametrize(
     "q",
     ["centre", "", None, 5, (1,), (1, 2, 3), (np.nan, 0), (0, np.inf), [[0, 0]], ("a", "b"), {}],
     ids=repr,
 )
-def test_what_is_no_vertex(method: str, q: Any) -> None:
+def test_what_is_no_vertex(algorithm: str, q: Any) -> None:
     with pytest.raises(liftmesh.InputError, match=r"^q is .*: give 'origin', 'median' or a "):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method, q=q)
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm, q=q)
 
 
 def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -284,32 +284,34 @@ def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr(lifting, "_median", computed)
     assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], q="median").nsimplex == 1
     with pytest.raises(AssertionError, match="not needed"):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf", q="median")
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf", q="median")
 
 
-@pytest.mark.parametrize("method", ["LF", "lf-res", "indexed", "", None, 3])
-def test_an_unknown_method_names_the_choices(method: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=r"^method is .*'lf', 'lfres', 'lfres-indexed'$"):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method)
+@pytest.mark.parametrize("algorithm", ["LF", "lf-res", "indexed", "", None, 3])
+def test_an_unknown_method_names_the_choices(algorithm: Any) -> None:
+    with pytest.raises(
+        liftmesh.InputError, match=r"^algorithm is .*'lf', 'lfres', 'lfres-indexed'$"
+    ):
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_the_input_is_never_modified(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_the_input_is_never_modified(algorithm: str) -> None:
     points = FAMILIES["duplicates"](200, np.random.default_rng(1))
     before = points.copy()
     points.flags.writeable = False
-    liftmesh.delaunay(points, method=method, q=points[0])
+    liftmesh.delaunay(points, algorithm=algorithm, q=points[0])
     assert points.tobytes() == before.tobytes()
 
 
 # The other doors
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("policy", ["first", "highest", "mean"])
-def test_surfaces_by_every_method(method: str, policy: str) -> None:
+def test_surfaces_by_every_method(algorithm: str, policy: str) -> None:
     cloud = layered()
-    options = {"on_duplicate": policy, "method": method, "q": "median"}
+    options = {"on_duplicate": policy, "algorithm": algorithm, "q": "median"}
     expected, actual = (
         liftmesh.triangulate(cloud, on_duplicate=policy),
         liftmesh.triangulate(cloud, **options),
@@ -324,21 +326,21 @@ def test_surfaces_by_every_method(method: str, policy: str) -> None:
 
 @pytest.mark.parametrize("words", [("lf",), ("lfres", "median"), ("lfres-indexed", "1e8,-3.5")])
 def test_the_command_line(words: tuple[str, ...], tmp_path) -> None:
-    options = ["--method", words[0], *(["--q", words[1]] if len(words) > 1 else [])]
-    done = command("triangulate", HILL, "by-method.ply", *options, cwd=tmp_path)
+    options = ["--algorithm", words[0], *(["--q", words[1]] if len(words) > 1 else [])]
+    done = command("triangulate", HILL, "by-algorithm.ply", *options, cwd=tmp_path)
     plain = command("triangulate", HILL, "plain.ply", cwd=tmp_path)
     assert (done.returncode, done.stderr, plain.returncode) == (0, "", 0)
-    one, other = (liftmesh.read(tmp_path / name) for name in ("by-method.ply", "plain.ply"))
+    one, other = (liftmesh.read(tmp_path / name) for name in ("by-algorithm.ply", "plain.ply"))
     np.testing.assert_array_equal(one.points, other.points)
     assert len(one.faces) == len(other.faces)
     assert triangles_of(one.points, one.faces) == triangles_of(other.points, other.faces)
-    sizes = [(tmp_path / name).stat().st_size for name in ("by-method.ply", "plain.ply")]
+    sizes = [(tmp_path / name).stat().st_size for name in ("by-algorithm.ply", "plain.ply")]
     assert sizes[0] == sizes[1]
 
 
 @pytest.mark.parametrize("q", ["centre", "1", "1,2,3", ""])
 def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
-    done = command("triangulate", HILL, tmp_path / "m.ply", "--method", "lf", "--q", q)
+    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--q", q)
     failed(done, exit_codes.USAGE, "origin")
     assert list(tmp_path.iterdir()) == []
 
@@ -348,7 +350,7 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("method", "points", "q"),
+    ("algorithm", "points", "q"),
     [
         ("lf", "rng.random((100_000, 2))", "median"),
         ("lfres", "rng.random((100_000, 2))", "median"),
@@ -357,31 +359,31 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
     ],
     ids=["lf", "lfres", "lfres-indexed", "first edge"],
 )
-def test_ctrl_c_stops_a_long_run_within_a_second(method: str, points: str, q: Any) -> None:
-    call = f"liftmesh.delaunay(points, method={method!r}, q={q!r})"
+def test_ctrl_c_stops_a_long_run_within_a_second(algorithm: str, points: str, q: Any) -> None:
+    call = f"liftmesh.delaunay(points, algorithm={algorithm!r}, q={q!r})"
     assert seconds_to_stop(LONG_RUN.format(points=points, prepare="", call=call), 0.4) < 1.0
 
 
 def test_ctrl_c_stops_the_command_and_leaves_no_file(tmp_path) -> None:
-    code, _, _ = interrupted("triangulate", TERRAIN, tmp_path / "m.ply", "--method", "lfres")
+    code, _, _ = interrupted("triangulate", TERRAIN, tmp_path / "m.ply", "--algorithm", "lfres")
     assert code == exit_codes.INTERRUPTED
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_another_thread_runs_meanwhile(method: str) -> None:
-    n = {"lf": 1500, "lfres": 1500, "lfres-indexed": 100_000}[method]
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_another_thread_runs_meanwhile(algorithm: str) -> None:
+    n = {"lf": 1500, "lfres": 1500, "lfres-indexed": 100_000}[algorithm]
     points = FAMILIES["uniform"](n, np.random.default_rng(0))
-    assert_another_thread_runs(lambda: liftmesh.delaunay(points, method=method))
+    assert_another_thread_runs(lambda: liftmesh.delaunay(points, algorithm=algorithm))
 
 
 def test_threads_at_once_give_what_one_gives() -> None:
     clouds = [FAMILIES["uniform"](n, np.random.default_rng(n)) for n in range(300, 316)]
-    jobs = [(points, method) for points in clouds for method in METHODS]
+    jobs = [(points, algorithm) for points in clouds for algorithm in METHODS]
     with ThreadPoolExecutor(max_workers=4) as pool:
-        at_once = list(pool.map(lambda job: liftmesh.delaunay(job[0], method=job[1]), jobs))
-    for (points, method), actual in zip(jobs, at_once, strict=True):
-        expected = liftmesh.delaunay(points, method=method)
+        at_once = list(pool.map(lambda job: liftmesh.delaunay(job[0], algorithm=job[1]), jobs))
+    for (points, algorithm), actual in zip(jobs, at_once, strict=True):
+        expected = liftmesh.delaunay(points, algorithm=algorithm)
         assert_same_triangles(
             triangle_rows(points, actual.simplices), triangle_rows(points, expected.simplices)
         )

@@ -35,7 +35,7 @@ from strategies import ANY_MOTIF, COCIRCULAR_CLOUDS, FEW, MOTIFS, OFFSETS, Point
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 
 Triangles = NDArray[np.int32]
 
@@ -272,5 +272,5 @@ def test_every_row_is_a_vertex_a_duplicate_or_skipped(
     clouds(most=16), st.one_of(st.sampled_from(["origin", "median"]), st.tuples(OFFSETS, OFFSETS))
 )
 def test_every_engine_finds_the_same_triangles(points: Points, q) -> None:
-    for method in get_args(Method):
-        assert_same_rows(points, triangles(points, method=method, q=q), method)
+    for algorithm in get_args(Algorithm):
+        assert_same_rows(points, triangles(points, algorithm=algorithm, q=q), algorithm)

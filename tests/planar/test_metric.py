@@ -168,7 +168,7 @@ def test_a_determinant_that_rounds_to_zero_is_positive() -> None:
     assert liftmesh.delaunay(POINTS[:9], metric=near).nsimplex > 0
 
 
-@pytest.mark.parametrize("method", ["lf", "lfres", "lfres-indexed"])
-def test_gift_wrapping_has_no_metric(method: Any) -> None:
-    with pytest.raises(InputError, match=f"method '{method}' has no metric"):
-        liftmesh.delaunay(POINTS, method=method, metric=FORM)
+@pytest.mark.parametrize("algorithm", ["lf", "lfres", "lfres-indexed"])
+def test_gift_wrapping_has_no_metric(algorithm: Any) -> None:
+    with pytest.raises(InputError, match=f"algorithm '{algorithm}' has no metric"):
+        liftmesh.delaunay(POINTS, algorithm=algorithm, metric=FORM)

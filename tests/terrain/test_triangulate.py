@@ -254,11 +254,11 @@ class TestInput:
             ({"on_duplicate": "median"}, "on_duplicate is 'median': give one of 'first', 'last'"),
             ({"nonfinite": "drop"}, "nonfinite is 'drop': give one of 'error', 'skip'"),
             ({"plane": "zy"}, "plane 'zy' is unknown"),
-            ({"method": "magic"}, "method is 'magic': give one of 'auto'"),
+            ({"algorithm": "magic"}, "algorithm is 'magic': give one of 'auto'"),
             ({"threads": 0}, "threads is 0: give a whole number from 1 to 1024"),
             ({"on_duplicate": np.array("first")}, "on_duplicate is array"),
             ({"on_duplicate": []}, r"on_duplicate is \[\]: give one of 'first'"),
-            ({"method": np.array(["auto", "lf"])}, "method is array"),
+            ({"algorithm": np.array(["auto", "lf"])}, "algorithm is array"),
             ({"nonfinite": None}, "nonfinite is None"),
         ],
     )
