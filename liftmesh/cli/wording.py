@@ -45,8 +45,8 @@ _PHRASES = {
     "give one of None, ": "give one of none, ",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
-    "point_format", "resolution",
+    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
+    "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {"crs": "from_crs", "header": "no_header"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
