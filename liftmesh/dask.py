@@ -56,7 +56,10 @@ from liftmesh.tiles.stages import node
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh._typing import Progress
+    from liftmesh.io.options import ChunkOptions
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
@@ -167,7 +170,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     shards: Literal["npy"] = "npy",
     neighbors: bool = False,
     progress: Progress | None = None,
-    **reading: Any,
+    **reading: Unpack[ChunkOptions],
 ) -> TiledSurface:
     """Make a surface of more points than fit in memory, on the workers of Dask.
 

@@ -110,7 +110,7 @@ def _selection(
         int | None,
         option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
     ] = None,
-    from_crs: Annotated[
+    src_crs: Annotated[
         str | None,
         option(
             "CRS",
@@ -118,7 +118,7 @@ def _selection(
             "several, of those that state none, or the same without heights.",
         ),
     ] = None,
-    to_crs: Annotated[
+    dst_crs: Annotated[
         str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
     ] = None,
 ) -> dict[str, Any]:
@@ -132,7 +132,7 @@ def _selection(
 
         with options.as_option():
             validate_selection(**conditions)
-    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
+    return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
 Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
@@ -162,7 +162,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="dst_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -208,7 +208,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
         if _CRS_OF_OTHERS not in reading:
             return io.read(source, **reading)
         rest = {**reading}
-        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
+        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
         check_system(crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
@@ -240,9 +240,9 @@ def read_rows(
     for path in sources:
         if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    if "crs" in reading:
-        rest = {key: each for key, each in reading.items() if key != "crs"}
-        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
+    if "src_crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "src_crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["src_crs"]}
     with terminal.few_of_a_kind():
         clouds = [read_one(each) for each in sources]
     cloud = _merged(sources, clouds)
@@ -273,7 +273,7 @@ def _say_parts(cloud: Cloud) -> None:
 
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
-        "different ones; --from-crs says which"
+        "different ones; --src-crs says which"
     )
     for each in parts_of(cloud):
         inside = f", {each['overlap']:,} of them where an earlier file has some"

@@ -18,16 +18,15 @@ from typing import Any
 
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "encoding", "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane",
-    "point_format", "scale", "skip_rows", "to_crs", "unit", "z_factor",
+    "dst_crs", "encoding", "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane",
+    "point_format", "scale", "skip_rows", "src_crs", "unit", "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
     "with format='raster'": "with --from raster",
     "with format=": "with --from FORMAT",
     "with max_bytes=": "with --max-bytes SIZE",
-    "with crs=": "with --from-crs",
-    "to_crs= or crs=": "--to-crs or --from-crs",
+    "with crs=": "with --src-crs",
     "neighbors=True, resume=False": "--neighbors --anew",
     "resume=False": "--anew",
     "with neighbors ": "with --neighbors ",
@@ -39,8 +38,8 @@ _PHRASES = {
     "dtype='float64'": "--double",
     "find the ground with classify_ground": "find the ground with triangulate --ground csf",
     "flat=True": "--flat",
-    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
-        "give --to-crs, which transforms both"
+    "read one with dst_crs= that of the other, or replace(crs=None) if they are the same": (
+        "give --dst-crs, which transforms both"
     ),
     "give one of None, ": "give one of none, ",
 }
@@ -48,7 +47,7 @@ _SUBJECTS = (
     "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
     "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
-_OF_READING = {"crs": "from_crs", "header": "no_header"}
+_OF_READING = {"header": "no_header"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
@@ -167,7 +166,7 @@ def as_on_command_line(message: str) -> str:
     """Replace Python options in a message by those of the command line."""
     for phrase, words in _PHRASES.items():
         message = message.replace(phrase, words)
-    message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
+    message = re.sub(r"\bdst_crs=(?=['\"])", "--dst-crs ", message)  # quotes are the shell's too
     for pattern in (_QUOTED, _NUMBER, _BARE):
         message = pattern.sub(_as_option, message)
     return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)

@@ -58,7 +58,7 @@ class Report(FrozenResult):
     classes : mapping of int to int
         Rows by class, as lidar has them; empty if the cloud has no classes.
     transformation : mapping
-        How ``to_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
+        How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
 
     Examples

@@ -196,7 +196,7 @@ def _whole(
         if cloud.mask is not None:
             raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
-    source = read_rows(cloud, classes)
+    source = read_rows(cloud, classes=classes)
     whole = triangulate(source, **given, progress=progress)
     if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
         _check_faces(source, given["plane"])

@@ -11,7 +11,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -185,7 +185,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_rows(cloud, classes, **_table_options(columns, flat)), given)
+    source = with_parts(read_rows(cloud, classes=classes, columns=columns, flat=flat), given)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -229,16 +229,10 @@ def check_system(
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
             f"the coordinates are geocentric ({system.name}), and x, y is no plane on the ground: "
-            "read the file with to_crs= a projected system, or give the normal of a plane"
+            "read the file with dst_crs= a projected system, or give the normal of a plane"
         )
     for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)
-
-
-def _table_options(columns: ColumnChoice, flat: bool) -> dict[str, Any]:
-    """The options of tables that were given: what is no table takes none."""
-    options: dict[str, Any] = {} if columns is None else {"columns": columns}
-    return options if flat is False else options | {"flat": flat}
 
 
 class _Options(TypedDict):

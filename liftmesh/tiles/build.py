@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 from liftmesh._typing import Progress
 from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, as_threads, check_progress
@@ -13,6 +13,9 @@ from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from liftmesh.io.options import ChunkOptions
     from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
@@ -136,7 +139,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     neighbors: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
-    **reading: Any,
+    **reading: Unpack[ChunkOptions],
 ) -> TiledSurface:
     """Make a surface of more points than fit in memory, tile by tile, in files.
 
@@ -176,9 +179,10 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         As for `tile`.
     **reading
         Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
-        ``to_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and COPC,
-        the ground (class 2) is taken, or all rows if no file has any, and no withheld rows, as by
-        `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were taken.
+        ``dst_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and
+        COPC, the ground (class 2) is taken, or all rows if no file has any, and no withheld rows,
+        as by `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were
+        taken.
 
     Returns
     -------

@@ -80,7 +80,7 @@ def test_heights_of_a_grid_become_rows() -> None:
 
 
 def test_a_system_without_heights_is_not_asked_for_one_without() -> None:
-    cause = r"where the rows are, .*: give another one of the file with crs=$"
+    cause = r"where the rows are, .*: give another one of the file with src_crs=$"
     with pytest.raises(InputError, match=cause):
         transform(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
 

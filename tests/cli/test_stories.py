@@ -237,15 +237,15 @@ FLAWS = {
     "triangulate nodata.tif o.ply": "nodata.tif: none of 20 samples has a value",
     "triangulate nodata.agr o.ply": "nodata.agr: none of 2 samples has a value",
     "triangulate utm.laz o.ply --classes 40": "utm.laz: none of 3,638 rows meets",
-    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --to-crs",
+    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --dst-crs",
     "triangulate feet.laz o.xml": "x, y and z are foot and metre, but LandXML has one for all",
     "triangulate band.tif o.xml": "x, y and z are metre and foot, but LandXML has one for all",
     "triangulate band.tif o.3mf": "x, y and z are metre and foot, but 3MF has one for all",
-    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --from-crs$",
+    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --src-crs$",
     "triangulate cut.laz o.ply": "cut.laz: LAZ: the table of chunks should begin at byte .* trunc",
     "triangulate head.laz o.ply": r"begin at byte [\d,]+, but the file has 300: it is truncated",
     "triangulate lies.laz o.ply": "lies.laz: byte 100: the header states 2,147,483,647 records",
-    "triangulate odd.ply o.ply --to-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG:n",
+    "triangulate odd.ply o.ply --dst-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG",
 }
 
 

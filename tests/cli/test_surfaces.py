@@ -310,7 +310,7 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         ),
         (("sample", "tin.ply", "o.csv", "--at", "names.csv"), 3, "has no column x or y"),
         (("sample", "nan.csv", "o.csv", "--at", "at.csv"), 3, "with --nonfinite skip"),
-        (("volume", "utm.ply", "dutch.ply"), 3, "give --to-crs, which transforms both"),
+        (("volume", "utm.ply", "dutch.ply"), 3, "give --dst-crs, which transforms both"),
         (("volume", "tin.ply", "--level", "nan"), 2, "--level 'nan' is not a number"),
         (("volume", "tin.ply", "--within", "far.json"), 3, "no area in common with the faces"),
         (("solid", "tin.ply", "o.stl", "--base", "nan"), 2, "--base 'nan' is not a number"),

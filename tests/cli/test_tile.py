@@ -86,7 +86,7 @@ def test_a_surface_of_a_table_is_read_as_its_options_say(folder: Path) -> None:
     cloud = np.column_stack((POINTS[:200, 0] + 0.5, POINTS[:200, 1], POINTS[:200].sum(axis=1)))
     expected = liftmesh.tile_surface(cloud, folder / "expected")
     assert found.compute().tolist() == expected.compute().tolist()
-    for name, value in (("--skip-rows", "1"), ("--from-crs", "EPSG:25832")):
+    for name, value in (("--skip-rows", "1"), ("--src-crs", "EPSG:25832")):
         done = command("tile", "survey.csv", "other", name, value, cwd=folder)
         assert (done.returncode, f"error: {name} is for surfaces" in done.stderr) == (2, True)
         done = command("contour", "out", "o.gpkg", "--interval", 9, name, value, cwd=folder)

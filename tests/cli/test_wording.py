@@ -84,10 +84,10 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
 @pytest.mark.parametrize(
     ("message", "said"),
     [
-        ("transform them with to_crs=", "transform them with --to-crs"),
-        ("to_crs= needs a system", "--to-crs needs a system"),
-        ("b: to_crs='EPSG:99': no such", "b: --to-crs 'EPSG:99': no such"),
-        ('b: to_crs="it\'s": no such', 'b: --to-crs "it\'s": no such'),
+        ("transform them with dst_crs=", "transform them with --dst-crs"),
+        ("dst_crs= needs a system", "--dst-crs needs a system"),
+        ("b: dst_crs='EPSG:99': no such", "b: --dst-crs 'EPSG:99': no such"),
+        ('b: dst_crs="it\'s": no such', 'b: --dst-crs "it\'s": no such'),
         ("b: band=, skip_rows= cannot be given", "b: --band, --skip-rows cannot be given"),
         ("flat=True says so (flat=)", "--flat says so (--flat)"),
         ("3MF has metre: give unit=", "3MF has metre: give --unit"),
@@ -106,7 +106,7 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
             "out holds a run with --tile-rows 500, not 99",
         ),
         ("with shard_format 'npy', not 'ply'", "with --shards 'npy', not 'ply'"),
-        ("b in None: give to_crs= or crs=", "b in None: give --to-crs or --from-crs"),
+        ("b in None: give dst_crs= or src_crs=", "b in None: give --dst-crs or --src-crs"),
         ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
         ("band=2/a.tif: no file", "band=2/a.tif: no file"),
         ("tiles/cell=5: no file", "tiles/cell=5: no file"),
@@ -126,7 +126,7 @@ def test_options_of_python_are_told_as_those_of_commands(message: str, said: str
         ("triangulate a.ply b.ply --cell 1e-300", "--cell is 1e-300, too small"),
         ("triangulate a.ply b.ply --min-distance 1e-300", "--min-distance is 1e-300, too small"),
         ("simplify a.ply b.ply --max-points 3", "--max-points is 3, and the hull has"),
-        ("tile a.ply feet.ply out --surface", "in None: give --to-crs or --from-crs"),
+        ("tile a.ply feet.ply out --surface", "in None: give --dst-crs or --src-crs"),
         ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
         (
             "triangulate wall.xyz b.ply",

@@ -6,7 +6,7 @@ import hypothesis.strategies as st
 import numpy as np
 from clouds import FAMILIES
 from meshes import hard_queries
-from surface_oracle import ExactSurface
+from oracles.surfaces import ExactSurface
 
 import liftmesh
 from liftmesh.raster.pixels import Layout

@@ -144,7 +144,7 @@ def test_conditions_of_files_that_are_read_in_chunks(folder: Path) -> None:
     assert for_chunks(names[1:2], {})[0]["classes"] == "all"
     assert for_chunks(names, {"bbox": (0, 0, 50, 50)})[1]["classes"] == "all"
     with pytest.raises(InputError, match=r"b.las: no ground \(class 2\), while other files"):
-        for_chunks(names, {"to_crs": "EPSG:25832"})
+        for_chunks(names, {"dst_crs": "EPSG:25832"})
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.int64, np.float64])

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 from commands import failed, liftmesh as run
-from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
+from oracles.earthwork import error, exact_earthwork, grid_pair
 from surfaces import LATTICE, drawn, meadow, rotated, trimmed
 
 import liftmesh

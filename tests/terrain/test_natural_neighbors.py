@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
+from oracles.surfaces import Point, exact_point, turn
 from scipy.spatial import cKDTree
-from surface_oracle import Point, exact_point, turn
 from surfaces import LATTICE, drawn, exactly, family_surface, meadow
 
 import liftmesh

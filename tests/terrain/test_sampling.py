@@ -7,8 +7,8 @@ import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from matplotlib.tri import LinearTriInterpolator
+from oracles.surfaces import exact_point
 from scipy.interpolate import LinearNDInterpolator
-from surface_oracle import exact_point
 from surfaces import LATTICE, SMALL, exactly, family_surface, with_heights
 
 import liftmesh

@@ -9,7 +9,7 @@ import pytest
 import rasterio
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
-from surface_oracle import exact_point
+from oracles.surfaces import exact_point
 from surfaces import LATTICE, covering, exactly, family_surface, raster, with_heights
 
 import liftmesh

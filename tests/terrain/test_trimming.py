@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, exact_point, turn
+from oracles.surfaces import ExactSurface, exact_point, turn
 from surfaces import LATTICE, LIMITS, covering, drawn, exactly, meadow, raster, trimmed
 
 import liftmesh
