@@ -148,7 +148,7 @@ def _triangulate(points: np.ndarray, _: Generator) -> Action:
     some = len(points) // 5  # have the position of another, and another height
     several[:some, :2] = points[len(points) - some :, :2]
     return lambda progress: liftmesh.triangulate(
-        several, plane="fit", duplicates="mean", progress=progress
+        several, plane="fit", on_duplicate="mean", progress=progress
     )
 
 

@@ -23,7 +23,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
 import typer
 
-from liftmesh.base.options import VARIABLE, Duplicates as Policy, NonFinite, as_count, as_threads
+from liftmesh.base.options import VARIABLE, NonFinite, OnDuplicate as Policy, as_count, as_threads
 from liftmesh.cli.wording import as_on_command_line, of_reading
 from liftmesh.errors import InputError
 

@@ -83,7 +83,7 @@ def run(
                 **limits,
                 prune=prune,
                 plane=plane.value,
-                duplicates=on_duplicate,
+                on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
                 progress=progress,
             )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import Duplicates, ShardFormat
+from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import option, whole
 from liftmesh.cli.wording import of_reading
@@ -45,7 +45,7 @@ def run(
         bool, typer.Option("--surface", help="Keep heights, colours and named values, too.")
     ] = False,
     on_duplicate: Annotated[
-        Duplicates | None,
+        OnDuplicate | None,
         typer.Option(
             help="Of a surface, which of several rows at one planar position is the vertex; by "
             "default the first."
@@ -108,7 +108,7 @@ def run(
     common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
     common |= {"resume": not restart, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": on_duplicate or "first", **rows}
+        common |= {"on_duplicate": on_duplicate or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}

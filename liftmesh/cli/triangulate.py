@@ -149,7 +149,7 @@ def run(
         surface = _triangulate(
             cloud,
             plane=plane.value,
-            duplicates=on_duplicate,
+            on_duplicate=on_duplicate,
             nonfinite=nonfinite,
             algorithm=algorithm,
             q=apex,

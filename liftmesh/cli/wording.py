@@ -18,7 +18,7 @@ from typing import Any
 
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "dst_crs", "duplicates", "encoding", "end", "flat", "interpolation", "method", "nodata",
+    "dst_crs", "encoding", "end", "flat", "interpolation", "method", "nodata",
     "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
     "z_factor",
 )  # fmt: skip
@@ -31,6 +31,7 @@ _PHRASES = {
     "resume=False": "--restart",
     "with neighbors ": "with --neighbors ",
     "with nonfinite '": "with --nonfinite '",
+    "with on_duplicate '": "with --on-duplicate '",
     "with shard_format '": "with --shards '",
     "with tile_rows ": "with --tile-rows ",
     "fewer tile_rows": "fewer --tile-rows",
@@ -54,7 +55,7 @@ _OF_READING = {
     "polygon": "trim_polygon", "resolution": "copc_resolution",
 }  # fmt: skip
 _OTHER_NAMES = {
-    "bounds": "raster_bounds", "distance": "min_distance", "duplicates": "on_duplicate",
+    "bounds": "raster_bounds", "distance": "min_distance",
     "length": "min_length",
 }  # fmt: skip
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="

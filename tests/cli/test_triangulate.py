@@ -57,7 +57,7 @@ def test_every_row_is_accounted_for(tmp_path):
         liftmesh("triangulate", OVERHANG, "mesh.ply", "--on-duplicate", "highest", cwd=tmp_path)
     )
     told = dict(re.findall(r"^(\S.*?)  +(.*)$", out, flags=re.MULTILINE))
-    report = lm.triangulate(OVERHANG, duplicates="highest").report
+    report = lm.triangulate(OVERHANG, on_duplicate="highest").report
     for name in ("rows", "used", "duplicates", "overhangs", "triangles"):
         assert told[name] == str(getattr(report, name))
     assert told["not finite"] == "0"
@@ -67,7 +67,7 @@ def test_every_row_is_accounted_for(tmp_path):
 @pytest.mark.parametrize("policy", ["first", "last", "lowest", "highest", "mean"])
 def test_policies(policy, tmp_path):
     succeeded(liftmesh("triangulate", OVERHANG, tmp_path / "m.ply", "--on-duplicate", policy))
-    expected = lm.triangulate(OVERHANG, duplicates=policy)
+    expected = lm.triangulate(OVERHANG, on_duplicate=policy)
     mesh = lm.read(tmp_path / "m.ply")
     assert np.array_equal(mesh.faces, expected.faces)
     assert np.array_equal(mesh.points, expected.vertices)

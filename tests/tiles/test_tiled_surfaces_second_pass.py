@@ -32,8 +32,8 @@ def both(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[TiledSurface, Surface]:
     cloud, out = CLOUDS[request.param], tmp_path_factory.mktemp("tiles")
-    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, duplicates="mean")
-    return tiled, liftmesh.triangulate(cloud, duplicates="mean")
+    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, on_duplicate="mean")
+    return tiled, liftmesh.triangulate(cloud, on_duplicate="mean")
 
 
 LAYOUTS: list[dict[str, Any]] = [
@@ -250,7 +250,7 @@ def test_the_commands(tmp_path: Path) -> None:
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
     cloud = liftmesh.read(tmp_path / "a.las", bbox=[0, 0, 20, 20])
-    surface = liftmesh.triangulate(cloud, duplicates="lowest")
+    surface = liftmesh.triangulate(cloud, on_duplicate="lowest")
     assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
     assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
     assert command("verify", "out", cwd=tmp_path).returncode == 0
