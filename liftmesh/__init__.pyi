@@ -3,12 +3,12 @@ from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,
 )
-from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
+from .cells.lloyd import LloydResult as LloydResult, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,
     natural_neighbors as natural_neighbors,
 )
-from .cells.transport import Transported as Transported, transport as transport
+from .cells.transport import TransportResult as TransportResult, transport as transport
 from .cells.voronoi import (
     Cells as Cells,
     Unclipped as Unclipped,

@@ -25,7 +25,7 @@ from liftmesh.crs.comparison import crs_of
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Relaxed:
+class LloydResult:
     """Points relaxed by `lloyd`.
 
     Parameters
@@ -39,12 +39,12 @@ class Relaxed:
     largest_move : float
         How far the last step moved the point that it moved most.
     converged : bool
-        Whether that was within the tolerance.
+        Whether that was within what ``tol`` allows.
 
     Examples
     --------
     >>> import liftmesh
-    >>> relaxed = liftmesh.lloyd([[0.1, 0.5], [0.2, 0.5]], domain=(0, 0, 1, 1), tolerance=1e-6)
+    >>> relaxed = liftmesh.lloyd([[0.1, 0.5], [0.2, 0.5]], domain=(0, 0, 1, 1), tol=1e-6)
     >>> relaxed.points.round(3), relaxed.converged
     (array([[0.25, 0.5 ],
            [0.75, 0.5 ]]), True)
@@ -60,7 +60,7 @@ class Relaxed:
         steps = len(self.energies) - 1
         state = f"{'converged' if self.converged else 'not converged'} after {steps:,} steps"
         rows = counted(len(self.points), "row")
-        return f"<Relaxed: {rows}, {state}, the last of {self.largest_move:.3g}>"
+        return f"<LloydResult: {rows}, {state}, the last of {self.largest_move:.3g}>"
 
 
 def lloyd(
@@ -68,30 +68,30 @@ def lloyd(
     *,
     domain: Any = None,
     density: Any = None,
-    steps: int = 100,
-    tolerance: float = 1e-3,
-) -> Relaxed:
+    max_iter: int = 100,
+    tol: float = 1e-3,
+) -> LloydResult:
     """Relax points inside a domain by Lloyd's method, towards evenly spread ones.
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `voronoi`.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         As for `voronoi`.
     density : (h, w) array_like, or a tuple of one and (xmin, ymin, xmax, ymax), optional
         How much each place counts, from 0: an image, constant in each pixel, whose first row is the
         highest; and the box that it fills, by default that of the domain. It is 0 outside. Points
         crowd where it is high.
-    steps : int, default 100
+    max_iter : int, default 100
         How many steps are made at most.
-    tolerance : float, default 1e-3
+    tol : float, default 1e-3
         The steps end once none moves a point by more than this share of the side of a square of the
         mean area of a cell.
 
     Returns
     -------
-    Relaxed
+    LloydResult
         The points, their cells, and how the energy fell. Rows whose cell has no area, or no mass,
         stay where they are: those at the position of an earlier one, and those far outside of the
         domain.
@@ -99,9 +99,9 @@ def lloyd(
     Raises
     ------
     InputError
-        As for `voronoi`; or steps is no whole number, tolerance is negative, density is no image or
-        is 0 in the whole domain, or the domain is so large or small that float64 does not hold the
-        energy.
+        As for `voronoi`; or `max_iter` is no whole number, `tol` is negative, density is no image
+        or is 0 in the whole domain, or the domain is so large or small that float64 does not hold
+        the energy.
     NonFiniteError
         A row is not finite.
 
@@ -111,8 +111,8 @@ def lloyd(
     >>> bool((np.diff(found.energies) <= 0).all()), bool(found.cells.areas.min() > 0.01)
     (True, True)
     """
-    most = as_count("steps", steps, 0)
-    relative = as_share(tolerance, np.inf)
+    most = as_count("max_iter", max_iter, 0)
+    relative = as_share(tol, np.inf)
     dual = dual_of(sites_of(points, domain))
     inside = as_domain(domain, dual.points, crs_of(points))
     check_extent(inside, dual.points)
@@ -129,4 +129,4 @@ def lloyd(
         here = Measure(Cells(dual_of(moved), inside), image)
         energies.append(here.energy)
     cells = here.cells
-    return Relaxed(cells.points, cells, read_only(np.array(energies)), move, move <= limit)
+    return LloydResult(cells.points, cells, read_only(np.array(energies)), move, move <= limit)

@@ -11,7 +11,7 @@ With a density, areas and lengths are integrals of it. Where it is 0, cells may 
 their sides none, and Newton's method no start or no step. So it is approached: at first, half of it
 is spread evenly over the domain; once the masses are reached by and large, a quarter of this share
 is, and so on. It need not be 0 in the end: what is spread is too little to matter once it is less
-than the tolerance. If no step helps on the way, it starts again from a half, by smaller ratios.
+than `tol`. If no step helps on the way, it starts again from a half, by smaller ratios.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ _SYMMETRIC = {
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class Transported:
+class TransportResult:
     """The power cells that `transport` found.
 
     Parameters
@@ -63,9 +63,9 @@ class Transported:
     damping : (s,) ndarray of float64
         The share of each Newton step that was taken.
     converged : bool
-        Whether the last error is within the tolerance.
+        Whether the last error is at most ``tol``.
     stalled : bool
-        Whether it ended above the tolerance because no step helped, so that a higher limit of steps
+        Whether it ended above ``tol`` because no step helped, so that a higher limit of steps
         changes nothing. If neither this nor `converged`, the steps are used up.
 
     Examples
@@ -89,7 +89,7 @@ class Transported:
         state = "converged" if self.converged else "not converged"
         state = "stalled" if self.stalled else state
         return (
-            f"<Transported: {counted(len(self.masses), 'row')}, {state} after "
+            f"<TransportResult: {counted(len(self.masses), 'row')}, {state} after "
             f"{counted(len(self.damping), 'step')}, "
             f"{self.errors[-1]:.2g} of the whole in the wrong cells>"
         )
@@ -102,9 +102,9 @@ def transport(
     domain: Any = None,
     density: Any = None,
     strict: bool = False,
-    tolerance: float = 1e-8,
-    steps: int = 100,
-) -> Transported:
+    max_iter: int = 100,
+    tol: float = 1e-8,
+) -> TransportResult:
     """Find the power cells that have given areas inside a connected domain.
 
     Parameters
@@ -114,21 +114,21 @@ def transport(
     masses : (n,) array_like
         The area of each cell, or its mass by `density`, positive: as shares of the whole, whatever
         they add up to.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         As for `voronoi`, in one part.
     density : (h, w) array_like, or a tuple of one and (xmin, ymin, xmax, ymax), optional
         As for `lloyd`; by default 1.
     strict : bool, default False
         Whether masses that do not add up to the mass of the domain, but for rounding, are an
         error. Otherwise they are multiplied by one factor.
-    tolerance : float, default 1e-8
-        The share of the whole that may be in the wrong cells.
-    steps : int, default 100
+    max_iter : int, default 100
         How many steps are made at most.
+    tol : float, default 1e-8
+        The share of the whole that may be in the wrong cells.
 
     Returns
     -------
-    Transported
+    TransportResult
         The weights, the cells, and how the error fell.
 
     Raises
@@ -151,8 +151,8 @@ def transport(
     tens of rows, and hundreds for a thousand rows. There the weights are not unique.
 
     Areas come from corners in float64. A domain of side 1 at an offset of 1e8 has corners rounded
-    to 1.5e-8, and `stalled` is True if that is too coarse for the tolerance: subtract the offset,
-    or give a larger tolerance. So are weights where some rows are much nearer to each other than
+    to 1.5e-8, and `stalled` is True if that is too coarse for `tol`: subtract the offset, or
+    give a larger one. So are weights where some rows are much nearer to each other than
     to the rest, by a factor of 1e7 or more.
 
     Examples
@@ -162,8 +162,8 @@ def transport(
     >>> found.converged, bool(np.ptp(found.cells.areas) < 1e-8)
     (True, True)
     """
-    most = as_count("steps", steps, 0)
-    share = as_share(tolerance, 1)
+    most = as_count("max_iter", max_iter, 0)
+    share = as_share(tol, 1)
     dual = dual_of(sites_of(points, domain))
     inside = as_domain(domain, dual.points, crs_of(points))
     _check_apart(dual)
@@ -285,11 +285,11 @@ class _State:
 
 
 def _newton(
-    here: Measure, weights: Floats, wanted: Floats, tolerance: float, most: int
-) -> Transported:
+    here: Measure, weights: Floats, wanted: Floats, tol: float, max_iter: int
+) -> TransportResult:
     state, stalled = _State(here, weights, (_missing(here, wanted, 0.0),)), False
-    spread, best = _first_spread(here, wanted, tolerance), None
-    while state.errors[-1] > tolerance and len(state.damping) < most and not stalled:
+    spread, best = _first_spread(here, wanted, tol), None
+    while state.errors[-1] > tol and len(state.damping) < max_iter and not stalled:
         if spread.share > spread.floor and _is_near(state.here, wanted, spread.share):
             spread.lower(_least_spread(state.here, wanted))
         elif (stepped := _stepped(state.here, state.weights, wanted, spread.share)) is not None:
@@ -299,7 +299,7 @@ def _newton(
         else:
             best = _better(best, state)
             stalled = here.density is None or not spread.restart()
-    return _transported(_better(best, state), wanted, tolerance, stalled=stalled)
+    return _transported(_better(best, state), wanted, tol, stalled=stalled)
 
 
 def _better(one: _State | None, other: _State) -> _State:
@@ -307,10 +307,10 @@ def _better(one: _State | None, other: _State) -> _State:
     return other if one is None or other.errors[-1] < one.errors[-1] else one
 
 
-def _transported(state: _State, wanted: Floats, tolerance: float, *, stalled: bool) -> Transported:
-    here, converged = state.here, state.errors[-1] <= tolerance
+def _transported(state: _State, wanted: Floats, tol: float, *, stalled: bool) -> TransportResult:
+    here, converged = state.here, state.errors[-1] <= tol
     shares = read_only(np.array(state.errors) / wanted.sum())
-    return Transported(
+    return TransportResult(
         read_only(state.weights), here.cells, wanted, read_only(here.masses), shares,
         read_only(np.array(state.damping)), bool(converged), stalled,
     )  # fmt: skip
@@ -320,8 +320,8 @@ def _is_near(here: Measure, wanted: Floats, spread: float) -> bool:
     return bool(_missing(here, wanted, spread) <= wanted.min() / 4)
 
 
-def _first_spread(here: Measure, wanted: Floats, tolerance: float) -> _Spread:
-    floor = tolerance / float(wanted.sum()) / 4
+def _first_spread(here: Measure, wanted: Floats, tol: float) -> _Spread:
+    floor = tol / float(wanted.sum()) / 4
     if _least_spread(here, wanted) > 0:
         return _Spread(_HALF, floor, _RATIO)
     return _Spread(0.0, floor, inf)  # if no step helps, the ratio becomes finite

@@ -38,12 +38,12 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `delaunay`; also one, two, or on a line. Tables need no heights, and
         points of GeoPandas will do.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         What to clip to: a box; a polygon or multipolygon with holes, of shapely or anything with a
         ``__geo_interface__``, such as a GeoDataFrame, whose polygons are joined; the corners of a
-        polygon, in either direction; or the ``domain`` of other cells. By default the box of the
-        points, widened by a tenth of its longer side on each side. For the diagram in the whole
-        plane, with rays, see `Cells.unclipped`.
+        polygon, in either direction; or the ``domain`` of other cells. By default, and with
+        "bounds", the box of the points, widened by a tenth of its longer side on each side. For the
+        diagram in the whole plane, with rays, see `Cells.unclipped`.
 
     Returns
     -------
@@ -103,7 +103,7 @@ def power_diagram(
     radii : (n,) array_like or str, optional
         Instead of weights, the radius of a circle around each row: its weight is the square, which
         is never rounded.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         As for `voronoi`.
 
     Returns
@@ -155,7 +155,8 @@ class Cells(ClippedCells):
     points : (n, 2) ndarray of float64
         The sites.
     domain : Domain
-        The domain: its ``corners``, the ``starts`` of its rings, and what it is as ``text``.
+        The domain: its ``corners``, the ``starts`` of its rings, its ``bounds``, and what it is as
+        ``text``.
     parts, rings, ring_corners : ndarray of int64
         Where the parts of rows, the rings of parts and the corners of rings start, and the end.
     corners : (k, 2) ndarray of float64

@@ -38,7 +38,7 @@ def run(
     proofs: Annotated[int, option("N", "Maximum number of proofs to print.", whole(0))] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     *,
     rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
@@ -48,7 +48,7 @@ def run(
     outputs.check_stdout()
     outputs.check_target(lower)
     outputs.check_target(hull)
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
         result = _compare(

@@ -326,7 +326,7 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "triangulate", SPATIAL, triangulate()
     for policy in POLICIES:
         label = f"triangulate with the {policy} of duplicates"
-        yield label, SPATIAL, triangulate(duplicates=policy), ("towers", "random heights")
+        yield label, SPATIAL, triangulate(on_duplicate=policy), ("towers", "random heights")
     yield "triangulate on a fitted plane", SPATIAL, triangulate(plane="fit"), TERRAIN
     yield "triangulate on a plane", SPATIAL, triangulate(plane=(1, 2, 3)), TERRAIN
     yield "compare", SPATIAL, on_points(liftmesh.compare), TERRAIN, 16

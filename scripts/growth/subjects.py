@@ -94,8 +94,8 @@ CHUNKS = 16
 
 WITHOUT_DATA = {
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
-    "Relaxed": "a result, made by lloyd",
-    "Transported": "a result, made by transport",
+    "LloydResult": "a result, made by lloyd",
+    "TransportResult": "a result, made by transport",
     "Cells": "a result, made by voronoi; its methods and properties are watched",
     "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
     "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",

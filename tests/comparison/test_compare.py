@@ -8,10 +8,10 @@ from fractions import Fraction
 from functools import partial
 
 import numpy as np
-import oracle
 import pytest
 import trimesh
 from clouds import FAMILIES
+from oracles import planar as oracle
 
 import liftmesh
 from liftmesh.comparison.differences import (

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import assume, given, settings
+from oracles import planar as oracle
 from paper_positions import (
     Planar,
     lower_facets_by_definition,

@@ -314,9 +314,9 @@ def test_the_input_is_never_modified(algorithm: str) -> None:
 @pytest.mark.parametrize("policy", ["first", "highest", "mean"])
 def test_surfaces_by_every_method(algorithm: str, policy: str) -> None:
     cloud = layered()
-    options = {"duplicates": policy, "algorithm": algorithm, "apex": "median"}
+    options = {"on_duplicate": policy, "algorithm": algorithm, "apex": "median"}
     expected, actual = (
-        liftmesh.triangulate(cloud, duplicates=policy),
+        liftmesh.triangulate(cloud, on_duplicate=policy),
         liftmesh.triangulate(cloud, **options),
     )
     np.testing.assert_array_equal(actual.vertices, expected.vertices)

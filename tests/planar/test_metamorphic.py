@@ -19,7 +19,6 @@ from typing import get_args
 
 import hypothesis.strategies as st
 import numpy as np
-import oracle
 import pytest
 import twin
 from hypothesis import assume, given, settings
@@ -31,6 +30,7 @@ from meshes import (
     triangle_rows,
 )
 from numpy.typing import NDArray
+from oracles import planar as oracle
 from strategies import ANY_MOTIF, COCIRCULAR_CLOUDS, FEW, MOTIFS, OFFSETS, Points, alone, clouds
 
 import liftmesh
