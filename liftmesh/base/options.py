@@ -38,7 +38,7 @@ Pinched: TypeAlias = Literal["error", "trim"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
 Returns: TypeAlias = Literal["first", "last", "only"]
 ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
-Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
+OnDuplicate: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 
 def check_option(name: str, value: object, words: Any) -> None:

@@ -37,7 +37,7 @@ def test_what_caused_an_error_decides() -> None:
 
 @pytest.mark.parametrize(
     ("name", "option"),
-    [("skip_rows", "--skip-rows"), ("crs", "--from-crs"), ("header", "--no-header")],
+    [("skip_rows", "--skip-rows"), ("src_crs", "--src-crs"), ("header", "--no-header")],
 )
 def test_options_of_reading_have_names_of_their_own(name: str, option: str) -> None:
     assert wording.of_reading(name) == option

@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import second_opinion
 from clouds import FAMILIES
 from meshes import assert_oracle_agrees
 from numpy.typing import NDArray
+from oracles import second_opinion
 
 import liftmesh
 from liftmesh import _kernel

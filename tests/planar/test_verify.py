@@ -15,9 +15,9 @@ from damage import POINTS, Rows, flipped, without_a_point
 from hypothesis import given, settings, strategies as st
 from meshes import oracle_triangles
 from numpy.typing import NDArray
-from oracle import counter_clockwise, exact
+from oracles.planar import counter_clockwise, exact
+from oracles.second_opinion import flaw as second_opinion
 from scipy.spatial import Delaunay
-from second_opinion import flaw as second_opinion
 
 import liftmesh
 from liftmesh import Certificate, InputError, NonFiniteError

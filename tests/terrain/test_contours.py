@@ -16,7 +16,7 @@ import pyproj
 import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure
-from surface_oracle import ExactSurface
+from oracles.surfaces import ExactSurface
 from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh

@@ -35,7 +35,7 @@ from distributions import Points
 from numpy.typing import NDArray
 from process_state import memory
 from rich.table import Table
-from tile_families import FAMILIES
+from tilings import FAMILIES
 
 import liftmesh
 from benchmark.contest import SEED
