@@ -6,7 +6,7 @@ import os
 from typing import TYPE_CHECKING, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, as_threads, check_progress
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, as_threads, check_progress
 from liftmesh.tiles.options import Options, SurfaceOptions
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
@@ -130,7 +130,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     *,
     crs: str | None = None,
     plane: Literal["xy"] = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     tile_rows: int | Literal["auto"] = "auto",
     scratch: str | os.PathLike[str] | None = None,
@@ -158,7 +158,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         The coordinate system, in place of that of the source: WKT or ``EPSG:n``.
     plane : "xy"
         The projection plane; tiles know no other.
-    duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
+    on_duplicate : {"first", "last", "lowest", "highest", "mean", "error"}
         As for `triangulate`. An error names two rows of the first tile that has any.
     nonfinite : {"error", "skip"}, default "error"
         Whether rows whose x, y or z is NaN or infinity raise an error, or are listed in
@@ -197,7 +197,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DuplicateHeightError
-        Rows at one planar position have different heights and `duplicates` is "error".
+        Rows at one planar position have different heights and `on_duplicate` is "error".
     DegenerateInputError
         There are fewer than three distinct planar positions, or all lie on one line.
     UnsupportedTypeError, FormatError, MissingDependencyError, OSError
@@ -220,8 +220,8 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     >>> import numpy as np
     >>> from liftmesh import triangulate
     >>> points = np.random.default_rng(0).integers(0, 30, (1000, 3))
-    >>> tiled = tile_surface(points, tempfile.mkdtemp(), duplicates="highest", tile_rows=300)
-    >>> faces = triangulate(points, duplicates="highest").faces
+    >>> tiled = tile_surface(points, tempfile.mkdtemp(), on_duplicate="highest", tile_rows=300)
+    >>> faces = triangulate(points, on_duplicate="highest").faces
     >>> {frozenset(face) for face in tiled.to_array().tolist()} == {*map(frozenset, faces.tolist())}
     True
     >>> print(tiled.report)
@@ -229,7 +229,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )

@@ -99,7 +99,7 @@ class RunContext:
     shards: ShardFormat = "npy"
     neighbors: bool = False
     has_values: bool = False
-    duplicates: str = "first"
+    on_duplicate: str = "first"
 
 
 @dataclass(frozen=True)

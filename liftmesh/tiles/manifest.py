@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat
 from liftmesh.errors import FormatError
 from liftmesh.tiles.schema import POSITION, ROW
 from liftmesh.tiles.store import load_json, seal
@@ -142,7 +142,7 @@ def _is_fields(value: Any) -> bool:
 _WIDEST = 1 << 24  # bytes of a record
 _FILE: dict[str, Check] = {"bytes": _is_count, "sha256": _is_hash}
 _READING: dict[str, Check] = {
-    "duplicates": _is_one_of(Duplicates),
+    "on_duplicate": _is_one_of(OnDuplicate),
     "reading": lambda value: isinstance(value, dict),
     "fields": _is_fields,
     "crs": _or_none(_is_text),

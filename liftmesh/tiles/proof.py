@@ -314,7 +314,7 @@ class SurfaceProof(Proof):
 
     def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         super().__init__(tiled, plan, scratch, threads)
-        self._policy: str = tiled.manifest["surface"]["duplicates"]
+        self._policy: str = tiled.manifest["surface"]["on_duplicate"]
         self._chosen = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._heights = np.full(len(plan.repeated), np.nan)
         self._overhangs = 0

@@ -135,7 +135,7 @@ def _decided(
         return rows, merged, None, corners
     values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = choose_vertices(merged, corners, values, context.duplicates, repeated)
+    surface = choose_vertices(merged, corners, values, context.on_duplicate, repeated)
     return rows, surface.merged, surface, corners
 
 

@@ -235,7 +235,7 @@ def surface_report(tiled: TiledSurfaceData) -> Report:
         report,
         duplicates=report.duplicates - overhangs,
         overhangs=overhangs,
-        policy=said["duplicates"],
+        policy=said["on_duplicate"],
         columns=tiled.schema.columns,
         color_depth=tiled.schema.color_depth,
         classes=tiled.classes,

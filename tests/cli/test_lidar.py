@@ -50,7 +50,9 @@ def test_a_pipe_takes_the_same_rows_as_a_file(kind: str, folder: Path) -> None:
     lm.write(folder / "tile.las", lm.read(folder / "tile.laz"))
     data = (folder / f"tile.{kind}").read_bytes()
     assert liftmesh("triangulate", f"tile.{kind}", "a.ply", cwd=folder).returncode == 0
-    done = process("triangulate", "-", "b.ply", "--from", kind, cwd=folder, stdin=data, text=False)
+    done = process(
+        "triangulate", "-", "b.ply", "--input-format", kind, cwd=folder, stdin=data, text=False
+    )
     assert "ground (class 2): 296 of 600 rows" in done.stderr.decode()
     file, pipe = (lm.read(folder / name) for name in ("a.ply", "b.ply"))
     assert np.array_equal(file.points, pipe.points)
@@ -58,7 +60,7 @@ def test_a_pipe_takes_the_same_rows_as_a_file(kind: str, folder: Path) -> None:
 
 
 def test_options_choose_other_rows(folder: Path) -> None:
-    words = ("triangulate", "tile.laz", "tin.ply", "--classes", "all", "--withheld", "--json")
+    words = ("triangulate", "tile.laz", "tin.ply", "--all-classes", "--withheld", "--json")
     done = liftmesh(*words, cwd=folder)
     assert json.loads(done.stdout)["rows"] == COUNT
     words = ("--classes", "2,9", "--returns", "last", "--bounds", "500000,5400000,500900,5400900")
@@ -152,7 +154,8 @@ def test_nothing_is_left_of_a_tile(folder: Path) -> None:
 
 
 WRONG = {
-    ("--classes", "trees"): "--classes 'trees' is unknown: give ground, all or as 2,9",
+    ("--classes", "trees"): "--classes 'trees' is unknown: give ground, or numbers as 2,9",
+    ("--classes", "all"): "--classes 'all' is --all-classes",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
     ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give xmin, ymin, xmax, ymax",
@@ -230,8 +233,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
         "20",
         "--bounds",
         "500000,5400000,500500,5400900",
-        "--classes",
-        "all",
+        "--all-classes",
     )
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
@@ -262,7 +264,7 @@ def test_info_says_when_and_by_what(
 
 
 def test_a_pipe_is_read_like_a_file(folder: Path) -> None:
-    words = ("triangulate", "-", "tin.ply", "--from", "laz")
+    words = ("triangulate", "-", "tin.ply", "--input-format", "laz")
     data = (folder / "tile.laz").read_bytes()
     done = subprocess.run(
         [*COMMAND, *words], input=data, capture_output=True, cwd=folder, env=PLAIN, check=True

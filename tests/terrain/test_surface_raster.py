@@ -53,7 +53,7 @@ def test_values_are_those_at_the_centres(family: str, turned: bool) -> None:
 def test_every_centre_has_one_owner(points, a, b, d, e) -> None:
     """Centres on a lattice of vertices: most of them are on edges and at vertices."""
     try:
-        surface = liftmesh.triangulate(points, duplicates="highest")
+        surface = liftmesh.triangulate(points, on_duplicate="highest")
     except liftmesh.DegenerateInputError:
         return
     if a * e == b * d:

@@ -30,11 +30,11 @@ RAISED = POINTS + np.array([0, 0, 1])
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_every_policy_is_that_of_one_call(policy: Any, tmp_path: Path) -> None:
-    expected = liftmesh.triangulate(CLOUD, duplicates=policy)
+    expected = liftmesh.triangulate(CLOUD, on_duplicate=policy)
     assert expected.report.overhangs > 300 < expected.report.used
     for tile_rows in (60, 5_000):
         out = tmp_path / str(tile_rows)
-        found = liftmesh.tile_surface(CLOUD, out, duplicates=policy, tile_rows=tile_rows)
+        found = liftmesh.tile_surface(CLOUD, out, on_duplicate=policy, tile_rows=tile_rows)
         check(found, expected)
         check(liftmesh.open_tiled(out), expected)  # type: ignore[arg-type]
         names = {path.name for path in out.iterdir()}
@@ -54,9 +54,9 @@ def test_tiny_clouds_with_ties_and_repeated_positions(seed: int, tmp_path: Path)
     points[rng.integers(0, rows, 2)] = [np.nan, 1, 2]
     points[rng.integers(0, rows, 2), 2] = np.inf
     policy: Any = POLICIES[seed % 5]
-    expected = liftmesh.triangulate(points, duplicates=policy, nonfinite="skip")
+    expected = liftmesh.triangulate(points, on_duplicate=policy, nonfinite="skip")
     chunks = iter(np.split(points, np.sort(rng.integers(0, rows, 3))))
-    options: dict[str, Any] = {"duplicates": policy, "nonfinite": "skip"}
+    options: dict[str, Any] = {"on_duplicate": policy, "nonfinite": "skip"}
     found = liftmesh.tile_surface(chunks, tmp_path, tile_rows=16, **options)
     check(found, expected)
     assert found.verify(points).canonical
@@ -101,8 +101,8 @@ SOURCES: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("kind", SOURCES)
 def test_every_source_is_that_of_one_call(kind: str, tmp_path: Path) -> None:
     source = SOURCES[kind](tmp_path)
-    expected = liftmesh.triangulate(source, duplicates="lowest")
-    found = liftmesh.tile_surface(source, tmp_path / "out", duplicates="lowest", tile_rows=200)
+    expected = liftmesh.triangulate(source, on_duplicate="lowest")
+    found = liftmesh.tile_surface(source, tmp_path / "out", on_duplicate="lowest", tile_rows=200)
     check(found, expected)
     again = None if isinstance(source, Path) else source
     assert found.verify(source if again is not None else None).canonical
@@ -145,9 +145,9 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
         crs=clouds[0].crs,
     )
     found = liftmesh.tile_surface(
-        paths, tmp_path / "out", duplicates="highest", tile_rows=100, **options
+        paths, tmp_path / "out", on_duplicate="highest", tile_rows=100, **options
     )
-    check(found, liftmesh.triangulate(whole, duplicates="highest"))
+    check(found, liftmesh.triangulate(whole, on_duplicate="highest"))
     assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bounds": [0, 0, 18, 21]}
     assert [each["rows"] for each in found.manifest["source"]] == [len(each) for each in clouds]
     assert found.verify().canonical
@@ -190,8 +190,10 @@ def test_the_ground_of_lidar_files_is_taken_as_by_triangulate(tmp_path: Path) ->
 @pytest.mark.parametrize("policy", POLICIES)
 def test_neighbors_are_those_of_one_call(policy: Any, tmp_path: Path) -> None:
     """Triangles name the rows that the policy chooses; which of them share an edge is the same."""
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates=policy, tile_rows=60, neighbors=True)
-    check(found, liftmesh.triangulate(CLOUD, duplicates=policy))
+    found = liftmesh.tile_surface(
+        CLOUD, tmp_path, on_duplicate=policy, tile_rows=60, neighbors=True
+    )
+    check(found, liftmesh.triangulate(CLOUD, on_duplicate=policy))
     triangles, neighbors = found.to_array(), found.neighbors_to_array()
     edges = {(t[k - 2], t[k - 1]): i for i, t in enumerate(triangles.tolist()) for k in range(3)}
     beyond = [[edges.get((t[k - 1], t[k - 2]), -1) for k in range(3)] for t in triangles.tolist()]
@@ -238,16 +240,16 @@ def test_bytes_depend_on_rows_and_options_alone(tmp_path: Path) -> None:
 def test_rows_at_one_position_that_must_not_differ(tmp_path: Path) -> None:
     points = np.random.default_rng(4).random((900, 3))
     points[700] = points[20]
-    found = liftmesh.tile_surface(points, tmp_path / "a", duplicates="error", tile_rows=90)
-    check(found, liftmesh.triangulate(points, duplicates="error"))
+    found = liftmesh.tile_surface(points, tmp_path / "a", on_duplicate="error", tile_rows=90)
+    check(found, liftmesh.triangulate(points, on_duplicate="error"))
     points[700, 2] += 1
     with pytest.raises(DuplicateHeightError, match="rows 20 and 700 share the planar") as caught:
-        liftmesh.tile_surface(points, tmp_path / "b", duplicates="error", tile_rows=90)
+        liftmesh.tile_surface(points, tmp_path / "b", on_duplicate="error", tile_rows=90)
     assert caught.value.rows == (20, 700)
     points[100:500, :2] = points[20, :2]  # most of them in no tile
     points[100:500, 2] = points[20, 2]
     with pytest.raises(DuplicateHeightError, match="rows 20 and 700 share the planar"):
-        liftmesh.tile_surface(points, tmp_path / "c", duplicates="error", tile_rows=90)
+        liftmesh.tile_surface(points, tmp_path / "c", on_duplicate="error", tile_rows=90)
 
 
 def test_heights_that_are_not_finite(tmp_path: Path) -> None:
@@ -272,7 +274,7 @@ def test_heights_that_are_not_finite(tmp_path: Path) -> None:
         ({"radii": [1, 2]}, "radii is for surfaces in one call"),
         ({"metric": np.eye(2)}, "metric is for surfaces in one call"),
         ({"max_edge": 3}, "max_edge is for surfaces in one call: what trimming"),
-        ({"duplicates": "median"}, "duplicates is 'median'"),
+        ({"on_duplicate": "median"}, "on_duplicate is 'median'"),
         ({"crs": ""}, "crs is ''"),
         ({"crs": "EPSG:4978"}, "geocentric"),
         ({"classes": 2}, "classes: options of files, and there is no file"),
@@ -339,7 +341,7 @@ class DiskFullError(OSError):
 def test_a_run_that_broke_off_goes_on(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    options: dict[str, Any] = {"duplicates": "mean", "tile_rows": 200}
+    options: dict[str, Any] = {"on_duplicate": "mean", "tile_rows": 200}
     expected = liftmesh.tile_surface(CLOUD, tmp_path / "expected", **options)
     asked = [0]
     save = stages.save_array  # the same function in all three
@@ -366,8 +368,10 @@ def test_a_run_that_broke_off_goes_on(
 def test_what_has_changed_before_a_run_goes_on(tmp_path: Path) -> None:
     path = npy(tmp_path, POINTS)
     liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200)
-    with pytest.raises(InputError, match="holds the triangles with duplicates 'first', not 'last'"):
-        liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, duplicates="last")
+    with pytest.raises(
+        InputError, match="holds the triangles with on_duplicate 'first', not 'last'"
+    ):
+        liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, on_duplicate="last")
     with pytest.raises(InputError, match="holds the triangles with crs None, not 'EPSG:7415'"):
         liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, crs="EPSG:7415")
     with pytest.raises(InputError, match="holds a surface, not triangles alone"):
@@ -394,7 +398,7 @@ def broken(tiled: TiledSurface, change: Callable[[Any], None]) -> set[str]:
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_heights_and_values_are_proved_against_the_source(policy: Any, tmp_path: Path) -> None:
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates=policy, tile_rows=150)
+    found = liftmesh.tile_surface(CLOUD, tmp_path, on_duplicate=policy, tile_rows=150)
     certificate = found.verify(CLOUD)
     assert certificate.canonical
     assert (certificate.rows, certificate.duplicates) == (1_200, len(found.duplicates))
@@ -423,7 +427,7 @@ def test_values_and_rows_that_are_not_those_of_the_source(tmp_path: Path) -> Non
 
 def test_rows_are_those_that_the_policy_chooses(tmp_path: Path) -> None:
     """Triangles that name another row of a position are found, though they are Delaunay."""
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates="lowest", tile_rows=150)
+    found = liftmesh.tile_surface(CLOUD, tmp_path, on_duplicate="lowest", tile_rows=150)
     pairs = np.asarray(found.duplicates)
     for path in found.shards:
         triangles = np.load(path)

@@ -32,8 +32,8 @@ def both(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[TiledSurface, Surface]:
     cloud, out = CLOUDS[request.param], tmp_path_factory.mktemp("tiles")
-    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, duplicates="mean")
-    return tiled, liftmesh.triangulate(cloud, duplicates="mean")
+    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, on_duplicate="mean")
+    return tiled, liftmesh.triangulate(cloud, on_duplicate="mean")
 
 
 LAYOUTS: list[dict[str, Any]] = [
@@ -246,12 +246,12 @@ def test_a_raster_that_breaks_off_leaves_no_file(tmp_path: Path) -> None:
 
 def test_the_commands(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "a.las", liftmesh.Cloud(CLOUD.points, crs=CLOUD.crs))
-    options = ("--surface", "--duplicates", "lowest", "--tile-rows", 400, "--bounds", "0,0,20,20")
+    options = ("--surface", "--on-duplicate", "lowest", "--tile-rows", 400, "--bounds", "0,0,20,20")
     options += ("--neighbors",)
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
     cloud = liftmesh.read(tmp_path / "a.las", bounds=[0, 0, 20, 20])
-    surface = liftmesh.triangulate(cloud, duplicates="lowest")
+    surface = liftmesh.triangulate(cloud, on_duplicate="lowest")
     assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
     assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
     assert command("verify", "out", cwd=tmp_path).returncode == 0
@@ -262,7 +262,7 @@ def test_the_commands(tmp_path: Path) -> None:
     assert (told["rows"], told["columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
-    options = ("--resolution", "0.5", "--method", "sibson", "--cog", "--double")
+    options = ("--resolution", "0.5", "--interpolation", "sibson", "--cog", "--double")
     assert command("raster", "out", "b.tif", *options, cwd=tmp_path).returncode == 0
     with rasterio.open(tmp_path / "b.tif") as file:
         assert file.read(1).tobytes() == surface.raster(0.5, method="sibson").values.tobytes()
@@ -281,7 +281,7 @@ def test_the_commands(tmp_path: Path) -> None:
         (("contour", "out", "a.gpkg", "--interval", 1, "--plane", "xz"), "--plane is for files"),
         (("raster", "flat", "a.tif", "--resolution", 1), "flat holds triangles without heights"),
         (("raster", "none", "a.tif", "--resolution", 1), "no finished triangulation is here"),
-        (("tile", "a.npy", "b", "--duplicates", "mean"), "--duplicates is for surfaces"),
+        (("tile", "a.npy", "b", "--on-duplicate", "mean"), "--on-duplicate is for surfaces"),
         (("tile", "a.npy", "b", "--classes", "2"), "--classes is for surfaces"),
         (("tile", "a.npy", "b", "--surface", "--shards", "ply"), "--shards ply is for triangles"),
     ],
