@@ -26,6 +26,7 @@ _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
     "with format='raster'": "with --input-format raster",
     "with format=": "with --input-format FORMAT",
+    "with crs=": "with --src-crs",
     "with max_bytes=": "with --max-bytes SIZE",
     "neighbors=True, resume=False": "--neighbors --restart",
     "resume=False": "--restart",

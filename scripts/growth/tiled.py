@@ -77,7 +77,7 @@ def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
     yield "tile_surface", PLANAR, tiled_by(liftmesh.tile_surface), ("uniform", "few positions")
     heights = ("random heights",)
-    for name in ("report", "vertices", "faces", "meshes"):
+    for name in ("report", "iter_vertices", "iter_faces", "iter_meshes"):
         yield f"TiledSurface.{name}", SPATIAL, on_surface_tiles(PARTS[name]), heights
     raster = on_surface_tiles(lambda tiled: tiled.raster(**pixels(tiled)))
     yield "TiledSurface.raster", SPATIAL, raster, heights
