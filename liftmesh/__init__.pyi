@@ -3,12 +3,16 @@ from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,
 )
-from .cells.lloyd import LloydResult as LloydResult, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,
     natural_neighbors as natural_neighbors,
 )
-from .cells.transport import TransportResult as TransportResult, transport as transport
+from .cells.optimization import (
+    LloydResult as LloydResult,
+    TransportResult as TransportResult,
+    lloyd as lloyd,
+    transport as transport,
+)
 from .cells.voronoi import (
     Cells as Cells,
     Unclipped as Unclipped,

@@ -104,14 +104,7 @@ def run(
             "triangles, lf and lfres are slow.",
         ),
     ] = "auto",
-    apex: Annotated[
-        Any,
-        option(
-            "APEX",
-            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
-            options.vertex,
-        ),
-    ] = "origin",
+    apex: options.Apex = "median",
     input_format: options.InputFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
@@ -152,7 +145,7 @@ def run(
             on_duplicate=on_duplicate,
             nonfinite=nonfinite,
             algorithm=algorithm,
-            q=apex,
+            apex=apex,
             threads=threads,
             **lifted_by,
         )
