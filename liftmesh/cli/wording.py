@@ -170,7 +170,7 @@ def as_on_command_line(message: str) -> str:
     """Replace Python options in a message by those of the command line."""
     for phrase, words in _PHRASES.items():
         message = message.replace(phrase, words)
-    message = re.sub(r"\bto_crs=(?=['\"])", "--dst-crs ", message)  # the quotes are the shell's too
+    message = re.sub(r"\bdst_crs=(?=['\"])", "--dst-crs ", message)  # quotes are the shell's too
     for pattern in (_QUOTED, _NUMBER, _BARE):
         message = pattern.sub(_as_option, message)
     return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)
