@@ -77,12 +77,12 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     crs, system = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
     told = transformation_of(cloud.metadata)
-    instead = "--from-crs says another system" if told else f"taken as {crs_name(crs)}"
+    instead = "--src-crs says another system" if told else f"taken as {crs_name(crs)}"
     taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
         words = "name a projected system with" if is_transformed else "transform them with"
-        change = "transform them with to_crs=", f"{words} --to-crs"
+        change = "transform them with dst_crs=", f"{words} --dst-crs"
         return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None

@@ -18,36 +18,40 @@ from typing import Any
 
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "duplicates", "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane",
-    "point_format", "scale", "skip_rows", "to_crs", "unit", "z_factor",
+    "dst_crs", "encoding", "end", "flat", "interpolation", "method", "nodata",
+    "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
+    "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
-    "with format='raster'": "with --from raster",
-    "with format=": "with --from FORMAT",
+    "with format='raster'": "with --input-format raster",
+    "with format=": "with --input-format FORMAT",
+    "with crs=": "with --src-crs",
     "with max_bytes=": "with --max-bytes SIZE",
-    "with crs=": "with --from-crs",
-    "to_crs= or crs=": "--to-crs or --from-crs",
-    "neighbors=True, resume=False": "--neighbors --anew",
-    "resume=False": "--anew",
+    "neighbors=True, resume=False": "--neighbors --restart",
+    "resume=False": "--restart",
     "with neighbors ": "with --neighbors ",
     "with nonfinite '": "with --nonfinite '",
+    "with on_duplicate '": "with --on-duplicate '",
     "with shard_format '": "with --shards '",
     "with tile_rows ": "with --tile-rows ",
     "fewer tile_rows": "fewer --tile-rows",
     "dtype='float64'": "--double",
     "find the ground with classify_ground": "find the ground with triangulate --ground csf",
     "flat=True": "--flat",
-    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
-        "give --to-crs, which transforms both"
+    "read one with dst_crs= that of the other, or replace(crs=None) if they are the same": (
+        "give --dst-crs, which transforms both"
     ),
     "give one of None, ": "give one of none, ",
+    "classes='all'": "--all-classes",
+    "give method=": "give interpolation=",
+    "leave out method=": "leave out interpolation=",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
-    "max_deviation", "max_points", "point_format", "resolution",
+    "adaptive", "cell", "compress", "distance", "interval", "length", "max_deviation", "max_points",
+    "point_format", "raster_bounds", "resolution",
 )  # fmt: skip
-_OF_READING = {"crs": "from_crs", "header": "no_header"}
+_OF_READING = {"format": "input_format", "header": "no_header", "polygon": "trim_polygon"}
 _OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
@@ -159,14 +163,14 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
 
 def of_reading(name: str) -> str:
     """Return the option of the command line for one of `liftmesh.read`."""
-    return _option(_OF_READING.get(name, name))
+    return f"--{_OF_READING.get(name, _OTHER_NAMES.get(name, name)).replace('_', '-')}"
 
 
 def as_on_command_line(message: str) -> str:
     """Replace Python options in a message by those of the command line."""
     for phrase, words in _PHRASES.items():
         message = message.replace(phrase, words)
-    message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
+    message = re.sub(r"\bdst_crs=(?=['\"])", "--dst-crs ", message)  # quotes are the shell's too
     for pattern in (_QUOTED, _NUMBER, _BARE):
         message = pattern.sub(_as_option, message)
     return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)

@@ -41,8 +41,8 @@ def transform(
     # The operation is that for the place of the first row, so there is no step among rows.
     if crs is None:
         raise InputError(
-            "to_crs= needs the coordinate system of the points, which is not stated: read them "
-            "with crs="
+            "dst_crs= needs the coordinate system of the points, which is not stated: read them "
+            "with src_crs="
         )
     pyproj = load("pyproj", extra="terrain")
     kept = {} if chosen is None else chosen
@@ -62,7 +62,7 @@ def transform(
         row = int(np.argmax(lost))
         raise InputError(
             f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
-            "another to_crs="
+            "another dst_crs="
         )
     return moved, operation.told
 
@@ -160,8 +160,9 @@ def _impossible(target: str, lacking: Sequence[Any], is_planar: bool) -> InputEr
     needed = f" ({', '.join(files)})" if files else ""
     remedy = "give" if is_planar else "give the system without heights, or"
     return InputError(
-        f"to_crs={shown(target)}: there is no exact transformation where the rows are, or it needs "
-        f"a grid that is not installed{needed}: {remedy} another one of the file with crs="
+        f"dst_crs={shown(target)}: there is no exact transformation where the rows are, or it "
+        f"needs a grid that is not installed{needed}: {remedy} another one of the file with "
+        "src_crs="
     )
 
 
@@ -181,7 +182,7 @@ def _check_grids(*systems: str) -> None:
     for each in filter(has_grids, systems):
         raise InputError(
             f"the heights of {shown(each)} are those of a grid (PROJ4_GRIDS), and no file that a "
-            "text names is opened: name their system with crs=, such as EPSG:26910+5703"
+            "text names is opened: name their system with src_crs=, such as EPSG:26910+5703"
         )
 
 

@@ -65,15 +65,15 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
     if wanted is not None and stated is None and band is None and cloud.crs is not None:
         raise InputError(
-            f"to_crs={shown(target)} states what heights are, but nothing says their unit in the "
-            "file: name their system, too, with crs=, as 'EPSG:2263+6360' (US survey feet), or "
-            "give to_crs= without heights"
+            f"dst_crs={shown(target)} states what heights are, but nothing says their unit in the "
+            "file: name their system, too, with src_crs=, as 'EPSG:2263+6360' (US survey feet), or "
+            "give dst_crs= without heights"
         )
     if band is None or (stated is None and wanted is None):
         return 1.0, 1.0
     if band.metres is None:
         raise InputError(
-            f"to_crs={shown(target)}: the band says that heights are in {shown(band.name)}, which "
+            f"dst_crs={shown(target)}: the band says that heights are in {shown(band.name)}, which "
             "cannot be converted: give a system without heights"
         )
     if stated is not None:
@@ -113,9 +113,9 @@ def coordinate_warnings(system: System | None) -> tuple[str, ...]:
         return ()
     if system.kind == "geographic":
         what = f"x and y are degrees ({system.name}), which are no lengths"
-        return (f"{what}: transform them with to_crs=",)
+        return (f"{what}: transform them with dst_crs=",)
     if system.kind == "geocentric":
-        return (f"the coordinates are geocentric ({system.name}): transform them with to_crs=",)
+        return (f"the coordinates are geocentric ({system.name}): transform them with dst_crs=",)
     if system.is_mixed:
         x, y, z = (each.name if each else "?" for each in system.units)
         return (f"the units differ: x is in {x}, y in {y}, z in {z}",)
@@ -142,13 +142,13 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
     if system.kind in {"geographic", "geocentric"}:
         raise FormatError(
             f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
-            "transform them with to_crs="
+            "transform them with dst_crs="
         )
     units = (*system.units, heights)
     names = dict.fromkeys(each.name for each in units if each is not None)
     if len(names) > 1:
         raise FormatError(
             f"the units of x, y and z are {' and '.join(names)}, but {what} has one for all: "
-            "transform them with to_crs="
+            "transform them with dst_crs="
         )
     return next(iter(names), None)

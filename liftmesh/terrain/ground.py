@@ -149,7 +149,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     if system.kind in {"geographic", "geocentric"}:
         raise InputError(
             f"the coordinates are {system.kind} ({system.name}), but the ground is found in "
-            "metres: transform them with to_crs="
+            "metres: transform them with dst_crs="
         )
     x, y, z = ((each and each.metres) for each in system.units)
     plane = x or 1.0

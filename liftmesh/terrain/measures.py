@@ -258,7 +258,7 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
         raise InputError("the surfaces are over different planes: give both the same")
     if are_different(surface.crs, other.crs):
         raise InputError(
-            "the surfaces have different coordinate systems: read one with to_crs= that of the "
+            "the surfaces have different coordinate systems: read one with dst_crs= that of the "
             "other, or replace(crs=None) if they are the same"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)

@@ -181,12 +181,13 @@ def check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
     """Raise if rows of a source have other values than those before."""
     if other.crs != first.crs:
         raise InputError(
-            f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: give to_crs= or crs="
+            f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: "
+            "give dst_crs= or src_crs="
         )
     if other.unit != first.unit:
         raise InputError(
             f"the band of {name} says that heights are in {_unit_of(other)}, that of {before} in "
-            f"{_unit_of(first)}: convert one, or give to_crs= with a system that names a unit"
+            f"{_unit_of(first)}: convert one, or give dst_crs= with a system that names a unit"
         )
     if other.names == first.names and other.color_depth != first.color_depth:
         raise InputError(

@@ -304,7 +304,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         on_triangulation(lambda t: t.plane_distance(t.points[0])),
         PLAIN,
     )
-    yield "lift", PLANAR, on_points(lambda points: liftmesh.lift(points, "median")), PLAIN
+    yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
     yield "LowerHull.above", PLANAR, on_hull(lambda hull: hull.above), PLAIN
@@ -326,7 +326,7 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "triangulate", SPATIAL, triangulate()
     for policy in POLICIES:
         label = f"triangulate with the {policy} of duplicates"
-        yield label, SPATIAL, triangulate(duplicates=policy), ("towers", "random heights")
+        yield label, SPATIAL, triangulate(on_duplicate=policy), ("towers", "random heights")
     yield "triangulate on a fitted plane", SPATIAL, triangulate(plane="fit"), TERRAIN
     yield "triangulate on a plane", SPATIAL, triangulate(plane=(1, 2, 3)), TERRAIN
     yield "compare", SPATIAL, on_points(liftmesh.compare), TERRAIN, 16

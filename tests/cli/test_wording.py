@@ -41,10 +41,10 @@ WRONG = [
     ([*TRIANGULATE, "--threads", "two"], "--threads is 'two': give a whole number from 1 to 1024"),
     ([*TRIANGULATE, "--threads", "1.5"], "--threads is '1.5': give a whole number from 1"),
     ([*TRIANGULATE, "--threads", "-1"], "--threads is -1: give a whole number from 1"),
-    ([*TRIANGULATE, "--duplicates"], "--duplicates needs a value"),
+    ([*TRIANGULATE, "--on-duplicate"], "--on-duplicate needs a value"),
     (
-        [*TRIANGULATE, "--duplicates", "some"],
-        "--duplicates 'some' is unknown: give first, last, lowest, highest, mean or error (see",
+        [*TRIANGULATE, "--on-duplicate", "some"],
+        "--on-duplicate 'some' is unknown: give first, last, lowest, highest, mean or error (see",
     ),
     ([*TRIANGULATE, "--nonfinite", "x"], "--nonfinite 'x' is unknown: give error or skip"),
     ([*TRIANGULATE, "--plane", "up"], "--plane 'up' is neither a known name nor a file: give xy"),
@@ -61,7 +61,10 @@ WRONG = [
     (["verify"], "FILE is missing: give liftmesh verify FILE"),
     (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
     (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),
-    (["compare", "a.ply", "--q", "1,2,3"], "--q '1,2,3' is unknown: give median, origin or a"),
+    (
+        ["compare", "a.ply", "--apex", "1,2,3"],
+        "--apex '1,2,3' is unknown: give median, origin or a",
+    ),
     (["paper", "--n", "2"], "--n is 2: give a whole number from 3"),
     (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
     (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
@@ -84,10 +87,10 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
 @pytest.mark.parametrize(
     ("message", "said"),
     [
-        ("transform them with to_crs=", "transform them with --to-crs"),
-        ("to_crs= needs a system", "--to-crs needs a system"),
-        ("b: to_crs='EPSG:99': no such", "b: --to-crs 'EPSG:99': no such"),
-        ('b: to_crs="it\'s": no such', 'b: --to-crs "it\'s": no such'),
+        ("transform them with dst_crs=", "transform them with --dst-crs"),
+        ("dst_crs= needs a system", "--dst-crs needs a system"),
+        ("b: dst_crs='EPSG:99': no such", "b: --dst-crs 'EPSG:99': no such"),
+        ('b: dst_crs="it\'s": no such', 'b: --dst-crs "it\'s": no such'),
         ("b: band=, skip_rows= cannot be given", "b: --band, --skip-rows cannot be given"),
         ("flat=True says so (flat=)", "--flat says so (--flat)"),
         ("3MF has metre: give unit=", "3MF has metre: give --unit"),
@@ -99,14 +102,14 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
         ("point_format is 11: give 6", "--point-format is 11: give 6"),
         ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
         ("max_points is 3, and the hull has 4", "--max-points is 3, and the hull has 4"),
-        ("replace them with resume=False", "replace them with --anew"),
-        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --anew"),
+        ("replace them with resume=False", "replace them with --restart"),
+        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --restart"),
         (
             "out holds a run with tile_rows 500, not 99",
             "out holds a run with --tile-rows 500, not 99",
         ),
         ("with shard_format 'npy', not 'ply'", "with --shards 'npy', not 'ply'"),
-        ("b in None: give to_crs= or crs=", "b in None: give --to-crs or --from-crs"),
+        ("b in None: give dst_crs= or src_crs=", "b in None: give --dst-crs or --src-crs"),
         ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
         ("band=2/a.tif: no file", "band=2/a.tif: no file"),
         ("tiles/cell=5: no file", "tiles/cell=5: no file"),
@@ -126,7 +129,7 @@ def test_options_of_python_are_told_as_those_of_commands(message: str, said: str
         ("triangulate a.ply b.ply --cell 1e-300", "--cell is 1e-300, too small"),
         ("triangulate a.ply b.ply --min-distance 1e-300", "--min-distance is 1e-300, too small"),
         ("simplify a.ply b.ply --max-points 3", "--max-points is 3, and the hull has"),
-        ("tile a.ply feet.ply out --surface", "in None: give --to-crs or --from-crs"),
+        ("tile a.ply feet.ply out --surface", "in None: give --dst-crs or --src-crs"),
         ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
         (
             "triangulate wall.xyz b.ply",
@@ -184,9 +187,9 @@ def completed(shell: str, words: str, **variables: str) -> list[str]:
 @pytest.mark.slow
 def test_shells_complete_commands_options_and_values() -> None:
     assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
-    options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")
-    assert options == ["--duplicates"]
-    values = completed("bash", "liftmesh triangulate a b --duplicates l", COMP_CWORD="5")
+    options = completed("bash", "liftmesh triangulate --on-d", COMP_CWORD="2")
+    assert options == ["--on-duplicate"]
+    values = completed("bash", "liftmesh triangulate a b --on-duplicate l", COMP_CWORD="5")
     assert values == ["last", "lowest"]
     assert '"triangulate":"Triangulate' in " ".join(completed("zsh", "liftmesh tri"))
 

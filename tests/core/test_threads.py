@@ -131,9 +131,9 @@ class TestOneResult:
     def test_of_surfaces(self):
         points = np.random.default_rng(1).random((30_000, 3))
         points[20_000:, :2] = points[:10_000, :2]
-        alone = liftmesh.triangulate(points, duplicates="highest", threads=1)
+        alone = liftmesh.triangulate(points, on_duplicate="highest", threads=1)
         for threads in (2, 5, None):
-            surface = liftmesh.triangulate(points, duplicates="highest", threads=threads)
+            surface = liftmesh.triangulate(points, on_duplicate="highest", threads=threads)
             assert surface.faces.tobytes() == alone.faces.tobytes()
             assert surface.report.left_out.tobytes() == alone.report.left_out.tobytes()
 

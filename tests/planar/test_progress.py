@@ -110,7 +110,7 @@ def test_reading_counts_and_so_does_each_stage(name, listener, tmp_path):
 
 def test_the_triangulation_is_most_of_a_surface(listener):
     points = np.column_stack((circle(300_000, np.random.default_rng(0)), np.zeros(300_000)))
-    liftmesh.triangulate(points, plane="fit", duplicates="mean", progress=listener)
+    liftmesh.triangulate(points, plane="fit", on_duplicate="mean", progress=listener)
     listener.check(at_least=4)
     before = [share for share in listener.told if share < 0.1]
     after = [share for share in listener.told if share > 0.9]
@@ -168,7 +168,7 @@ def test_nor_does_gift_wrapping(algorithm, listener):
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize(
-    "options", [{"algorithm": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"q": "centre"}]
+    "options", [{"algorithm": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"apex": "centre"}]
 )
 def test_nor_does_a_wrong_option(run, options, listener):
     with pytest.raises(liftmesh.InputError):
@@ -179,7 +179,7 @@ def test_nor_does_a_wrong_option(run, options, listener):
 def test_nor_do_heights_that_collide(listener):
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 1.0]])
     with pytest.raises(DuplicateHeightError):
-        liftmesh.triangulate(points, duplicates="error", progress=listener)
+        liftmesh.triangulate(points, on_duplicate="error", progress=listener)
     listener.check_shares()
     assert 0.0 < listener.told[-1] < 1.0
 

@@ -19,7 +19,7 @@ from liftmesh.terrain import measures
 
 
 def moved(surface, offset) -> liftmesh.Surface:
-    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), duplicates="highest")
+    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), on_duplicate="highest")
 
 
 SHIFT = st.integers(-6, 6).map(lambda each: each / 2)
@@ -105,7 +105,7 @@ ON_A_GRID = st.lists(
 def bits(one, two, change=lambda points: points):
     try:
         first, second = (
-            liftmesh.triangulate(change(np.array(each)), duplicates="highest")
+            liftmesh.triangulate(change(np.array(each)), on_duplicate="highest")
             for each in (one, two)
         )
         found = first.cut_and_fill(second)

@@ -22,7 +22,7 @@ _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
 DEGREES = (  # holds until they are transformed
     "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
-    "transform them with crs= and to_crs="
+    "transform them with src_crs= and dst_crs="
 )
 _CHOOSE = "columns='x=..,y=..,z=..'"
 _LONGEST = 40  # characters of a name in a message
