@@ -72,7 +72,7 @@ def commands() -> list[Command]:
 
 def _lines() -> Iterator[str]:
     yield "--version"
-    targets = [*(f">new.{kind}" for kind in MESHES), f"{STDOUT} --format ply"]
+    targets = [*(f">new.{kind}" for kind in MESHES), f"{STDOUT} --output-format ply"]
     for k, kind in enumerate((*MESHES, *CLOUDS)):
         yield f"info <mesh.{kind}"
         yield f"compare <mesh.{kind} --lower >lower.ply --hull >hull.glb"

@@ -87,15 +87,19 @@ def _selection(
         Any,
         option(
             "CLASSES",
-            "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+            "Rows of these classes, as 2,9; or ground: class 2 if there is any, as by default "
+            "of a surface.",
             options.classes,
         ),
     ] = None,
+    all_classes: Annotated[
+        bool, typer.Option("--all-classes", help="Rows of every class.")
+    ] = False,
     returns: Annotated[
         Returns | None,
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
-    bbox: Annotated[
+    bounds: Annotated[
         Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
@@ -103,7 +107,7 @@ def _selection(
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
-    resolution: Annotated[
+    copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
@@ -123,9 +127,12 @@ def _selection(
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
-    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    if classes is not None and all_classes:
+        raise typer.BadParameter("--classes and --all-classes exclude each other: leave one out")
+    chosen = "all" if all_classes else classes
+    conditions = options.given(classes=chosen, returns=returns, bbox=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+        every=every if every > 1 else None, withheld=withheld, resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection
@@ -153,7 +160,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     """
     reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
     if is_stream(path) and "format" not in reading:
-        raise typer.BadParameter("stdin has no suffix: give its format with --from")
+        raise typer.BadParameter("stdin has no suffix: give its format with --input-format")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress

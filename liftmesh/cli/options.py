@@ -24,7 +24,7 @@ from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 import typer
 
 from liftmesh.base.options import VARIABLE, NonFinite, OnDuplicate as Policy, as_count, as_threads
-from liftmesh.cli.wording import as_on_command_line
+from liftmesh.cli.wording import as_on_command_line, of_reading
 from liftmesh.errors import InputError
 
 
@@ -111,7 +111,7 @@ def as_option() -> Iterator[None]:
         yield
     except InputError as error:
         name, _, reason = str(error).partition(" ")
-        raise typer.BadParameter(f"--{name.replace('_', '-')} {reason}") from error
+        raise typer.BadParameter(f"{of_reading(name)} {reason}") from error
 
 
 @contextmanager
@@ -177,11 +177,13 @@ def box(text: str) -> tuple[float, ...] | None:
 
 def classes(text: str) -> str | list[int]:
     """Parse classes of rows."""
-    if text in {"ground", "all"}:
+    if text == "ground":
         return text
+    if text == "all":
+        raise WrongValue("'all' is --all-classes")
     words = text.split(",")
     if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
-        raise WrongValue(f"{text!r} is unknown: give ground, all or as 2,9")
+        raise WrongValue(f"{text!r} is unknown: give ground, or numbers as 2,9")
     return [int(word) for word in words]
 
 
@@ -317,13 +319,13 @@ def _exactly(length: int, text: str) -> tuple[float, ...] | None:
 
 
 Source: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
+    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --input-format).")
 ]
-SourceFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of the input, instead of its suffix.", name="--from")
+InputFormat: TypeAlias = Annotated[
+    str | None, option("FORMAT", "Format of the input, instead of its suffix.")
 ]
-TargetFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of OUT, instead of its suffix.", name="--format")
+OutputFormat: TypeAlias = Annotated[
+    str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
 ]
 Plane: TypeAlias = Annotated[
     Any,

@@ -169,7 +169,7 @@ def check_target(
     if is_stream(path):
         check_stdout()
     if not (file_format or path.suffix):
-        raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
+        raise typer.BadParameter(f"{path} has no suffix: give its format with --output-format")
     kind = find_written(file_format or suffix_of(path.name), str(path))
     if kind.write is None:
         raise FormatError(f"{path}: {kind.name} files can be read, not written")

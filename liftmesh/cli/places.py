@@ -70,10 +70,9 @@ class Places:
 
     def _worded(self, message: str) -> str:
         """Name the options of this table where a message names those of IN."""
-        names = "|".join(each.replace("_", "-") for each in (*_table_options(), "from"))
+        names = "|".join(each.replace("_", "-") for each in (*_table_options(), "input_format"))
         mine = rf"--{self.option}-\g<1>"
-        told = re.sub(rf"--({names})\b", mine, as_on_command_line(message))
-        return told.replace(f"--{self.option}-from", f"--{self.option}-format")
+        return re.sub(rf"--({names})\b", mine, as_on_command_line(message))
 
 
 def group(option: str) -> options.Group:
@@ -81,7 +80,7 @@ def group(option: str) -> options.Group:
 
     def parse(**given: Any) -> Places:
         plain = {key.removeprefix(f"{option}_"): value for key, value in given.items()}
-        file_format = plain.pop("format")
+        file_format = plain.pop("input_format")
         try:
             return Places(option, file_format, inputs.table(**plain))
         except typer.BadParameter as error:
@@ -90,7 +89,7 @@ def group(option: str) -> options.Group:
     file_format = typer.Option(
         metavar="FORMAT", help=f"Format of --{option}, instead of its suffix."
     )
-    parameters = [_parameter(f"{option}_format", None, str | None, file_format)]
+    parameters = [_parameter(f"{option}_input_format", None, str | None, file_format)]
     for name, each in _table_options().items():
         kind, info = get_args(each.annotation)
         own, dashed = copy(info), name.replace("_", "-")

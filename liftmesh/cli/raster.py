@@ -32,13 +32,15 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
-    bounds: Annotated[
+    raster_bounds: Annotated[
         Any, option("X0,Y0,X1,Y1", "What to cover, by default the surface.", numbers)
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
     ] = "height",
-    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    interpolation: Annotated[
+        SampleMethod, typer.Option(help="How heights are interpolated.")
+    ] = "linear",
     z_factor: Annotated[
         float | None,
         option(
@@ -68,9 +70,14 @@ def run(
     check_name(target)
     steps = resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
-    _check(steps, bounds, quantity, method, crs, packing)
+    _check(steps, raster_bounds, quantity, interpolation, crs, packing)
     outputs.check_place(target)
-    wanted = {"bounds": bounds, "quantity": quantity, "method": method, "z_factor": z_factor}
+    wanted = {
+        "bounds": raster_bounds,
+        "quantity": quantity,
+        "method": interpolation,
+        "z_factor": z_factor,
+    }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
         tiled = surfaces.open_tiles(source, reading, crs=crs)
@@ -102,7 +109,7 @@ def _check(
     steps: float | list[float],
     bounds: list[float] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: SampleMethod,
     crs: str | None,
     compress: str | None,
 ) -> None:
@@ -115,7 +122,7 @@ def _check(
         steps_of(steps)
         if bounds is not None:
             bounds_of(bounds)
-        check_method(quantity, method)
+        check_method(quantity, interpolation)
         writer.validate_geotiff_options(crs, compress)
 
 

@@ -70,8 +70,8 @@ def run(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
-    anew: Annotated[
-        bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Replace what a former run has written to OUT.")
     ] = False,
     shards: Annotated[
         ShardFormat, typer.Option(help="Format of triangles without heights; ply holds meshes.")
@@ -106,7 +106,7 @@ def run(
         with options.as_usage():
             rows_of_tile = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
-    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
+    common |= {"resume": not restart, "shards": shards, "neighbors": neighbors}
     if surface:
         common |= {"on_duplicate": on_duplicate or "first", **rows}
     paths = [str(path) for path in sources]

@@ -31,7 +31,7 @@ EXAMPLES = [
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate trees.csv mesh.ply --radii crown_radius",
     "liftmesh triangulate ground.laz tin.ply --max-edge 5 --boundary-only",
-    "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
+    "liftmesh triangulate - - --input-format xyz --output-format ply < points.xyz > mesh.ply",
 ]
 
 
@@ -88,7 +88,9 @@ Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
 def run(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --from)."),
+        typer.Argument(
+            metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --input-format)."
+        ),
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     plane: options.Plane = "xy",
@@ -102,21 +104,21 @@ def run(
             "triangles, lf and lfres are slow.",
         ),
     ] = "auto",
-    q: Annotated[
+    apex: Annotated[
         Any,
         option(
-            "Q",
+            "APEX",
             "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
             options.vertex,
         ),
     ] = "origin",
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
     *,
     trimming: surfaces.Trimming,
-    target_format: options.TargetFormat = None,
+    output_format: options.OutputFormat = None,
     threads: options.Threads = None,
     rows: inputs.RowOptions,
     ground: Ground,
@@ -131,9 +133,9 @@ def run(
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    outputs.check_target(target, output_format, writing)
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
@@ -143,21 +145,21 @@ def run(
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        outputs.check_content(target, output_format, cloud, writing)
         surface = _triangulate(
             cloud,
             plane=plane.value,
             on_duplicate=on_duplicate,
             nonfinite=nonfinite,
             algorithm=algorithm,
-            q=q,
+            q=apex,
             threads=threads,
             **lifted_by,
         )
         surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
-    written = outputs.write(target, surface, target_format, writing)
+    written = outputs.write(target, surface, output_format, writing)
     seconds["write"] = perf_counter() - start
     with outputs.report_after(target):
         _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)

@@ -39,7 +39,7 @@ def run(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="Mesh, - reads stdin (see --from); or a folder of tiles."
+            metavar="FILE", help="Mesh, - reads stdin (see --input-format); or a folder of tiles."
         ),
     ],
     certificate: Annotated[
@@ -49,7 +49,7 @@ def run(
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     weights: Annotated[
         str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
@@ -72,8 +72,8 @@ def run(
     if source.is_dir():
         certified = _verify_tiles(source, points, threads, certificate)
     else:
-        _check_format(source, source_format)
-        cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
+        _check_format(source, input_format)
+        cloud = inputs.read(source, {"format": input_format, "max_bytes": max_bytes})
         _note_polygons(cloud)
         with inputs.about(source):
             choices = {"nonfinite": nonfinite, "threads": threads}

@@ -66,9 +66,9 @@ def run(
             float,
         ),
     ] = None,
-    source_format: options.SourceFormat = None,
-    target_format: Annotated[
-        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", name="--format")
+    input_format: options.InputFormat = None,
+    output_format: Annotated[
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.")
     ] = None,
     *,
     table: inputs.Table,
@@ -79,10 +79,10 @@ def run(
     if json:
         outputs.check_stdout()
     _check_one(weights, radii, disks, max_deviation)
-    kind = _kind(target, target_format)
+    kind = _kind(target, output_format)
     outputs.check_place(target)
-    planar = {"flat": None} if is_table(source, source_format) else {}
-    reading = {**planar, **table, "format": source_format, "max_bytes": max_bytes}
+    planar = {"flat": None} if is_table(source, input_format) else {}
+    reading = {**planar, **table, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     area, crs = _domain(domain, cloud)
     with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
@@ -108,7 +108,9 @@ def _kind(target: Path, name: str | None) -> str:
     if name is not None:
         return check_format(name)
     if is_stream(target):
-        raise typer.BadParameter("stdout has no suffix: give the format with --format geojson")
+        raise typer.BadParameter(
+            "stdout has no suffix: give the format with --output-format geojson"
+        )
     return format_of(target)
 
 

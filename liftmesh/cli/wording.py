@@ -18,17 +18,17 @@ from typing import Any
 
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "dst_crs", "encoding", "end", "flat", "method", "nodata", "nonfinite", "on_duplicate", "plane",
-    "point_format", "scale", "skip_rows", "src_crs", "unit", "z_factor",
+    "dst_crs", "encoding", "end", "flat", "interpolation", "method", "nodata",
+    "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
+    "z_factor",
 )  # fmt: skip
 _PHRASES = {
     "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
-    "with format='raster'": "with --from raster",
-    "with format=": "with --from FORMAT",
+    "with format='raster'": "with --input-format raster",
+    "with format=": "with --input-format FORMAT",
     "with max_bytes=": "with --max-bytes SIZE",
-    "with crs=": "with --src-crs",
-    "neighbors=True, resume=False": "--neighbors --anew",
-    "resume=False": "--anew",
+    "neighbors=True, resume=False": "--neighbors --restart",
+    "resume=False": "--restart",
     "with neighbors ": "with --neighbors ",
     "with nonfinite '": "with --nonfinite '",
     "with on_duplicate '": "with --on-duplicate '",
@@ -42,13 +42,22 @@ _PHRASES = {
         "give --dst-crs, which transforms both"
     ),
     "give one of None, ": "give one of none, ",
+    "classes='all'": "--all-classes",
+    "give method=": "give interpolation=",
+    "leave out method=": "leave out interpolation=",
 }
 _SUBJECTS = (
     "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
     "max_deviation", "max_points", "point_format", "resolution",
 )  # fmt: skip
-_OF_READING = {"header": "no_header"}
-_OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
+_OF_READING = {
+    "bbox": "bounds", "bounds": "bounds", "format": "input_format", "header": "no_header",
+    "polygon": "trim_polygon", "resolution": "copc_resolution",
+}  # fmt: skip
+_OTHER_NAMES = {
+    "bounds": "raster_bounds", "distance": "min_distance",
+    "length": "min_length",
+}  # fmt: skip
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
 _NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
@@ -159,14 +168,14 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
 
 def of_reading(name: str) -> str:
     """Return the option of the command line for one of `liftmesh.read`."""
-    return _option(_OF_READING.get(name, name))
+    return f"--{_OF_READING.get(name, _OTHER_NAMES.get(name, name)).replace('_', '-')}"
 
 
 def as_on_command_line(message: str) -> str:
     """Replace Python options in a message by those of the command line."""
     for phrase, words in _PHRASES.items():
         message = message.replace(phrase, words)
-    message = re.sub(r"\bdst_crs=(?=['\"])", "--dst-crs ", message)  # quotes are the shell's too
+    message = re.sub(r"\bto_crs=(?=['\"])", "--dst-crs ", message)  # the quotes are the shell's too
     for pattern in (_QUOTED, _NUMBER, _BARE):
         message = pattern.sub(_as_option, message)
     return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)

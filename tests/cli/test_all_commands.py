@@ -89,9 +89,9 @@ def test_without_a_command_comes_the_help():
         (["triangulate", "a.ply", "b.ply", "--threads", "0"], ["--threads is 0", "from 1 to 1024"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "9999"], ["--threads is 9999"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "two"], ["--threads", "whole number"]),
-        (["compare", "a.ply", "--q", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
+        (["compare", "a.ply", "--apex", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
         (["compare", "a.ply", "--proofs", "-1"], ["--proofs"]),
-        (["info", "-"], ["stdin", "--from"]),
+        (["info", "-"], ["stdin", "--input-format"]),
     ],
 )
 def test_wrong_usage(words, parts):
@@ -103,7 +103,7 @@ def test_python_options_in_messages_become_options_of_the_command(tmp_path):
     done = liftmesh("triangulate", tmp_path / "cloud.csv", tmp_path / "mesh.ply")
     failed(done, exit_codes.BAD_INPUT, "row 2", "--nonfinite skip")
     (tmp_path / "cloud").write_text("0 0 0\n")
-    failed(liftmesh("info", tmp_path / "cloud"), exit_codes.BAD_INPUT, "--from FORMAT")
+    failed(liftmesh("info", tmp_path / "cloud"), exit_codes.BAD_INPUT, "--input-format FORMAT")
 
 
 @pytest.mark.parametrize("place", ["first", "last"])
@@ -178,7 +178,7 @@ def test_main_runs_in_a_process_too(capsys):
     [
         ["info", "data/hill.csv"],
         ["info", "data/hill.csv", "--json"],
-        ["triangulate", "data/jacksboro.ply", "-", "--format", "obj"],
+        ["triangulate", "data/jacksboro.ply", "-", "--output-format", "obj"],
         ["--help"],
     ],
 )

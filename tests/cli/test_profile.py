@@ -101,7 +101,7 @@ def test_corners_of_a_table_and_a_cloud(tin: Path, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text("x,y\n10,10\n20,30\n")
     liftmesh.write(tmp_path / "line.ply", np.column_stack([SECOND, [7, 9]]))
     expected = surface().profile(SECOND).points
-    done = process("profile", tin, "-", "--format", "csv", "--along", tmp_path / "line.csv")
+    done = process("profile", tin, "-", "--output-format", "csv", "--along", tmp_path / "line.csv")
     assert done.returncode == 0, done.stderr
     assert "of 1 line" in done.stderr
     lines = done.stdout.splitlines()

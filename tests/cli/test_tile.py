@@ -66,10 +66,12 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     done = command(*words, cwd=folder)
     assert done.returncode == 3
     assert "holds the triangles of other points" in done.stderr
-    assert "or replace them with --anew\n" in done.stderr
+    assert "or replace them with --restart\n" in done.stderr
     done = command("tile", "b.npy", "out", "--tile-rows", 400, "--neighbors", cwd=folder)
-    assert "with --tile-rows 500, not 400: use the same, or begin anew with --anew" in done.stderr
-    assert command(*words, "--anew", cwd=folder).returncode == 0
+    assert (
+        "with --tile-rows 500, not 400: use the same, or begin anew with --restart" in done.stderr
+    )
+    assert command(*words, "--restart", cwd=folder).returncode == 0
     assert liftmesh.open_tiled(folder / "out").npoints == 900
 
 
@@ -147,7 +149,7 @@ def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -
 
 @pytest.mark.parametrize(
     "words",
-    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base 0",
+    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base-height 0",
      "triangulate out o.ply", "profile out o.csv --along 0,0 --along 1,1"],
 )  # fmt: skip
 def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> None:

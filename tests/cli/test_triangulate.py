@@ -123,8 +123,8 @@ def test_a_bad_matrix_is_refused(content, parts, tmp_path):
     ("target", "code", "parts"),
     [
         ("mesh.xyzzy", exit_codes.BAD_INPUT, ["mesh.xyzzy", "'xyzzy'", ".ply"]),
-        ("mesh", exit_codes.USAGE, ["no suffix", "--format"]),
-        ("-", exit_codes.USAGE, ["--format"]),
+        ("mesh", exit_codes.USAGE, ["no suffix", "--output-format"]),
+        ("-", exit_codes.USAGE, ["--output-format"]),
         ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such: ", "the folder does not exist"]),
         ("folder.ply", exit_codes.BAD_INPUT, ["folder.ply", "is a folder"]),
     ],
@@ -160,7 +160,7 @@ def test_a_broken_file_is_told_in_one_line(name, content, parts, tmp_path):
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_streams(unbuffered):
     done = process(
-        *("triangulate", "-", "-", "--from", "csv", "--format", "ply"),
+        *("triangulate", "-", "-", "--input-format", "csv", "--output-format", "ply"),
         stdin=HILL.read_bytes(),
         text=False,
         env={"PYTHONUNBUFFERED": unbuffered},
@@ -173,7 +173,7 @@ def test_streams(unbuffered):
 
 def test_streams_with_json():
     done = process(
-        *("triangulate", str(HILL), "-", "--json", "--format", "stl"), stdin=b"", text=False
+        *("triangulate", str(HILL), "-", "--json", "--output-format", "stl"), stdin=b"", text=False
     )
     assert done.returncode == 0
     told = json.loads(done.stderr)
@@ -182,7 +182,7 @@ def test_streams_with_json():
 
 
 def test_a_format_in_place_of_the_suffix(tmp_path):
-    succeeded(liftmesh("triangulate", HILL, "mesh.dat", "--format", "obj", cwd=tmp_path))
+    succeeded(liftmesh("triangulate", HILL, "mesh.dat", "--output-format", "obj", cwd=tmp_path))
     assert (tmp_path / "mesh.dat").read_bytes().startswith(b"# liftmesh\nv ")
 
 

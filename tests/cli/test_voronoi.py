@@ -68,14 +68,14 @@ def test_power_cells_in_a_geopackage(table: Path, option: str) -> None:
 
 
 def test_the_default_box_is_said_and_pictures_are_drawn(table: Path) -> None:
-    done = process("voronoi", table, "-", "--format", "svg", cwd=table.parent)
+    done = process("voronoi", table, "-", "--output-format", "svg", cwd=table.parent)
     assert done.returncode == 0, done.stderr
     assert "widened by" in done.stderr
     assert "svg does not keep" in done.stderr
     root = ET.parse(io.StringIO(done.stdout)).getroot()
     assert len(root) == 60
     named = process(
-        "voronoi", table, "-", "--format", "svg", "--domain", "bounds", cwd=table.parent
+        "voronoi", table, "-", "--output-format", "svg", "--domain", "bounds", cwd=table.parent
     )
     assert named.stdout == done.stdout
 
@@ -162,8 +162,8 @@ def test_what_a_file_of_shapes_leaves_unclear_is_a_note(tmp_path: Path) -> None:
 
 WRONG = [
     (["out.obj"], 3, "cells are not written as '.obj': give one of .geojson"),
-    (["out", "--format", "tiff"], 3, "cells are not written as 'tiff': give one of geojson"),
-    (["-"], 2, "stdout has no suffix: give the format with --format geojson"),
+    (["out", "--output-format", "tiff"], 3, "cells are not written as 'tiff': give one of geojson"),
+    (["-"], 2, "stdout has no suffix: give the format with --output-format geojson"),
     (["out.svg", "--domain", "none.geojson"], 2, "'none.geojson' is no file, and no box"),
     (["out.svg", "--domain", "0,0,1"], 2, "a box is XMIN,YMIN,XMAX,YMAX"),
     (

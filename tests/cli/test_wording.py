@@ -61,7 +61,10 @@ WRONG = [
     (["verify"], "FILE is missing: give liftmesh verify FILE"),
     (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
     (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),
-    (["compare", "a.ply", "--q", "1,2,3"], "--q '1,2,3' is unknown: give median, origin or a"),
+    (
+        ["compare", "a.ply", "--apex", "1,2,3"],
+        "--apex '1,2,3' is unknown: give median, origin or a",
+    ),
     (["paper", "--n", "2"], "--n is 2: give a whole number from 3"),
     (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
     (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
@@ -99,8 +102,8 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
         ("point_format is 11: give 6", "--point-format is 11: give 6"),
         ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
         ("max_points is 3, and the hull has 4", "--max-points is 3, and the hull has 4"),
-        ("replace them with resume=False", "replace them with --anew"),
-        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --anew"),
+        ("replace them with resume=False", "replace them with --restart"),
+        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --restart"),
         (
             "out holds a run with tile_rows 500, not 99",
             "out holds a run with --tile-rows 500, not 99",
@@ -184,7 +187,7 @@ def completed(shell: str, words: str, **variables: str) -> list[str]:
 @pytest.mark.slow
 def test_shells_complete_commands_options_and_values() -> None:
     assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
-    options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")
+    options = completed("bash", "liftmesh triangulate --on-d", COMP_CWORD="2")
     assert options == ["--on-duplicate"]
     values = completed("bash", "liftmesh triangulate a b --on-duplicate l", COMP_CWORD="5")
     assert values == ["last", "lowest"]

@@ -228,7 +228,7 @@ def test_commands_open_no_files_of_a_system(tmp_path: Path) -> None:
     named: Any = {"type": "name", "properties": {"name": evil}}
     polygon = {"type": "Polygon", "crs": named, "coordinates": square}
     (tmp_path / "c.geojson").write_text(json.dumps(polygon))
-    done = liftmesh("triangulate", "b.ply", "o.ply", "--polygon", "c.geojson", cwd=tmp_path)
+    done = liftmesh("triangulate", "b.ply", "o.ply", "--trim-polygon", "c.geojson", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     cells = lm.voronoi(points[:, :2], domain=(499000, 4999000, 502000, 5002000))
     object.__setattr__(cells.domain, "crs", evil)

@@ -244,7 +244,7 @@ SHAPES = """
 @pytest.mark.parametrize(
     "words",
     [
-        "sample cloud.npy out.csv --at pts.gpkg --method sibson --overwrite",
+        "sample cloud.npy out.csv --at pts.gpkg --interpolation sibson --overwrite",
         "volume cloud.npy --within lot.geojson --json",
     ],
     ids=lambda words: words.split()[0],

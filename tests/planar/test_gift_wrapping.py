@@ -326,7 +326,7 @@ def test_surfaces_by_every_method(algorithm: str, policy: str) -> None:
 
 @pytest.mark.parametrize("words", [("lf",), ("lfres", "median"), ("lfres-indexed", "1e8,-3.5")])
 def test_the_command_line(words: tuple[str, ...], tmp_path) -> None:
-    options = ["--algorithm", words[0], *(["--q", words[1]] if len(words) > 1 else [])]
+    options = ["--algorithm", words[0], *(["--apex", words[1]] if len(words) > 1 else [])]
     done = command("triangulate", HILL, "by-algorithm.ply", *options, cwd=tmp_path)
     plain = command("triangulate", HILL, "plain.ply", cwd=tmp_path)
     assert (done.returncode, done.stderr, plain.returncode) == (0, "", 0)
@@ -340,7 +340,7 @@ def test_the_command_line(words: tuple[str, ...], tmp_path) -> None:
 
 @pytest.mark.parametrize("q", ["centre", "1", "1,2,3", ""])
 def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
-    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--q", q)
+    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--apex", q)
     failed(done, exit_codes.USAGE, "origin")
     assert list(tmp_path.iterdir()) == []
 

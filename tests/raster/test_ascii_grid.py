@@ -28,8 +28,10 @@ def test_ascii_grids(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"a\.asc: .* ASCII grid, .* with format='raster'"):
         lm.read(tmp_path / "a.asc")
     done = liftmesh("triangulate", "a.asc", "a.ply", cwd=tmp_path)
-    assert done.stderr.rstrip().endswith("not a list of points: read it with --from raster")
-    done = liftmesh("triangulate", "a.asc", "a.ply", "--from", "raster", "--json", cwd=tmp_path)
+    assert done.stderr.rstrip().endswith("not a list of points: read it with --input-format raster")
+    done = liftmesh(
+        "triangulate", "a.asc", "a.ply", "--input-format", "raster", "--json", cwd=tmp_path
+    )
     report = json.loads(done.stdout)
     assert (report["rows"], report["not_read"]) == (5, ["1 sample without a value"])
 

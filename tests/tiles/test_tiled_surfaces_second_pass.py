@@ -253,7 +253,7 @@ def test_a_raster_that_breaks_off_leaves_no_file(tmp_path: Path) -> None:
 
 def test_the_commands(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "a.las", liftmesh.Cloud(CLOUD.points, crs=CLOUD.crs))
-    options = ("--surface", "--on-duplicate", "lowest", "--tile-rows", 400, "--bbox", "0,0,20,20")
+    options = ("--surface", "--on-duplicate", "lowest", "--tile-rows", 400, "--bounds", "0,0,20,20")
     options += ("--neighbors",)
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
@@ -269,7 +269,7 @@ def test_the_commands(tmp_path: Path) -> None:
     assert (told["rows"], told["columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
-    options = ("--resolution", "0.5", "--method", "sibson", "--cog", "--double")
+    options = ("--resolution", "0.5", "--interpolation", "sibson", "--cog", "--double")
     assert command("raster", "out", "b.tif", *options, cwd=tmp_path).returncode == 0
     with rasterio.open(tmp_path / "b.tif") as file:
         assert (
