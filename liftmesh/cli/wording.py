@@ -18,8 +18,8 @@ from typing import Any
 
 _OPTION_NAMES = (
     "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "dst_crs", "encoding", "end", "flat", "interpolation", "method", "nodata",
-    "nonfinite", "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
+    "dst_crs", "encoding", "end", "flat", "interpolation", "nodata", "nonfinite",
+    "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
     "z_factor",
 )  # fmt: skip
 _PHRASES = {
@@ -43,21 +43,16 @@ _PHRASES = {
     ),
     "give one of None, ": "give one of none, ",
     "classes='all'": "--all-classes",
-    "give method=": "give interpolation=",
-    "leave out method=": "leave out interpolation=",
 }
 _SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length",
-    "max_deviation", "max_points", "point_format", "resolution",
+    "adaptive", "bounds", "cell", "compress", "interval", "length", "max_deviation", "max_points",
+    "min_distance", "point_format", "resolution",
 )  # fmt: skip
 _OF_READING = {
     "bbox": "bounds", "bounds": "bounds", "format": "input_format", "header": "no_header",
     "polygon": "trim_polygon", "resolution": "copc_resolution",
 }  # fmt: skip
-_OTHER_NAMES = {
-    "bounds": "raster_bounds", "distance": "min_distance",
-    "length": "min_length",
-}  # fmt: skip
+_OTHER_NAMES = {"bounds": "raster_bounds", "length": "min_length"}
 _OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
 _QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
 _NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")

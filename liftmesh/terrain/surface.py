@@ -460,8 +460,8 @@ class Surface(SurfaceData):
         levels : array_like of float, optional
             The heights.
         interval : float, optional
-            In place of levels: all multiples of it, counted from `contour_base`, that the surface has.
-            They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
+            In place of levels: all multiples of it that the surface has, counted from
+            `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
         contour_base : float, default 0
             Where the interval is counted from.
         index_every : int, default 5
@@ -736,8 +736,8 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            There is not either `base_height` or `thickness`, a number is none that it can be, the surface
-            reaches its base, or faces touch in a vertex only.
+            There is not either `base_height` or `thickness`, a number is none that it can be, the
+            surface reaches its base, or faces touch in a vertex only.
 
         Examples
         --------

@@ -211,7 +211,7 @@ def test_a_column_of_classes_in_any_spelling(name: str, tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "raw.csv", raw)
     done = command("triangulate", "raw.csv", "tin.ply", "--ground", "csf", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["rows"] == int(ground.sum())
+    assert json.loads(done.stdout)["n_rows"] == int(ground.sum())
     info = command("info", "raw.csv", "--json", cwd=tmp_path)
     assert json.loads(info.stdout)["lidar"]["classes"] == {"1": 5988, "7": 12}
 
