@@ -326,7 +326,7 @@ class TestLevels:
             ({"interval": 0}, "interval is 0: give a positive height"),
             ({"interval": -1}, "positive"),
             ({"interval": np.nan}, "interval is nan: give a finite"),
-            ({"interval": 1, "base": "sea"}, "base is 'sea'"),
+            ({"interval": 1, "contour_base": "sea"}, "contour_base is 'sea'"),
             ({"interval": 1e-9}, "levels: give a larger one"),
             ({"interval": 1, "index_every": 0}, "index_every"),
             ({"levels": [np.inf]}, "finite heights"),

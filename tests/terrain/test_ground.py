@@ -139,7 +139,7 @@ def test_rows_that_are_not_finite_have_no_ground() -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({"method": "smrf"}, "method is 'smrf': give one of 'csf'"),
+        ({"algorithm": "smrf"}, "algorithm is 'smrf': give one of 'csf'"),
         ({"cloth_resolution": 0}, "cloth_resolution is 0: give a positive number of metres"),
         ({"cloth_threshold": -1.0}, "cloth_threshold is -1.0"),
         ({"cloth_rigidness": 4}, "cloth_rigidness is 4: give 1, 2 or 3"),

@@ -113,7 +113,7 @@ def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({}, "none of every, random, cell, distance and adaptive are given: give one"),
+        ({}, "none of every, random, cell, min_distance and adaptive are given: give one"),
         (
             {"cell": 1.0, "min_distance": 1.0},
             "cell and min_distance of every, .* are given: give one",

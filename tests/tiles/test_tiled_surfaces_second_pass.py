@@ -48,7 +48,7 @@ LAYOUTS: list[dict[str, Any]] = [
     "wanted",
     [
         *({"quantity": each} for each in ("height", "slope", "aspect", "hillshade")),
-        *({"method": each} for each in ("nearest", "laplace", "sibson")),
+        *({"interpolation": each} for each in ("nearest", "laplace", "sibson")),
     ],
     ids=str,
 )
@@ -180,7 +180,7 @@ def test_a_file_holds_the_values_of_one_call(
     "wanted",
     [
         {"interval": 0.3},
-        {"interval": 0.1, "base": 0.05, "index_every": 2},
+        {"interval": 0.1, "contour_base": 0.05, "index_every": 2},
         {"levels": [0.5, 0, -0.3]},
         {"levels": [99]},
     ],
@@ -190,7 +190,7 @@ def test_contours_are_the_lines_of_one_call(
 ) -> None:
     tiled, surface = both
     found, expected = tiled.contours(**wanted), surface.contours(**wanted)
-    for name in ("points", "starts", "levels", "closed", "index"):
+    for name in ("points", "starts", "levels", "closed", "is_index"):
         one, other = getattr(found, name), getattr(expected, name)
         assert one.dtype == other.dtype, name
         assert one.tobytes() == other.tobytes(), name
