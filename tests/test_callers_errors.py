@@ -325,8 +325,8 @@ def test_progress_is_a_function(function: Any) -> None:
 
 
 def test_imaginary_parts_are_not_dropped() -> None:
-    with pytest.raises(InputError, match="q is"):
-        liftmesh.lift(PLANAR, q=np.array([1, 2j]))
+    with pytest.raises(InputError, match="apex is"):
+        liftmesh.lift(PLANAR, apex=np.array([1, 2j]))
     with pytest.raises(InputError, match="plane cannot be read as numbers"):
         liftmesh.triangulate(ROWS, plane=np.array([0, 0, 1j]))
 

@@ -30,14 +30,7 @@ EXAMPLES = [
 @outputs.guards("lower", "hull")
 def run(
     source: options.Source,
-    apex: Annotated[
-        Any,
-        option(
-            "APEX",
-            "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
-            options.vertex,
-        ),
-    ] = "median",
+    apex: options.Apex = "median",
     lower: Annotated[
         Path | None, option("FILE", "Write liftmesh's lower hull of the lifted points.")
     ] = None,
@@ -58,7 +51,9 @@ def run(
     reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
-        result = _compare(cloud, q=apex, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs)
+        result = _compare(
+            cloud, apex=apex, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs
+        )
     if lower is not None:
         outputs.write(lower, result.lower_hull())
     if hull is not None and result.error is None:
@@ -95,7 +90,7 @@ def _values(result: Comparison) -> dict[str, Any]:
     return {
         "verdict": result.verdict,
         "error": result.error,
-        "apex": list(result.q),
+        "apex": list(result.apex),
         "triangles": result.triangles,
         "lower_facets": len(result.lower),
         "hull_facets": len(result.hull),

@@ -240,13 +240,13 @@ def metric(text: str) -> Any:
     return (a, b), (b, c)
 
 
-def vertex(text: str) -> Any:
-    """Parse the vertex of the paraboloid."""
+def apex(text: str) -> Any:
+    """Parse the apex of the paraboloid."""
     if text in {"median", "origin"}:
         return text
     place = _exactly(2, text)
     if place is None or not all(map(math.isfinite, place)):
-        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite QX,QY")
+        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite X,Y")
     return place
 
 
@@ -336,6 +336,9 @@ Plane: TypeAlias = Annotated[
         "to plane coordinates.",
         plane,
     ),
+]
+Apex: TypeAlias = Annotated[
+    Any, option("APEX", "Apex of the paraboloid: median (of the points), origin or X,Y.", apex)
 ]
 OnDuplicate: TypeAlias = Annotated[
     Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")

@@ -17,7 +17,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 
@@ -107,14 +107,7 @@ def run(
             "triangles, lf and lfres are slow.",
         ),
     ] = "auto",
-    apex: Annotated[
-        Any,
-        option(
-            "APEX",
-            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
-            options.vertex,
-        ),
-    ] = "origin",
+    apex: options.Apex = "median",
     input_format: options.InputFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
@@ -155,7 +148,7 @@ def run(
             on_duplicate=on_duplicate,
             nonfinite=nonfinite,
             algorithm=algorithm,
-            q=apex,
+            apex=apex,
             threads=threads,
             **lifted_by,
         )
@@ -219,7 +212,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def _print_report(
-    written: Written,
+    written: WriteResult,
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
@@ -256,7 +249,7 @@ def _print_report(
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report, faces: int) -> str:
+def _headline(written: WriteResult, report: Report, faces: int) -> str:
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
     return outputs.headline(written, f"{report.n_rows:,} vertices, {triangles}")
 
@@ -273,7 +266,7 @@ def _counts(report: Report) -> dict[str, int]:
     }
 
 
-def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
         **outputs.as_values(written),
         **_counts(report),

@@ -37,7 +37,7 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Algorithm
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import REJECTIONS, resolve_q
+from liftmesh.planar.lifting import REJECTIONS, resolve_apex
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -111,7 +111,7 @@ class _Runs:
 def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> list[Measurement]:
     """Time every method on one set of points."""
     points = trial.points()
-    q = resolve_q(trial.q, points)
+    q = resolve_apex(trial.q, points)
     runs = [_Runs(method) for method in METHODS]
     gc.collect()
     for done in range(ROUNDS):
@@ -126,7 +126,7 @@ def warm_up() -> None:
     """Run every method once, so that no measurement includes the loading of modules."""
     for table in TABLES:
         for method in METHODS:
-            delaunay(Trial(table, 100, seed=0).points(), algorithm=method, q=TABLES[table].q)
+            delaunay(Trial(table, 100, seed=0).points(), algorithm=method, apex=TABLES[table].q)
 
 
 def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
@@ -134,7 +134,7 @@ def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
     total = 0.0
     while total < BURST:
         start = perf_counter()
-        run.result = delaunay(points, algorithm=run.method, q=q)
+        run.result = delaunay(points, algorithm=run.method, apex=q)
         run.seconds.append(perf_counter() - start)
         total += run.seconds[-1]
 
@@ -206,7 +206,7 @@ def _seconds_of_each(trial: Trial) -> list[float]:
 
 def _once(points: Floats, method: Algorithm, q: Vertex) -> float:
     start = perf_counter()
-    delaunay(points, algorithm=method, q=q)
+    delaunay(points, algorithm=method, apex=q)
     return perf_counter() - start
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Reals, Rows
+from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
 from liftmesh.base.options import (
     Algorithm,
@@ -27,7 +27,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.planar.kinds import TriangulationKind, as_metric
-from liftmesh.planar.lifting import Counters, given_vertex, resolve_q
+from liftmesh.planar.lifting import Counters, given_apex, resolve_apex
 from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
 
@@ -35,7 +35,7 @@ _WRAPPING = ("lf", "lfres", "lfres-indexed")
 _AUTO: Algorithm = "auto"  # the defaults are not checked, which takes as long as a point or two
 _ERROR: NonFinite = "error"
 _ENGINE: RowOrder = "engine"
-_ORIGIN: ParaboloidVertex = "origin"
+_MEDIAN: Apex = "median"
 _NO_ROWS = np.empty(0, dtype=np.int32)
 
 
@@ -44,7 +44,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     points: ArrayLike,
     *,
     algorithm: Algorithm = "auto",
-    q: ParaboloidVertex = "origin",
+    apex: Apex = "median",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
     threads: int | None = None,
@@ -73,10 +73,9 @@ def delaunay(  # noqa: PLR0913 - options are keywords
         "lfres" are the paper's procedures as printed, in quadratic to cubic time; "lfres-indexed"
         searches the restricted region with a grid, in linear expected time for evenly distributed
         points, and in quadratic time or worse for clusters or points on a circle.
-    q : {"origin", "median"} or (2,) array_like, default "origin"
-        The vertex of the paraboloid to which "lf" and "lfres" lift the points: the origin, the
-        coordinate-wise median, or any finite point. It changes their work, but never a triangle;
-        the other methods do not use it.
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        The apex of the paraboloid to which "lf" and "lfres" lift the points, as for `lift`. It
+        changes their work, but never a triangle; the other algorithms do not use it.
     nonfinite : {"error", "skip"}, default "error"
         Whether rows with NaN or infinity raise an error, or are skipped and listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
@@ -146,7 +145,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     >>> [1, 3] in delaunay(rhombus, metric=[[1, 0], [0, 9]]).edges.tolist()
     True
     """
-    options = (algorithm, q, nonfinite, order, threads, progress, copy)
+    options = (algorithm, apex, nonfinite, order, threads, progress, copy)
     return triangulation_of(solve(rows_of(points), *options, metric=metric, scratch=scratch))
 
 
@@ -168,7 +167,7 @@ class Solution(NamedTuple):
 def solve(  # noqa: PLR0913 - as above
     points: ArrayLike,
     algorithm: Algorithm = "auto",
-    q: ParaboloidVertex = "origin",
+    apex: Apex = "median",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
     threads: int | None = None,
@@ -194,11 +193,11 @@ def solve(  # noqa: PLR0913 - as above
     if algorithm is not _AUTO and algorithm in _WRAPPING:
         if form is not None:
             raise InputError(f"algorithm {algorithm!r} has no metric: leave one of the two out")
-        outcome, counts = _kernel.gift_wrap(*run, algorithm, *resolve_q(q, planar))
+        outcome, counts = _kernel.gift_wrap(*run, algorithm, *resolve_apex(apex, planar))
         counters = Counters.from_kernel(counts)
     else:
-        if q is not _ORIGIN:
-            given_vertex(q)  # unused by divide and conquer, but an invalid one is an error
+        if apex is not _MEDIAN:
+            given_apex(apex)  # unused by divide and conquer, but an invalid one is an error
         outcome = _kernel.delaunay(*run, folder) if form is None else _by_metric(form, run)
     solution = solution_of(outcome, rows, planar, order, progress)
     if counters is None and form is None:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
+from liftmesh._typing import Apex, Floats, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
 from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
 from liftmesh.crs.description import parse_crs
@@ -56,7 +56,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     algorithm: Algorithm = "auto",
-    q: ParaboloidVertex = "origin",
+    apex: Apex = "median",
     threads: int | None = None,
     progress: Progress | None = None,
     columns: ColumnChoice = None,
@@ -101,8 +101,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         Policy for rows that hold NaN or infinity: raise an error, or skip them.
     algorithm : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
         The algorithm, as for `delaunay`; all give the same triangles.
-    q : {"origin", "median"} or (2,) array_like
-        The vertex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        The apex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
     threads : int, optional
         Number of threads for the triangulation, from 1 to 1024; the surface is bit for bit the
         same for any number. By default the value of the environment variable
@@ -195,7 +195,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     stages.finish("plane")
-    options: _Options = {"nonfinite": nonfinite, "algorithm": algorithm, "q": q, "threads": threads}
+    options: _Options = {
+        "nonfinite": nonfinite,
+        "algorithm": algorithm,
+        "apex": apex,
+        "threads": threads,
+    }
     solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
     stages.finish("triangulation")
     choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
@@ -240,7 +245,7 @@ class _Options(TypedDict):
 
     nonfinite: NonFinite
     algorithm: Algorithm
-    q: ParaboloidVertex
+    apex: Apex
     threads: int | None
 
 

@@ -304,7 +304,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         on_triangulation(lambda t: t.plane_distance(t.points[0])),
         PLAIN,
     )
-    yield "lift", PLANAR, on_points(lambda points: liftmesh.lift(points, "median")), PLAIN
+    yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
     yield "LowerHull.above", PLANAR, on_hull(lambda hull: hull.above), PLAIN

@@ -89,7 +89,7 @@ def test_without_a_command_comes_the_help():
         (["triangulate", "a.ply", "b.ply", "--threads", "0"], ["--threads is 0", "from 1 to 1024"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "9999"], ["--threads is 9999"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "two"], ["--threads", "whole number"]),
-        (["compare", "a.ply", "--apex", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
+        (["compare", "a.ply", "--apex", "1,2,3"], ["'1,2,3'", "median, origin or a finite X,Y"]),
         (["compare", "a.ply", "--proofs", "-1"], ["--proofs"]),
         (["info", "-"], ["stdin", "--input-format"]),
     ],

@@ -69,7 +69,7 @@ def test_the_whole_difference_in_json(far):
     done = liftmesh("compare", far, "--apex", "origin", "--json")
     assert done.returncode == exit_codes.DIFFERENT
     told = json.loads(done.stdout)
-    result = lm.compare(far, q="origin", max_proofs=4)
+    result = lm.compare(far, apex="origin", max_proofs=4)
     assert told["verdict"] == "different"
     assert told["lost_rows"] == result.lost.tolist()
     for name in ("missing", "wrong", "lost"):
@@ -95,9 +95,9 @@ def test_no_hull_is_exit_code_1_too(tmp_path):
     assert "hull.ply was not written" in done.stdout
 
 
-@pytest.mark.parametrize("q", ["median", "origin", "-3.5,1e2"])
-def test_vertices_of_the_paraboloid(q, tmp_path):
-    done = liftmesh("compare", HILL, "--apex", q, "--lower", tmp_path / "lower.ply", "--json")
+@pytest.mark.parametrize("apex", ["median", "origin", "-3.5,1e2"])
+def test_vertices_of_the_paraboloid(apex, tmp_path):
+    done = liftmesh("compare", HILL, "--apex", apex, "--lower", tmp_path / "lower.ply", "--json")
     told = json.loads(done.stdout)
     assert (done.returncode, told["verdict"]) == (0, "identical")
     planar = lm.read(HILL).points[:, :2]

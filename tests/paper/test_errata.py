@@ -193,7 +193,7 @@ def test_algorithm_2_misses_what_lies_beyond_the_first_edge(moves_e: bool) -> No
         assert len(found) == 1
     assert len(lower_facets(space, lf(space))) == 2
     q = tuple(map(float, Q_OF_FOUR))
-    assert len(liftmesh.delaunay(np.array(FOUR, float), algorithm="lf", q=q).simplices) == 2
+    assert len(liftmesh.delaunay(np.array(FOUR, float), algorithm="lf", apex=q).simplices) == 2
 
 
 def test_algorithm_2_does_not_end_where_e_is_not_moved() -> None:
@@ -284,7 +284,7 @@ def test_the_formulas_of_procedure_3_drown_in_rounding_where_q_is_far() -> None:
     ellipse = Ellipse(Plane.through(*(mu(u, q) for u in corners)), q)
     assert ellipse.circle.squared_radius == Fraction(1, 2)
     assert ellipse.plane.position(mu(inside, q)) == "below"
-    triangulation = liftmesh.delaunay([*corners, inside], algorithm="lfres", q=q)
+    triangulation = liftmesh.delaunay([*corners, inside], algorithm="lfres", apex=q)
     facets = sorted(map(sorted, triangulation.simplices.tolist()))
     assert facets == [[0, 1, 3], [0, 2, 3], [1, 2, 3]]
 

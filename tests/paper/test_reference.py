@@ -70,7 +70,9 @@ def test_the_compiled_procedures_find_the_same_facets(
     expected = oracle.delaunay_by_definition(points)
     assume(expected)
     vertex = tuple(map(float, q))
-    simplices = liftmesh.delaunay(np.array(points), algorithm=method, q=vertex).simplices.tolist()
+    simplices = liftmesh.delaunay(
+        np.array(points), algorithm=method, apex=vertex
+    ).simplices.tolist()
     found = triangles(points, simplices)
     assert len(found) == len(expected)
     assert set(found) == expected

@@ -23,8 +23,8 @@ VERTICES: list[Any] = [
 ]
 
 
-def counters(points: ArrayLike, algorithm: str, q: Any = "origin") -> liftmesh.Counters:
-    found = liftmesh.delaunay(points, algorithm=algorithm, q=q).counters
+def counters(points: ArrayLike, algorithm: str, apex: Any = "origin") -> liftmesh.Counters:
+    found = liftmesh.delaunay(points, algorithm=algorithm, apex=apex).counters
     assert found is not None
     return found
 
@@ -35,19 +35,19 @@ def test_divide_and_conquer_counts_nothing(algorithm: str) -> None:
 
 
 @pytest.mark.parametrize("family", ["uniform", "tenth-lattice", "integer-circles", "duplicates"])
-@pytest.mark.parametrize("q", VERTICES, ids=str)
-def test_lfres_tries_the_planes_of_lf_and_looks_at_the_same_points(family: str, q: Any) -> None:
+@pytest.mark.parametrize("apex", VERTICES, ids=str)
+def test_lfres_tries_the_planes_of_lf_and_looks_at_the_same_points(family: str, apex: Any) -> None:
     points = FAMILIES[family](150, np.random.default_rng(2))
-    lf, lfres = counters(points, "lf", q), counters(points, "lfres", q)
+    lf, lfres = counters(points, "lf", apex), counters(points, "lfres", apex)
     assert (lfres.calls, lfres.candidate_planes) == (lf.calls, lf.candidate_planes)
     assert lfres.points == lf.evaluations == lf.points
     assert not any(lf.rejected.values())
 
 
-@pytest.mark.parametrize("q", ["origin", "median", (50.0, 300.0)], ids=str)
-def test_the_region_spares_most_dot_products(q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median", (50.0, 300.0)], ids=str)
+def test_the_region_spares_most_dot_products(apex: Any) -> None:
     points = FAMILIES["uniform"](1000, np.random.default_rng(3)) * 200
-    lf, lfres = counters(points, "lf", q), counters(points, "lfres", q)
+    lf, lfres = counters(points, "lf", apex), counters(points, "lfres", apex)
     assert lfres.evaluations < lf.evaluations / 4
     assert min(lfres.rejected[f"4.3 ({k})"] for k in ("i", "ii", "iii", "iv", "v")) > 0
     assert 0 < lfres.rejected["4.4"] < lf.candidate_planes
@@ -57,7 +57,7 @@ def test_the_region_spares_most_dot_products(q: Any) -> None:
 @pytest.mark.parametrize("family", ["uniform", "lattice", "circle", "duplicates"])
 def test_each_facet_and_each_rim_edge_takes_one_call(algorithm: str, family: str) -> None:
     points = FAMILIES[family](200, np.random.default_rng(5))
-    result = liftmesh.delaunay(points, algorithm=algorithm, q="median")
+    result = liftmesh.delaunay(points, algorithm=algorithm, apex="median")
     assert result.counters is not None
     assert result.counters.calls == len(result.simplices) + len(result.convex_hull)
     assert result.counters.candidate_planes >= len(result.simplices)

@@ -1,4 +1,4 @@
-"""The paper's procedures against the default engine: the same triangles, whatever q is."""
+"""The paper's procedures against the default engine: the same triangles, whatever the apex is."""
 
 from __future__ import annotations
 
@@ -57,8 +57,8 @@ def rows(x: st.SearchStrategy[float], y: st.SearchStrategy[float]) -> st.SearchS
     return st.lists(st.tuples(x, y), min_size=1, max_size=16).map(np.array)
 
 
-def resolved(q: Any, points: ArrayLike) -> Any:
-    return np.asarray(points, dtype=np.float64)[0, :2] if q is SAME_POINT else q
+def resolved(apex: Any, points: ArrayLike) -> Any:
+    return np.asarray(points, dtype=np.float64)[0, :2] if apex is SAME_POINT else apex
 
 
 def outcome(points: ArrayLike, **options: Any) -> dict[str, Any]:
@@ -70,12 +70,15 @@ def outcome(points: ArrayLike, **options: Any) -> dict[str, Any]:
     return {name: getattr(result, name).tolist() for name in ARRAYS}
 
 
-def check(points: ArrayLike, q: Any = "origin", **options: Any) -> None:
+def check(points: ArrayLike, apex: Any = "origin", **options: Any) -> None:
     """All three procedures give what the default engine gives."""
     expected = outcome(points, **options)
-    q = resolved(q, points)
+    apex = resolved(apex, points)
     for algorithm in METHODS:
-        assert outcome(points, algorithm=algorithm, q=q, **options) == expected, (algorithm, q)
+        assert outcome(points, algorithm=algorithm, apex=apex, **options) == expected, (
+            algorithm,
+            apex,
+        )
 
 
 def check_indexed(points: Points, about: str = "") -> None:
@@ -96,60 +99,60 @@ def test_small_sets_of_every_family(family: str) -> None:
 @pytest.mark.slow
 @settings(max_examples=500)
 @given(rows(SMALL, SMALL), QS, OFFSETS, OFFSETS)
-def test_lattices_with_offsets(points: Points, q: Any, x: float, y: float) -> None:
-    check(np.add(points, (x, y)), q)
+def test_lattices_with_offsets(points: Points, apex: Any, x: float, y: float) -> None:
+    check(np.add(points, (x, y)), apex)
 
 
 @settings(max_examples=200)
 @given(rows(SMALL, SMALL), QS, SCALES, SCALES)
-def test_lattices_of_every_scale(points: Points, q: Any, x: float, y: float) -> None:
-    check(points * (x, y), q)
+def test_lattices_of_every_scale(points: Points, apex: Any, x: float, y: float) -> None:
+    check(points * (x, y), apex)
 
 
 @pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(SMALL, SIGNED_ZERO), QS, st.booleans())
-def test_runs_on_lines_and_zeros_of_both_signs(points: Points, q: Any, turned: bool) -> None:
-    check(points[:, ::-1] if turned else points, q)
+def test_runs_on_lines_and_zeros_of_both_signs(points: Points, apex: Any, turned: bool) -> None:
+    check(points[:, ::-1] if turned else points, apex)
 
 
 @settings(max_examples=250)
 @given(
     st.lists(st.sampled_from([*ON_CIRCLE, (0, 0), (1, 0)]), min_size=3, max_size=14), QS, OFFSETS
 )
-def test_cocircular_points(points: list[tuple[int, int]], q: Any, offset: float) -> None:
-    check(np.array(points) * 1.0 + offset, q)
+def test_cocircular_points(points: list[tuple[int, int]], apex: Any, offset: float) -> None:
+    check(np.array(points) * 1.0 + offset, apex)
 
 
 @settings(max_examples=250)
 @given(rows(ULPS, st.one_of(ULPS, SMALL)), QS)
-def test_neighbours_by_an_ulp(points: Points, q: Any) -> None:
-    check(points, q)
+def test_neighbours_by_an_ulp(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(st.one_of(MAGNITUDES, STEPS), MAGNITUDES), QS)
-def test_mixed_magnitudes(points: Points, q: Any) -> None:
-    check(points, q)
+def test_mixed_magnitudes(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @settings(max_examples=200)
 @given(rows(FINITE, FINITE), st.one_of(QS, st.tuples(FINITE, FINITE)))
-def test_any_finite_doubles_and_any_vertex(points: Points, q: Any) -> None:
-    check(points, q)
+def test_any_finite_doubles_and_any_vertex(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=1, max_size=14), QS)
-def test_integers_float32_and_strided_rows(points: list[tuple[int, int]], q: Any) -> None:
+def test_integers_float32_and_strided_rows(points: list[tuple[int, int]], apex: Any) -> None:
     integers = np.array(points)
     wide = np.full((2 * len(points), 5), np.nan)
     wide[::2, 1:5:3] = integers
     expected = outcome(integers)
     for form in (points, integers, integers.astype(np.float32), wide[::2, 1:5:3]):
         for algorithm in METHODS:
-            assert outcome(form, algorithm=algorithm, q=resolved(q, integers)) == expected
+            assert outcome(form, algorithm=algorithm, apex=resolved(apex, integers)) == expected
 
 
 @settings(max_examples=120)
@@ -162,16 +165,16 @@ def test_rows_that_are_not_finite_are_skipped_alike(points: Points) -> None:
 def test_engine_order_is_the_same_set_and_what_the_oracle_says(algorithm: str) -> None:
     for family in ("small-integers", "integer-circles", "ulp-lattice", "duplicates"):
         points = FAMILIES[family](60, np.random.default_rng(4))
-        found = liftmesh.delaunay(points, algorithm=algorithm, q="median").simplices
+        found = liftmesh.delaunay(points, algorithm=algorithm, apex="median").simplices
         assert_oracle_agrees(points, found)
 
 
 @pytest.mark.parametrize("algorithm", METHODS)
-@pytest.mark.parametrize("q", VERTICES, ids=str)
-def test_a_few_hundred_points_at_every_vertex(algorithm: str, q: Any) -> None:
+@pytest.mark.parametrize("apex", VERTICES, ids=str)
+def test_a_few_hundred_points_at_every_vertex(algorithm: str, apex: Any) -> None:
     for family in ("uniform", "tenth-lattice", "clusters", "circle", "far-offset"):
         points = FAMILIES[family](250, np.random.default_rng(6))
-        options = {"algorithm": algorithm, "q": resolved(q, points)}
+        options = {"algorithm": algorithm, "apex": resolved(apex, points)}
         assert outcome(points, **options) == outcome(points), family
 
 
@@ -181,13 +184,13 @@ def terrain() -> Points:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("q", ["origin", "median"])
-def test_the_terrain_thinned_to_3000_points(terrain: Points, q: str) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median"])
+def test_the_terrain_thinned_to_3000_points(terrain: Points, apex: str) -> None:
     thinned = np.random.default_rng(0).permutation(terrain)[:3000]
     expected = liftmesh.delaunay(thinned, order="canonical")
     assert len(expected.simplices) > 5900
     for algorithm in METHODS:
-        actual = liftmesh.delaunay(thinned, algorithm=algorithm, q=q, order="canonical")
+        actual = liftmesh.delaunay(thinned, algorithm=algorithm, apex=apex, order="canonical")
         for name in ARRAYS:
             np.testing.assert_array_equal(getattr(actual, name), getattr(expected, name))
 
@@ -248,10 +251,10 @@ DEGENERATE = {
 
 
 @pytest.mark.parametrize("points", DEGENERATE.values(), ids=DEGENERATE.keys())
-@pytest.mark.parametrize("q", ["origin", "median", (1e300, 1e300)], ids=str)
-def test_too_little_for_a_triangle_in_the_same_words(points: ArrayLike, q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median", (1e300, 1e300)], ids=str)
+def test_too_little_for_a_triangle_in_the_same_words(points: ArrayLike, apex: Any) -> None:
     assert "error" in outcome(points)
-    check(points, q)
+    check(points, apex)
 
 
 @pytest.mark.parametrize("algorithm", METHODS)
@@ -260,21 +263,21 @@ def test_rows_that_are_not_finite_are_named(algorithm: str) -> None:
     points[7, 1] = np.nan
     points[8, 0] = np.inf
     with pytest.raises(liftmesh.NonFiniteError, match=r"row 7\b.*nan") as caught:
-        liftmesh.delaunay(points, algorithm=algorithm, q="median")
+        liftmesh.delaunay(points, algorithm=algorithm, apex="median")
     assert caught.value.row == 7
-    left = liftmesh.delaunay(points, algorithm=algorithm, q="median", nonfinite="skip")
+    left = liftmesh.delaunay(points, algorithm=algorithm, apex="median", nonfinite="skip")
     assert left.skipped.tolist() == [7, 8]
 
 
 @pytest.mark.parametrize("algorithm", ["auto", *METHODS])
 @pytest.mark.parametrize(
-    "q",
+    "apex",
     ["centre", "", None, 5, (1,), (1, 2, 3), (np.nan, 0), (0, np.inf), [[0, 0]], ("a", "b"), {}],
     ids=repr,
 )
-def test_what_is_no_vertex(algorithm: str, q: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=r"^q is .*: give 'origin', 'median' or a "):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm, q=q)
+def test_what_is_no_vertex(algorithm: str, apex: Any) -> None:
+    with pytest.raises(liftmesh.InputError, match=r"^apex is .*: give 'median', 'origin' or a "):
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm, apex=apex)
 
 
 def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -282,9 +285,9 @@ def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) 
         raise AssertionError("the median is not needed")
 
     monkeypatch.setattr(lifting, "_median", computed)
-    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], q="median").nsimplex == 1
+    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], apex="median").nsimplex == 1
     with pytest.raises(AssertionError, match="not needed"):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf", q="median")
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf", apex="median")
 
 
 @pytest.mark.parametrize("algorithm", ["LF", "lf-res", "indexed", "", None, 3])
@@ -300,7 +303,7 @@ def test_the_input_is_never_modified(algorithm: str) -> None:
     points = FAMILIES["duplicates"](200, np.random.default_rng(1))
     before = points.copy()
     points.flags.writeable = False
-    liftmesh.delaunay(points, algorithm=algorithm, q=points[0])
+    liftmesh.delaunay(points, algorithm=algorithm, apex=points[0])
     assert points.tobytes() == before.tobytes()
 
 
@@ -311,7 +314,7 @@ def test_the_input_is_never_modified(algorithm: str) -> None:
 @pytest.mark.parametrize("policy", ["first", "highest", "mean"])
 def test_surfaces_by_every_method(algorithm: str, policy: str) -> None:
     cloud = layered()
-    options = {"on_duplicate": policy, "algorithm": algorithm, "q": "median"}
+    options = {"on_duplicate": policy, "algorithm": algorithm, "apex": "median"}
     expected, actual = (
         liftmesh.triangulate(cloud, on_duplicate=policy),
         liftmesh.triangulate(cloud, **options),
@@ -338,9 +341,9 @@ def test_the_command_line(words: tuple[str, ...], tmp_path) -> None:
     assert sizes[0] == sizes[1]
 
 
-@pytest.mark.parametrize("q", ["centre", "1", "1,2,3", ""])
-def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
-    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--apex", q)
+@pytest.mark.parametrize("apex", ["centre", "1", "1,2,3", ""])
+def test_the_command_line_refuses_what_is_no_vertex(apex: str, tmp_path) -> None:
+    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--apex", apex)
     failed(done, exit_codes.USAGE, "origin")
     assert list(tmp_path.iterdir()) == []
 
@@ -350,7 +353,7 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("algorithm", "points", "q"),
+    ("algorithm", "points", "apex"),
     [
         ("lf", "rng.random((100_000, 2))", "median"),
         ("lfres", "rng.random((100_000, 2))", "median"),
@@ -359,8 +362,8 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
     ],
     ids=["lf", "lfres", "lfres-indexed", "first edge"],
 )
-def test_ctrl_c_stops_a_long_run_within_a_second(algorithm: str, points: str, q: Any) -> None:
-    call = f"liftmesh.delaunay(points, algorithm={algorithm!r}, q={q!r})"
+def test_ctrl_c_stops_a_long_run_within_a_second(algorithm: str, points: str, apex: Any) -> None:
+    call = f"liftmesh.delaunay(points, algorithm={algorithm!r}, apex={apex!r})"
     assert seconds_to_stop(LONG_RUN.format(points=points, prepare="", call=call), 0.4) < 1.0
 
 

@@ -271,6 +271,6 @@ def test_every_row_is_a_vertex_a_duplicate_or_skipped(
 @given(
     clouds(most=16), st.one_of(st.sampled_from(["origin", "median"]), st.tuples(OFFSETS, OFFSETS))
 )
-def test_every_engine_finds_the_same_triangles(points: Points, q) -> None:
+def test_every_engine_finds_the_same_triangles(points: Points, apex) -> None:
     for algorithm in get_args(Algorithm):
-        assert_same_rows(points, triangles(points, algorithm=algorithm, q=q), algorithm)
+        assert_same_rows(points, triangles(points, algorithm=algorithm, apex=apex), algorithm)

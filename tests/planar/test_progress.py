@@ -168,7 +168,7 @@ def test_nor_does_gift_wrapping(algorithm, listener):
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize(
-    "options", [{"algorithm": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"q": "centre"}]
+    "options", [{"algorithm": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"apex": "centre"}]
 )
 def test_nor_does_a_wrong_option(run, options, listener):
     with pytest.raises(liftmesh.InputError):

@@ -177,10 +177,10 @@ def test_lf_finds_the_lower_facets_of_scipy(name: str) -> None:
 
 @pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("family", ["small-integers", "integer-circles", "duplicates", "lattice"])
-@pytest.mark.parametrize("q", ["origin", (3, -5)], ids=str)
-def test_lifted_integers_give_the_triangulation(family: str, algorithm: str, q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", (3, -5)], ids=str)
+def test_lifted_integers_give_the_triangulation(family: str, algorithm: str, apex: Any) -> None:
     points = FAMILIES[family](400, np.random.default_rng(9))
-    hull = liftmesh.lower_hull(liftmesh.lift(points, q), algorithm=algorithm)
+    hull = liftmesh.lower_hull(liftmesh.lift(points, apex), algorithm=algorithm)
     assert facets(hull) == {
         tuple(sorted(row)) for row in liftmesh.delaunay(points).simplices.tolist()
     }
@@ -251,8 +251,8 @@ def test_the_lowest_and_then_the_first_row_of_a_position(algorithm: str) -> None
 def test_a_result_tells_how_it_was_found() -> None:
     points = np.random.default_rng(12).random((50, 3))
     fast, printed = liftmesh.lower_hull(points), liftmesh.lower_hull(points, algorithm="lf")
-    assert fast.q is None
-    assert printed.q is None
+    assert fast.apex is None
+    assert printed.apex is None
     assert fast.counters is None
     counters = printed.counters
     assert counters is not None

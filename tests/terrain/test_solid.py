@@ -167,7 +167,10 @@ def model_of(block: liftmesh.Cloud) -> str:
     [
         ({}, "either base_height or thickness"),
         ({"base_height": 0, "thickness": 1}, "either base_height or thickness"),
-        ({"base_height": 3}, r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0"),
+        (
+            {"base_height": 3},
+            r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0",
+        ),
         ({"base_height": np.nan}, "base_height is nan: give a finite height"),
         ({"base_height": "low"}, "base_height is 'low'"),
         ({"thickness": 0}, "thickness is 0: give a positive length"),
