@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import operator
 import os
+from collections.abc import Callable
 from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, TypeAlias
@@ -97,6 +98,30 @@ def check_progress(progress: object) -> None:
         raise InputError(
             f"progress is {shown(progress)}: give a function of the fraction done, such as print"
         )
+
+
+class Part:
+    """Progress of a part of a run, told as that of the run; it never falls."""
+
+    def __init__(self, progress: Callable[[float], None], first: float, last: float) -> None:
+        self.has_raised = False
+        self._progress = progress
+        self._first, self._last, self._told = first, last, first
+
+    def __call__(self, done: float) -> None:
+        """Tell how much of the part is done."""
+        wanted = self._first + done * (self._last - self._first)
+        self._told = max(self._told, min(wanted, self._last))
+        try:
+            self._progress(self._told)
+        except BaseException:
+            self.has_raised = True
+            raise
+
+
+def part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Part | None:
+    """Return a callback for a part of a run; None if nobody listens."""
+    return None if progress is None else Part(progress, first, last)
 
 
 def shown(value: object) -> str:

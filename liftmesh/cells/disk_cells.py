@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_coordinates, read_only
 from liftmesh.base.frozen import cached_property
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
@@ -26,6 +27,8 @@ from liftmesh.errors import InputError
 _MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
 _OFF = 2.0**-48  # of the largest number: what rounding may put between two distances
 _FINE = 1e-3  # of the side of a square as large as a cell
+_LEAST = 2.0**-45  # of the largest coordinate
+_GRAPH, _TRACED = 0.1, 0.6  # of the progress: of all, and of what follows the graph
 _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
@@ -57,7 +60,7 @@ def apollonius_diagram(
         longer side of the domain's box counts. By default a thousandth of the side of a square that
         has the mean area of a cell.
     progress : callable, optional
-        As for `apollonius`, which takes most of the time.
+        As for `voronoi`.
 
     Returns
     -------
@@ -92,17 +95,19 @@ def apollonius_diagram(
     >>> cells.max_deviation
     0.006928203230275509
     """
+    check_progress(progress)
     rows = as_coordinates(sites_of(points, domain))
     if not len(rows):
         raise InputError("there are no disks: give one at least")
     disks = as_disks(rows[:, :2], values_of(points, "radii", radii), skippable=False)
-    graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
+    graph = apollonius(disks[:, :2], disks[:, 2], progress=part_of(progress, 0.0, _GRAPH))
     area = as_domain(domain, graph.centers, crs_of(points))
-    bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
     if max_deviation is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
-        max_deviation = max(_FINE * _side_of_cells(area, seen), _least(bounds))
-    return ApolloniusCells(graph, area, as_max_deviation(max_deviation, bounds))
+        least = float(np.abs(area.bounds).max()) * _LEAST
+        max_deviation = max(_FINE * _side_of_cells(area, seen), least)
+    limit = as_max_deviation(max_deviation, area.bounds)
+    return ApolloniusCells(graph, area, limit, part_of(progress, _GRAPH, 1.0))
 
 
 def _side_of_cells(domain: Domain, count: int) -> float:
@@ -112,10 +117,6 @@ def _side_of_cells(domain: Domain, count: int) -> float:
     u, v = corners - corners[0], corners[domain.following] - corners[0]
     area = float((u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).sum() / 2)
     return float(np.ldexp(np.sqrt(area / count), scale))
-
-
-def _least(bounds: Floats) -> float:
-    return float(np.abs(bounds).max()) * 2.0**-45
 
 
 class ApolloniusCells(ClippedCells):
@@ -140,6 +141,8 @@ class ApolloniusCells(ClippedCells):
         What the cells are clipped to.
     max_deviation : float
         How far chords may be from the arcs.
+    progress : callable, optional
+        As for `voronoi`.
 
     Attributes
     ----------
@@ -164,7 +167,13 @@ class ApolloniusCells(ClippedCells):
     (array([20.045, 27.955]), [[0, 1]])
     """
 
-    def __init__(self, graph: ApolloniusGraph, domain: Domain, max_deviation: float) -> None:
+    def __init__(
+        self,
+        graph: ApolloniusGraph,
+        domain: Domain,
+        max_deviation: float,
+        progress: Progress | None = None,
+    ) -> None:
         self.graph = graph
         self.max_deviation: float = max_deviation
         self._lines: Traced | None = None
@@ -175,9 +184,13 @@ class ApolloniusCells(ClippedCells):
         else:
             self._simplices = graph.simplices
             self._lines = trace_sides(graph, _box_around(domain, max_deviation), max_deviation)
+            if progress is not None:
+                progress(_TRACED)
             default = _nearest(graph, domain)
             super().__init__(graph.centers, domain, *overlay_cells(self._lines, domain, default))
         self.duplicates, self.hidden = graph.duplicates, graph.hidden
+        if progress is not None:
+            progress(1.0)
 
     @property
     def radii(self) -> NDArray[np.float64]:
@@ -236,7 +249,7 @@ class ApolloniusCells(ClippedCells):
 
 def _box_around(domain: Domain, max_deviation: float) -> tuple[float, float, float, float]:
     """Return the box of a domain, wider by more than polylines are off."""
-    low, high = domain.corners.min(axis=0), domain.corners.max(axis=0)
+    low, high = np.reshape(domain.bounds, (2, 2))
     margin = _MARGIN * float((high / 2 - low / 2).max()) * 2 + 2 * max_deviation
     left, lower, right, upper = np.concatenate([low - margin, high + margin]).tolist()
     return left, lower, right, upper

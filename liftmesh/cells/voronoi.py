@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
-from liftmesh.base.options import counted
+from liftmesh.base.options import check_progress, counted, part_of
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
@@ -26,8 +26,16 @@ from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
 from liftmesh.planar.kinds import weights_or_radii
 
+_DUAL, _CLIPPED = 0.2, 0.5  # of the progress: of all, and of what follows the triangulation
 
-def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
+
+def voronoi(
+    points: ArrayLike,
+    *,
+    domain: Any = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Cells:
     """Compute the Voronoi cells of planar points inside a domain.
 
     The cell of a row is what is nearer to it than to any other row. Which corners and sides it has
@@ -44,6 +52,11 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
         polygon, in either direction; or the ``domain`` of other cells. By default, and with
         "bounds", the box of the points, widened by a tenth of its longer side on each side. For the
         diagram in the whole plane, with rays, see `Cells.unclipped`.
+    threads : int, optional
+        Number of threads for the triangulation, as for `delaunay`; the cells are the same for any
+        number.
+    progress : callable, optional
+        As for `delaunay`: it is told the fraction of the work done, and 1.0 at the end.
 
     Returns
     -------
@@ -78,8 +91,7 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
            [2., 0.],
            [2., 2.]])
     """
-    dual = dual_of(sites_of(points, domain))
-    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
+    return cells_of(points, domain, threads=threads, progress=progress)
 
 
 def power_diagram(
@@ -88,6 +100,8 @@ def power_diagram(
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     domain: Any = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Cells:
     """Compute the power cells of weighted points inside a domain.
 
@@ -104,6 +118,8 @@ def power_diagram(
         Instead of weights, the radius of a circle around each row: its weight is the square, which
         is never rounded.
     domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
+        As for `voronoi`.
+    threads, progress
         As for `voronoi`.
 
     Returns
@@ -128,8 +144,24 @@ def power_diagram(
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
     kind, given = weights_or_radii(weights, radii)
-    dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
-    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
+    return cells_of(points, domain, kind, given, threads=threads, progress=progress)
+
+
+def cells_of(
+    points: Any,
+    domain: Any,
+    kind: str = "plain",
+    given: Any = None,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Cells:
+    """Triangulate points and clip their cells."""
+    check_progress(progress)
+    rows, values = sites_of(points, domain), values_of(points, kind, given)
+    dual = dual_of(rows, kind, values, threads, part_of(progress, 0.0, _DUAL))
+    inside = as_domain(domain, dual.points, crs_of(points))
+    return Cells(dual, inside, part_of(progress, _DUAL, 1.0))
 
 
 class Cells(ClippedCells):
@@ -149,6 +181,8 @@ class Cells(ClippedCells):
         The sites.
     domain : Domain
         What the cells are clipped to.
+    progress : callable, optional
+        As for `voronoi`.
 
     Attributes
     ----------
@@ -187,11 +221,16 @@ class Cells(ClippedCells):
            [1, 2]], dtype=int32)
     """
 
-    def __init__(self, dual: Dual, domain: Domain) -> None:
-        super().__init__(dual.points, domain, *clip(dual, domain))
+    def __init__(self, dual: Dual, domain: Domain, progress: Progress | None = None) -> None:
+        clipped = clip(dual, domain)
+        if progress is not None:
+            progress(_CLIPPED)
+        super().__init__(dual.points, domain, *clipped)
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
         self._dual = dual
+        if progress is not None:
+            progress(1.0)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)

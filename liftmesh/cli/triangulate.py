@@ -17,7 +17,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 
@@ -209,7 +209,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def _print_report(
-    written: Written,
+    written: WriteResult,
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
@@ -246,7 +246,7 @@ def _print_report(
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report, faces: int) -> str:
+def _headline(written: WriteResult, report: Report, faces: int) -> str:
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
     return outputs.headline(written, f"{report.rows:,} vertices, {triangles}")
 
@@ -263,7 +263,7 @@ def _counts(report: Report) -> dict[str, int]:
     }
 
 
-def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
         **outputs.as_values(written),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},

@@ -103,7 +103,7 @@ WITHOUT_DATA = {
     "ApolloniusGraph": "a result, made by apollonius; its methods are watched",
     "Adapter": "describes a conversion",
     "Format": "describes a format",
-    "Written": "tells what was written",
+    "WriteResult": "tells what was written",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "Flaw": "a result, made by verify",
     "Violation": "a result, made by verify",

@@ -143,7 +143,7 @@ def test_conditions_of_files_that_are_read_in_chunks(folder: Path) -> None:
     assert found == [{"classes": GROUND, "withheld": False, "every": 2}, {"every": 2}]
     assert for_chunks(names, {"classes": (2, 9)})[1]["classes"] == (2, 9)
     assert for_chunks(names[1:2], {})[0]["classes"] == "all"
-    assert for_chunks(names, {"bbox": (0, 0, 50, 50)})[1]["classes"] == "all"
+    assert for_chunks(names, {"bounds": (0, 0, 50, 50)})[1]["classes"] == "all"
     with pytest.raises(InputError, match=r"b.las: no ground \(class 2\), while other files"):
         for_chunks(names, {"dst_crs": "EPSG:25832"})
 

@@ -135,7 +135,7 @@ def test_objects_of_dask_and_of_memory(
     for name, each in sources.items():
         out = tmp_path / name
         liftmesh.dask.delaunay(each, out, tile_rows=TILE_ROWS * 6, client=client)
-        triangles = np.sort(liftmesh.open_tiled(out).compute().view("i8,i8,i8").ravel())
+        triangles = np.sort(liftmesh.open_tiled(out).to_array().view("i8,i8,i8").ravel())
         if name == "memory":
             first = triangles
         assert np.array_equal(triangles, first), name

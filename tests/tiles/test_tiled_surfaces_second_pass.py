@@ -138,9 +138,9 @@ def test_a_cloud_optimised_file_is_that_of_one_call(
 ) -> None:
     monkeypatch.setattr(surface_raster, "_SIDE", 512)
     tiled, surface = both
-    size = (tiled.extent[3] - tiled.extent[0]) / 700
+    size = (tiled.bounds[2] - tiled.bounds[0]) / 700
     for compress in ("deflate", None):
-        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress)
+        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress).path
         expected = surface.raster(size, dtype="float32")
         expected.save(tmp_path / "b.tif", cog=True, compress=compress)
         with rasterio.open(path) as file, rasterio.open(tmp_path / "b.tif") as other:
@@ -163,11 +163,12 @@ def test_a_file_holds_the_values_of_one_call(
     tiled, surface = both
     shown: list[float] = []
     for compress in ("deflate", None):
-        path = tiled.save_raster(
-            tmp_path / "tiled.tif", 0.05, compress=compress, progress=shown.append
-        )
+        path, alone = tmp_path / "tiled.tif", tmp_path / "a.tif"
+        written = tiled.save_raster(path, 0.05, compress=compress, progress=shown.append)
+        assert (written.path, written.bytes) == (path, path.stat().st_size)
         expected = surface.raster(0.05, dtype="float32")
-        with rasterio.open(path) as file, rasterio.open(expected.save(tmp_path / "a.tif")) as other:
+        expected.save(alone)
+        with rasterio.open(path) as file, rasterio.open(alone) as other:
             assert file.read(1).tobytes() == other.read(1).tobytes() == expected.values.tobytes()
             assert (file.transform, file.crs, file.nodata) == (
                 *(other.transform, other.crs, pytest.approx(np.nan, nan_ok=True)),
@@ -249,12 +250,12 @@ def test_the_commands(tmp_path: Path) -> None:
     options += ("--neighbors",)
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
-    cloud = liftmesh.read(tmp_path / "a.las", bbox=[0, 0, 20, 20])
+    cloud = liftmesh.read(tmp_path / "a.las", bounds=[0, 0, 20, 20])
     surface = liftmesh.triangulate(cloud, on_duplicate="lowest")
     assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
     assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
     assert command("verify", "out", cwd=tmp_path).returncode == 0
-    assert liftmesh.open_tiled(tmp_path / "out").compute_neighbors().shape == surface.faces.shape
+    assert liftmesh.open_tiled(tmp_path / "out").neighbors_to_array().shape == surface.faces.shape
     done = command("raster", "out", "a.tif", "--resolution", "0.5", "--json", cwd=tmp_path)
     expected = surface.raster(0.5, dtype="float32")
     told = json.loads(done.stdout)

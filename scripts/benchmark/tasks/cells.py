@@ -33,7 +33,7 @@ from distributions import Points
 import liftmesh
 from benchmark.contest import SEED
 from benchmark.measuring import add_common, console, empty_table
-from liftmesh.cells.transport import TransportResult
+from liftmesh.cells.optimization import TransportResult
 
 Case: TypeAlias = tuple[str, str, Points, Callable[[Points], object]]
 
