@@ -358,10 +358,10 @@ def test_the_layout_covers_the_surface() -> None:
 def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 50)  # several blocks of rows
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
-    found = surface.raster(0.05, method=method)
+    found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
     with pytest.raises(liftmesh.InputError, match="leave out method"):
-        surface.raster(0.05, method=method, quantity="slope")
+        surface.raster(0.05, interpolation=method, quantity="slope")
 
 
 def test_a_transform_of_rasterio_is_taken() -> None:
