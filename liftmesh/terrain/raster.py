@@ -72,8 +72,8 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 def _extent(surface: SurfaceData) -> list[float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
-    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
-    return [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
+    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces.ravel()]
+    return [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
 
 
 def unit_of(surface: OverPlane, quantity: str) -> str | None:
