@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import io
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -142,6 +143,8 @@ def diagram_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Unclipped.{name}", PLANAR, unclipped, ()
     yield "Cells.to_shapely", PLANAR, on_cells(liftmesh.Cells.to_shapely), ("uniform",)
     yield "Cells.to_geodataframe", PLANAR, on_cells(liftmesh.Cells.to_geodataframe), ()
+    saved = on_cells(lambda c: c.save(io.BytesIO(), format="geojson"))
+    yield "Cells.save", PLANAR, saved, ()
 
 
 FUNCTIONS = tuple(diagram_functions())
