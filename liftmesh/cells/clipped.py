@@ -17,7 +17,7 @@ from liftmesh.io.faces import places
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
 
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
@@ -245,7 +245,7 @@ class ClippedCells:
         *,
         format: str | None = None,  # noqa: A002
         crs: Any = None,
-    ) -> Written:
+    ) -> WriteResult:
         """Write the cells with values of their rows.
 
         Each cell has the number of its row as ``row``, its columns of `data`, and its ``area``.
@@ -265,7 +265,7 @@ class ClippedCells:
 
         Returns
         -------
-        Written
+        WriteResult
             The format, the number of bytes, and in ``dropped`` what the file does not keep. If
             `data` has a column ``row`` or ``area``, ``renamed`` says what that of the cells is
             called.

@@ -44,7 +44,7 @@ from liftmesh.io.formats.ply.writer import PORTABLE, portable
 from liftmesh.io.metadata import OWN, crs_comment
 from liftmesh.io.streams import at_home, check_stream, name_of
 from liftmesh.io.text_tables import write_rows
-from liftmesh.io.write import Written
+from liftmesh.io.write import WriteResult
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import own_system, read_features
@@ -169,7 +169,7 @@ def format_of(place: Any, name: str | None = None) -> str:
 
 def save_cells(
     cells: ClippedCells, target: Any, data: Any, file_format: str | None, crs: Any
-) -> Written:
+) -> WriteResult:
     """Write cells to a file, completely or not at all, or to a stream."""
     kind, system = format_of(target, file_format), common_crs(data, crs, cells.crs)
     columns, dropped = plain_columns(columns_of(data, len(cells.points)))
@@ -184,7 +184,7 @@ def save_cells(
         dropped += _WRITERS[kind](counting, cells, held, system)
     names = () if kind == "svg" else own.items()
     renamed = tuple((name, given) for name, given in names if name != given)
-    return Written(Path(place) if is_path else None, kind, counting.count, None, dropped, renamed)
+    return WriteResult(Path(place) if is_path else None, kind, counting.count, None, dropped, renamed)
 
 
 class _Counting:

@@ -100,7 +100,8 @@ def _selection(
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
     bounds: Annotated[
-        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
+        Any,
+        option("XMIN,YMIN,XMAX,YMAX", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
@@ -130,9 +131,9 @@ def _selection(
     if classes is not None and all_classes:
         raise typer.BadParameter("--classes and --all-classes exclude each other: leave one out")
     chosen = "all" if all_classes else classes
-    conditions = options.given(classes=chosen, returns=returns, bbox=bounds, z_range=z_range)
+    conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=copc_resolution
+        every=every if every > 1 else None, withheld=withheld, copc_resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection

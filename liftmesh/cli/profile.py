@@ -76,7 +76,7 @@ def run(
         draped = _draped(surface, lines, along)
     if is_shapes:
         with terminal.stage(f"writing {target.name}"):
-            written: Path | None = draped.save(target)
+            written = draped.save(target).path
     else:
         name = outputs.write(target, draped.as_cloud(), output_format).path
         written = None if name is None else Path(name)

@@ -112,7 +112,7 @@ def tile(  # noqa: PLR0913 - options are keywords
     >>> tiled = tile(points, tempfile.mkdtemp(), tile_rows=300)
     >>> from liftmesh import delaunay
     >>> expected = delaunay(points, order="canonical").simplices
-    >>> {*map(tuple, tiled.compute().tolist())} == {*map(tuple, expected.tolist())}
+    >>> {*map(tuple, tiled.to_array().tolist())} == {*map(tuple, expected.tolist())}
     True
     """
     check_progress(progress)
@@ -174,11 +174,11 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         As for `tile`.
     shards : "npy"
         The format of the triangles; surfaces know no other, as vertices and faces stand beside
-        them. `TiledSurface.meshes` gives each shard for a file of any format.
+        them. `TiledSurface.iter_meshes` gives each shard for a file of any format.
     neighbors, threads, progress
         As for `tile`.
     **reading
-        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
+        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bounds``,
         ``dst_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and
         COPC, the ground (class 2) is taken, or all rows if no file has any, and no withheld rows,
         as by `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were
@@ -222,7 +222,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     >>> points = np.random.default_rng(0).integers(0, 30, (1000, 3))
     >>> tiled = tile_surface(points, tempfile.mkdtemp(), on_duplicate="highest", tile_rows=300)
     >>> faces = triangulate(points, on_duplicate="highest").faces
-    >>> {frozenset(face) for face in tiled.compute().tolist()} == {*map(frozenset, faces.tolist())}
+    >>> {frozenset(face) for face in tiled.to_array().tolist()} == {*map(frozenset, faces.tolist())}
     True
     >>> print(tiled.report)
     1,000 rows, 602 of them used in 1,127 triangles. Left out: 11 duplicates, 387 overhangs ...
