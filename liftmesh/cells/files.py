@@ -184,7 +184,9 @@ def save_cells(
         dropped += _WRITERS[kind](counting, cells, held, system)
     names = () if kind == "svg" else own.items()
     renamed = tuple((name, given) for name, given in names if name != given)
-    return WriteResult(Path(place) if is_path else None, kind, counting.count, None, dropped, renamed)
+    return WriteResult(
+        Path(place) if is_path else None, kind, counting.count, None, dropped, renamed
+    )
 
 
 class _Counting:
