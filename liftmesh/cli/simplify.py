@@ -99,7 +99,7 @@ def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_
         terminal.as_json(
             {
                 **outputs.as_values(written),
-                "triangles": len(surface.faces),
+                "n_triangles": len(surface.faces),
                 **told,
                 "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),

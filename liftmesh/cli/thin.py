@@ -47,7 +47,7 @@ def _thinning(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    thinning = options.given(random=random, cell=cell, distance=min_distance, adaptive=adaptive)
+    thinning = options.given(random=random, cell=cell, min_distance=min_distance, adaptive=adaptive)
     if len(thinning) > 1:
         raise typer.BadParameter(_WAYS)
     if seed is not None and random is None:

@@ -170,14 +170,14 @@ def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:
     unused = len(cloud) - used
     return report_on(
         cloud,
-        used=used,
-        duplicates=0,
-        overhangs=0,
-        skipped=0,
-        triangles=triangles,
+        n_used=used,
+        n_duplicates=0,
+        n_overhangs=0,
+        n_skipped=0,
+        n_triangles=triangles,
         policy="error",
         seconds={},
         left_out=solved.skipped,
         representatives=np.full(unused, -1, dtype=np.int32),
-        unused=unused,
+        n_unused=unused,
     )

@@ -252,11 +252,11 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,
-        used=len(kept),
-        duplicates=0,
-        overhangs=0,
-        skipped=0,
-        triangles=triangulation.nsimplex,
+        n_used=len(kept),
+        n_duplicates=0,
+        n_overhangs=0,
+        n_skipped=0,
+        n_triangles=triangulation.nsimplex,
         policy=whole.report.policy,
         seconds={**whole.report.seconds, "simplify": time.perf_counter() - start},
         left_out=nothing,

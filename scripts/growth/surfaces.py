@@ -168,7 +168,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
     cut = on_surface(lambda found: found.volume(0.5))
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
-    inside = on_surface(lambda found: found.volume(0.5, polygon=[[0, 0], [1, 0], [0.5, 1]]))
+    inside = on_surface(lambda found: found.volume(0.5, within=[[0, 0], [1, 0], [0.5, 1]]))
     yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
     each = on_surface(lambda found: found.volume_by_polygon(HALVES, 0.5))
     yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST

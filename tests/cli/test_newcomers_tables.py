@@ -274,4 +274,4 @@ def test_a_scene_of_two_clouds() -> None:
     scene.add_geometry(trimesh.PointCloud(POINTS), transform=moved)
     surface = lm.triangulate(scene)
     assert surface.vertices[:, 0].tolist() == [x + dx for dx in (0, 10) for x, _, _ in POINTS]
-    assert surface.report.used == 6
+    assert surface.report.n_used == 6

@@ -192,7 +192,7 @@ def test_the_command_merges_tiles(folder: Path) -> None:
     flown = command("triangulate", "strip0.las", "strip1.las", "new.ply", cwd=folder)
     assert re.search(r": 2 flight lines; [\d,]+ rows are in cells of size ", flown.stderr)
     assert "tile1.las: 100 rows, " in done.stderr
-    assert report["rows"] == 300
+    assert report["n_rows"] == 300
     assert report["selection"] == {"rows": 600, "selected": 300, "classes": 300, "ground": 1}
     assert done.stderr.count("ground (class 2): 100 of 200 rows") == 3
 
