@@ -146,7 +146,7 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     for name in CELLS:
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
-    for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
+    for method in (kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
     yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
