@@ -12,11 +12,11 @@ from math import isqrt
 from typing import Any
 
 import numpy as np
-
-import liftmesh
 from growth.cells import CELLS
 from growth.counting import Work
 from growth.families import FEW, named, random
+
+import liftmesh
 
 Disks = np.ndarray
 
@@ -143,7 +143,7 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",), FEW
     yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far"), FEW
-    for name in CELLS:
+    for name in (*CELLS, "sides"):
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
     for method in (kind.to_shapely, kind.to_geodataframe):

@@ -17,9 +17,9 @@ from typing import Any
 
 import numpy as np
 from beside import stream_of
-
 from fuzz.round_trip import READ_BACK, FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
+
 from liftmesh import Cloud, DataWarning, FormatError, InputError, read, read_chunks, write
 from liftmesh.io.registry import find_format
 
