@@ -174,7 +174,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
             said = str(error).replace("cloth_resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
             raise
-    counts = classified.metadata["ground"]
+    counts = notes.provenance_of(classified).ground
     if not counts["ground"]:
         raise InputError(f"{counts['algorithm']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
@@ -222,14 +222,15 @@ def _print_report(
     report = surface.report
     if as_json:
         cloud = surface.to_cloud()
+        known = notes.provenance_of(cloud)
         about = {
             "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
-            "triangulated_by": cloud.metadata.get("triangulated_by"),
+            "triangulated_by": known.lifted_by or None,
             "selection": notes.counts_of(cloud),
-            "merged": cloud.metadata.get("merged"),
-            "ground": cloud.metadata.get("ground"),
-            "thinning": cloud.metadata.get("thinning"),
+            "merged": known.merged or None,
+            "ground": known.ground or None,
+            "thinning": known.thinning or None,
             **notes.provenance(cloud),
             "n_trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }

@@ -21,7 +21,7 @@ from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
-from liftmesh.io.metadata import lifted_by
+from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
@@ -66,7 +66,7 @@ def with_attributes(
 
 def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those by which the surface was triangulated."""
-    for kind, name in lifted_by(surface.metadata).items():
+    for kind, name in Provenance(surface.metadata).lifted_by.items():
         held = getattr(surface.triangulation, kind, None)
         if kind == "metric" or held is None:
             continue

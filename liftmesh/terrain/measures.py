@@ -29,7 +29,7 @@ from liftmesh.base.arrays import as_number
 from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
-from liftmesh.io.selection import found_selection
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
@@ -264,7 +264,7 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
             "other, or replace(crs=None) if they are the same"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)
-    check_grounds((name, found_selection(each.metadata)) for name, each in files)
+    check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
 
 
 def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:

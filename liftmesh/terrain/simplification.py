@@ -43,7 +43,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import NonFinite, OnDuplicate, as_count, as_switch, check_progress, shown
 from liftmesh.errors import InputError
-from liftmesh.io.metadata import lifted_by
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
@@ -209,7 +209,7 @@ def _check_faces(mesh: Cloud, plane: Any) -> None:
         as_surface(mesh, plane=plane)
     except InputError:  # the faces are others: the points count alone, as those of a cloud
         return
-    if not lifted_by(mesh.metadata):
+    if not Provenance(mesh.metadata).lifted_by:
         raise InputError(
             f"the faces of the mesh are not the whole triangulation of its points, {_WHOLE}"
         )

@@ -22,7 +22,7 @@ from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_optio
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
-from liftmesh.io.metadata import found_columns
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
@@ -380,6 +380,6 @@ def _report(
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
-        columns=found_columns(cloud.metadata),
+        columns=Provenance(cloud.metadata).columns,
         n_hidden=len(hidden),
     )
