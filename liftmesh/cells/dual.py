@@ -75,7 +75,7 @@ def _coordinates(points: Any) -> Any:
     kinds = np.asarray(shapes.geom_type)
     if (other := kinds != "Point").any():
         row = int(other.argmax())
-        kind = kinds[row] or "nothing"
+        kind = kinds[row] if isinstance(kinds[row], str) else "nothing"
         raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
     return np.stack([np.asarray(shapes.x), np.asarray(shapes.y)], axis=1)
 
