@@ -66,7 +66,7 @@ def _rings_of(given: Any, points: Floats) -> Domain:
         raise InputError("domain is cells: give what they are clipped to, cells.domain")
     if isinstance(given, Mapping) or hasattr(given, "__geo_interface__"):
         return _of_shape(given)
-    array = as_numbers("domain is", given, _LEADING)
+    array = as_numbers("domain", given, _LEADING)
     if array.shape == (4,):
         return _box(array)
     if array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3:

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import as_number, as_numbers, as_reals, read_only
+from liftmesh.base.arrays import as_numbers, as_reals, read_only
 from liftmesh.base.frozen import cached_property
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_number, shown
 from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import binary_scale
@@ -186,7 +186,7 @@ def as_density(given: Any, domain: Domain) -> Density:
 
 
 def _values(given: Any) -> Array:
-    values = as_numbers("density is", given, "give an image, as an array")
+    values = as_numbers("density", given, "give an image, as an array")
     if values.ndim != 2 or not values.size:
         hint = "; of colours, their mean" if values.ndim == 3 else ""
         raise InputError(f"density has the shape {values.shape}: give an (h, w) array{hint}")

@@ -206,7 +206,7 @@ def _check_connected(domain: Domain) -> None:
 
 
 def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> Floats:
-    given = as_numbers("masses are", masses, "give a number for each row")
+    given = as_numbers("masses", masses, "give a number for each row", verb="are")
     if given.ndim == 0:
         raise InputError(
             f"masses are {shown(masses)}: give a number for each of {counted(rows, 'row')}"

@@ -15,8 +15,15 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_numbers, as_positive, of_one_array
-from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
+from liftmesh.base.arrays import as_numbers, of_one_array
+from liftmesh.base.options import (
+    NonFinite,
+    as_count,
+    as_positive,
+    check_option,
+    check_progress,
+    shown,
+)
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, trace_sides
 from liftmesh.errors import InputError
@@ -303,7 +310,7 @@ class ApolloniusGraph(DiskGraph):
 
 
 def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
-    values = as_numbers("box is", box, "give real numbers")
+    values = as_numbers("box", box, "give real numbers")
     if values.shape != (4,) or not np.isfinite(values).all():
         raise InputError(f"box is {shown(box)}: give four finite numbers")
     x, y, right, upper = values.tolist()
@@ -314,7 +321,7 @@ def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
 
 def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    as_numbers("tolerance is", tolerance, "give real numbers")
+    as_numbers("tolerance", tolerance, "give real numbers")
     value = as_positive("tolerance", tolerance, "a positive, finite number")
     limits = np.asarray(box, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST

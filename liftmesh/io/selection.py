@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
+from liftmesh.base.options import Returns, as_count, as_positive, as_switch, check_option, shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
 from liftmesh.io.metadata import noted

@@ -108,7 +108,7 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
             return None
         raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
     with np.errstate(all="ignore"):
-        pair = as_numbers("q is", q, "give 'origin', 'median' or a point (qx, qy)")
+        pair = as_numbers("q", q, "give 'origin', 'median' or a point (qx, qy)")
     if pair.shape != (2,) or not np.isfinite(pair).all():
         raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
     return float(pair[0]), float(pair[1])

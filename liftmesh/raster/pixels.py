@@ -106,7 +106,7 @@ def _checked(transform: Sequence[float], rows: int, columns: int) -> Layout:
 
 def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
     """Convert an option to so many finite numbers."""
-    numbers = as_numbers(f"{name} is", values, f"give {count} numbers")
+    numbers = as_numbers(name, values, f"give {count} numbers")
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
         raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
     return tuple(numbers.tolist())

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_decimal, as_number, as_reals
+from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_thousands, as_threads, shown
+from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, shown
 from liftmesh.errors import InputError
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load

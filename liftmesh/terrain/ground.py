@@ -25,8 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import GroundMethod, as_count, check_option
+from liftmesh.base.options import GroundMethod, as_count, as_positive, check_option
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
 from liftmesh.io.interpreter import command

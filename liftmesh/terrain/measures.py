@@ -25,8 +25,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number
-from liftmesh.base.options import as_switch
+from liftmesh.base.options import as_number, as_switch
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError
 from liftmesh.io.selection import found_selection

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number, as_positive, used_rows
+from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import Pinched, check_option
+from liftmesh.base.options import Pinched, as_number, as_positive, check_option
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.trimming import boundary, mask_of, masked

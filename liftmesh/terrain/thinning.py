@@ -25,8 +25,8 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_positive, check_finite, starts_of_runs
-from liftmesh.base.options import CellRow, as_count, check_option
+from liftmesh.base.arrays import check_finite, starts_of_runs
+from liftmesh.base.options import CellRow, as_count, as_positive, check_option
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud

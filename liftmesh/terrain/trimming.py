@@ -14,8 +14,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number
-from liftmesh.base.options import as_switch
+from liftmesh.base.options import as_number, as_switch
 from liftmesh.errors import InputError
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners
 from liftmesh.vector.polygons import contains, polygons_in

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from liftmesh.base.arrays import as_positive
+from liftmesh.base.options import as_positive
 from liftmesh.crs.units import Placed, band_unit, system_of
 from liftmesh.errors import InputError
 

@@ -20,8 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_positive, shown
 from liftmesh.crs.description import as_wkt
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.formats.las.fields import (
