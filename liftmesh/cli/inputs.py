@@ -22,6 +22,7 @@ from liftmesh.errors import (
     DuplicateHeightError,
     FormatError,
     InputError,
+    Message,
     NonFiniteError,
 )
 
@@ -77,7 +78,7 @@ def table(
     if given:
         from liftmesh.io.formats.text.options import validate_table_options
 
-        with options.as_option():
+        with options.as_usage():
             validate_table_options(**given)
     return given
 
@@ -130,7 +131,7 @@ def _selection(
     if conditions:
         from liftmesh.io.selection import validate_selection
 
-        with options.as_option():
+        with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
 
@@ -314,8 +315,7 @@ def about(path: Path) -> Iterator[None]:
         yield
     except InputError as error:
         if _is_about_rows(error):
-            name = "stdin" if is_stream(path) else path
-            error.args = (f"{name}: {error}", *error.args[1:])
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -333,7 +333,8 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         yield
     except InputError as error:
         if _is_about_rows(error) and "thinning" not in cloud.metadata:
-            error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
+            placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
+            error.args = (Message(placed),)
         raise
 
 

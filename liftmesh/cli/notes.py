@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from datetime import date, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.cli.wording import as_on_command_line
+from liftmesh.cli.wording import worded
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -44,7 +44,7 @@ def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...
     from liftmesh.io.formats.text.columns import coordinates_sentence
 
     said = coordinates_sentence(names)
-    told = map(as_on_command_line, cloud.metadata.get("notes", ()))
+    told = map(worded, cloud.metadata.get("notes", ()))
     return (*first, *([said] if said else []), *told)
 
 

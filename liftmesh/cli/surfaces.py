@@ -11,8 +11,8 @@ import typer
 from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.options import option, positive
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import InputError
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import InputError, Option
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
@@ -118,7 +118,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
             try:
                 return liftmesh.as_surface(cloud, **choices)
             except InputError as error:
-                error.args = (f"{source}: {error}", *error.args[1:])
+                error.within(source)
                 raise
 
 
@@ -128,7 +128,7 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
 
     of_files = {"format", "max_bytes"}
     given = [*reading.trimming]
-    given += [of_reading(name) for name in reading.rows if name not in of_files]
+    given += [spelled(Option(name)) for name in reading.rows if name not in of_files]
     given += [name for name, value in others.items() if value not in (None, False)]
     given += ["format"] if "format" in reading.rows else []
     given += ["nonfinite"] if reading.nonfinite != "error" else []

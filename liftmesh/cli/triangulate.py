@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import GroundMethod, Method
+from liftmesh.base.options import GroundMethod, Method, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -45,7 +45,7 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise refused("cloth_rigidness", text, "give 1, 2 or 3")
     return int(text)
 
 

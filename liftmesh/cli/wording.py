@@ -4,8 +4,8 @@
 version: here, the type of an exception and what it concerns decide; its text serves only to find
 what was typed.
 
-*Options.* The library names its own options in what it raises: ``band=`` becomes ``--band``. A name
-counts where it begins a word, so that folders such as ``tiles/band=2`` stay as they are.
+*Options.* Messages of the library say where they name options: ``band=`` becomes ``--band``. Most
+options of commands have the names of the library's; `_OTHERS` has the rest.
 """
 
 from __future__ import annotations
@@ -15,6 +15,25 @@ import shlex
 from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
+
+from liftmesh.base.options import VARIABLE
+from liftmesh.errors import InputError, Message, Option
+
+VALUE = "value"
+"""The name of any option for the parsers of values: typer knows which one it is."""
+
+_OTHERS: dict[str | Option, str] = {
+    VARIABLE: VARIABLE,
+    "crs": "--from-crs",
+    "distance": "--min-distance",
+    "format": "--from",
+    "length": "--min-length",
+    Option("classify_ground"): "triangulate --ground csf",
+    Option("dtype", "float64"): "--double",
+    Option("header", False): "--no-header",
+    Option("resume", False): "--anew",
+}
+"""How the command line names what has another name in the library, or is given in another way."""
 
 _OPTION_NAMES = (
     "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
@@ -108,10 +127,9 @@ def _about_words(text: str, context: Any) -> str:
 
 def _about_value(error: Any) -> str:
     """Describe a value that an option does not have."""
-    if error.param is None:  # of several options
-        return str(error.message)
-    if type(error).__name__ == "WrongValue":  # ours
-        return f"{error.param_hint or _name(error.param)} {error.message}"
+    if error.param is None or isinstance(error.__cause__, InputError):  # ours
+        named = {} if error.param is None else {VALUE: _name(error.param)}
+        return worded(Message(error.message).renamed(named))
     typed = _quoted(error.message)
     name, choices = _name(error.param), _choices(error.param)
     given = name if typed is None else f"{name} {typed!r}"
@@ -157,9 +175,25 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
     return f": give one of {', '.join(known)}" if known else ""
 
 
-def of_reading(name: str) -> str:
-    """Return the option of the command line for one of `liftmesh.read`."""
-    return _option(_OF_READING.get(name, name))
+def worded(message: str) -> str:
+    """Name the options in a message as the command line does."""
+    parts = Message(message).parts
+    return "".join(
+        as_on_command_line(each) if isinstance(each, str) else spelled(each) for each in parts
+    )
+
+
+def spelled(option: Option) -> str:
+    """Write an option as a shell takes it, with its value if it has one."""
+    name, value = option
+    if option in _OTHERS:
+        return _OTHERS[option]
+    spelled_name = _OTHERS.get(name) or (
+        name if name.startswith("-") else f"--{name.replace('_', '-')}"
+    )
+    if value is None or value is ... or value is True:
+        return spelled_name
+    return f"{spelled_name} {shlex.quote(str(value))}"
 
 
 def as_on_command_line(message: str) -> str:

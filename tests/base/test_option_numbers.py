@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError
-from liftmesh.base.arrays import as_decimal, as_number, as_positive, starts_of_runs
+from liftmesh.base.arrays import as_decimal, starts_of_runs
+from liftmesh.base.options import as_number, as_positive
 from liftmesh.base.options import as_thousands
 
 

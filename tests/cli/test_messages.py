@@ -10,7 +10,7 @@ import pytest
 from liftmesh import Cloud
 from liftmesh.cli import exit_codes, inputs, notes, outputs, places, terminal, wording
 from liftmesh.cli.info import _decimals
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.write import Written
 
 
@@ -21,7 +21,7 @@ from liftmesh.io.write import Written
         (RuntimeError("std::bad_alloc"), "not enough memory"),
         (SystemError("error return without exception set"), "not enough memory"),
         (OSError(28, "No space left", "a.ply"), "a.ply: No space left"),
-        (InputError("give unit="), "give --unit"),
+        (InputError(f"give {Option('unit', ...)}"), "give --unit"),
     ],
 )
 def test_errors_of_input(error: Exception, said: str) -> None:
@@ -36,11 +36,19 @@ def test_what_caused_an_error_decides() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "option"),
-    [("skip_rows", "--skip-rows"), ("crs", "--from-crs"), ("header", "--no-header")],
+    ("option", "said"),
+    [
+        (Option("skip_rows"), "--skip-rows"),
+        (Option("crs"), "--from-crs"),
+        (Option("header", False), "--no-header"),
+        (Option("columns", "x y"), "--columns 'x y'"),
+        (Option("flat", True), "--flat"),
+        (Option("unit", ...), "--unit"),
+    ],
 )
-def test_options_of_reading_have_names_of_their_own(name: str, option: str) -> None:
-    assert wording.of_reading(name) == option
+def test_options_of_the_library_are_told_as_those_of_commands(option: Option, said: str) -> None:
+    assert wording.spelled(option) == said
+    assert wording.worded(f"a: {option} is") == f"a: {said} is"
 
 
 def test_rows_of_several_files_are_counted_in_their_own() -> None:
