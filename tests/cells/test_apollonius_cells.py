@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import shapely
-from test_apollonius import (
+from sites import (
     anywhere,
     beside_a_large_one,
     between_two_large_ones,

@@ -12,7 +12,7 @@ import shapely
 from checked_cells import check, domain_rings, exact_corners, rings_of
 from hypothesis import assume, given
 from rational_cells import area, cell_area, exact_point
-from test_cells import SITES
+from strategies import SITES
 
 import liftmesh
 from liftmesh.cells.domain import following_corners

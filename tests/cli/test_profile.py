@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 from commands import failed, liftmesh as run, process
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh.terrain.profile import drape

@@ -20,6 +20,7 @@ import pytest
 import rasterio
 import trimesh
 from commands import liftmesh as run
+from geotiffs import elevation_model
 from lidar import encoded, records
 from numpy.typing import NDArray
 
@@ -56,19 +57,6 @@ def tile(path: Path, crs: str | None, origin: tuple[float, float]) -> laspy.LasD
         las.header.add_crs(pyproj.CRS(crs))
     path.write_bytes(encoded(las, compressed=path.suffix == ".laz"))
     return las
-
-
-def elevation_model(
-    path: Path, heights: np.ndarray, pixel: float, crs: str | None = None,
-    corner: tuple[float, float] = (0.0, 0.0),
-) -> None:  # fmt: skip
-    rows, columns = heights.shape
-    transform = rasterio.Affine(pixel, 0, corner[0], 0, -pixel, corner[1] + pixel * rows)
-    with rasterio.open(
-        path, "w", driver="GTiff", count=1, height=rows, width=columns, dtype=heights.dtype,
-        transform=transform, crs=crs,
-    ) as file:  # fmt: skip
-        file.write(heights, 1)
 
 
 def hills(rows: int, columns: int) -> np.ndarray:

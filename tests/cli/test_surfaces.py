@@ -14,7 +14,7 @@ import rasterio
 import trimesh
 from commands import failed, liftmesh as run, process
 from hypothesis import given, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh.cli.sample import _EmptyFields

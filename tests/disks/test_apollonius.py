@@ -9,55 +9,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from apollonius_oracle import apollonius as by_definition
-
-import liftmesh
-from liftmesh import ApolloniusGraph, InputError, NonFiniteError
-
-Disks = np.ndarray
-ON_A_CIRCLE = np.array(
-    [(3, 4), (4, 3), (5, 0), (0, 5), (-3, 4), (-4, 3), (-5, 0), (0, -5), (3, -4), (-4, -3)]
+from sites import (
+    anywhere,
+    beside_a_large_one,
+    between_two_large_ones,
+    graph_of,
+    in_a_row,
+    on_lattice,
+    touching_a_circle,
+    triangles,
 )
 
-
-def graph_of(disks: Disks) -> ApolloniusGraph:
-    return liftmesh.apollonius(disks[:, :2], disks[:, 2])
-
-
-def triangles(graph: ApolloniusGraph) -> set[tuple[int, ...]]:
-    return {tuple(row) for row in graph.simplices.tolist()}
-
-
-def on_lattice(rng: np.random.Generator, n: int) -> Disks:
-    size, radius = rng.choice([2, 3, 5, 40]), rng.choice([1, 2, 6, 20])
-    return np.c_[rng.integers(0, size, (n, 2)), rng.integers(0, radius, n)].astype(float)
-
-
-def in_a_row(rng: np.random.Generator, n: int) -> Disks:
-    return np.c_[rng.integers(0, 9, n), np.zeros(n), rng.integers(0, 3, n)].astype(float)
-
-
-def anywhere(rng: np.random.Generator, n: int) -> Disks:
-    return np.c_[rng.random((n, 2)), rng.random(n) * rng.choice([0.01, 0.3, 1])]
-
-
-def touching_a_circle(rng: np.random.Generator, n: int) -> Disks:
-    """Return disks that touch one circle of radius 5, some of them at the same point."""
-    times = rng.integers(1, 6, n)
-    centers = ON_A_CIRCLE[rng.integers(0, len(ON_A_CIRCLE), n)] * times[:, None]
-    return np.c_[centers, 5.0 * times - 5]
-
-
-def beside_a_large_one(rng: np.random.Generator, n: int) -> Disks:
-    small = np.c_[rng.integers(-60, 60, (n - 1, 2)), rng.integers(0, 5, n - 1)]
-    return np.vstack([[0, 0, rng.integers(10, 60)], small]).astype(float)
-
-
-def between_two_large_ones(rng: np.random.Generator, n: int) -> Disks:
-    """Return disks whose edges come in two pieces: which one another disk takes is to be told."""
-    gap, radius = rng.integers(1, 4), rng.integers(5, 40)
-    small = np.c_[rng.integers(-3, 4, n), rng.integers(-12, 13, n), rng.integers(0, 3, n) * 0.5]
-    large = [[-radius - gap, 0, radius], [radius + gap, 0, radius]]
-    return np.vstack([large, small[: max(n - 2, 1)]]).astype(float)
+import liftmesh
+from liftmesh import InputError, NonFiniteError
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from apollonius_oracle import distance_sign, empty_circles
-from test_apollonius import (
+from sites import (
     anywhere,
     beside_a_large_one,
     between_two_large_ones,

@@ -8,27 +8,12 @@ import pytest
 import scipy.spatial
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
-from numpy.random import Generator
+from meshes import hard_queries
 from numpy.typing import NDArray
 
 import liftmesh
 
 SMALL = st.integers(0, 6).map(float)
-
-
-def hard_queries(triangulation: liftmesh.Triangulation, rng: Generator) -> NDArray[np.float64]:
-    """Vertices, middles of sides, their neighbours by one ulp, and points all around."""
-    points = triangulation.points
-    corners = points[triangulation.simplices]
-    middles = (corners / 2 + np.roll(corners, 1, axis=1) / 2).reshape(-1, 2)
-    inside = (corners / 4).sum(axis=1) + corners[:, 0] / 4
-    low, high = points.min(axis=0), points.max(axis=0)
-    with np.errstate(over="ignore"):
-        around = low + (high / 2 - low / 2) * rng.uniform(-0.2, 2.2, (20, 2))
-        exact = np.vstack((points, middles, inside, around))
-        nearby = np.nextafter(exact, rng.choice([-np.inf, np.inf], exact.shape))
-    queries = np.vstack((exact, nearby))
-    return queries[np.isfinite(queries).all(axis=1)]
 
 
 def exact_location(

@@ -13,8 +13,8 @@ from commands import ROOT, TERRAIN, failed, interrupted, liftmesh as command
 from hypothesis import given, settings, strategies as st
 from meshes import assert_oracle_agrees, assert_same_triangles, triangle_rows
 from numpy.typing import ArrayLike, NDArray
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 from surfaces import layered, triangles_of
-from test_concurrency import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 from liftmesh.cli import exit_codes

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from regular_oracle import Site, regular, sites
-from test_regular_kernel import (
+from sites import (
+    FORM,
+    MEMBERS,
     circle,
     cluster_and_far_point,
     columns,
@@ -22,6 +24,7 @@ from test_regular_kernel import (
     line_and_point,
     nearly_on_a_line_and_one_heavy,
     nearly_on_one_plane,
+    options,
     under_a_few,
     uniform,
     wide_lattice,
@@ -31,13 +34,11 @@ import liftmesh
 from liftmesh import InputError, NonFiniteError, _kernel, verify
 from liftmesh._typing import Floats
 
-FORM = [[2.0, 0.5], [0.5, 1.25]]
 FAMILIES = [
     *(uniform, lattice, wide_lattice, line_and_point, columns, circle, under_a_few, far_away),
     *(denormals, exponents, giants),
     *(nearly_on_one_plane, nearly_on_a_line_and_one_heavy, cluster_and_far_point),
 ]
-MEMBERS = ["weights", "radii", "metric", "farthest"]
 
 
 def heights(points: Floats, values: Floats, member: str) -> list[Site]:
@@ -48,12 +49,6 @@ def heights(points: Floats, values: Floats, member: str) -> list[Site]:
     if member == "farthest":
         return [(x, y, -x * x - y * y) for x, y in rows]
     return [(x, y, a * x * x + 2 * b * x * y + c * y * y) for x, y in rows]
-
-
-def options(values: Floats, member: str) -> dict[str, Any]:
-    if member == "farthest":
-        return {"furthest_site": True}
-    return {member: FORM if member == "metric" else values}
 
 
 def oriented(points: Floats, triangles: set[frozenset[int]]) -> list[list[int]]:

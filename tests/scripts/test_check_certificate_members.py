@@ -10,7 +10,7 @@ from typing import Any
 import check_certificate as checker
 import numpy as np
 import pytest
-from test_verify_members import FORM, MEMBERS, options
+from sites import FORM, MEMBERS, options
 
 import liftmesh
 from liftmesh import _kernel

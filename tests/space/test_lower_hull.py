@@ -16,7 +16,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull
 from space_clouds import GENERAL, LARGER, LEAST, SPACE, ball, sphere, with_heights
-from test_concurrency import LONG_RUN, assert_another_thread_runs, seconds_to_stop
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 

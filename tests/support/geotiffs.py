@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -38,3 +39,16 @@ def geotiff(
 
 def read(data: bytes, kind: str = "tif", **options: Any) -> Cloud:
     return lm.read(io.BytesIO(data), format=kind, **options)
+
+
+def elevation_model(
+    path: Path, heights: np.ndarray, pixel: float, crs: str | None = None,
+    corner: tuple[float, float] = (0.0, 0.0),
+) -> None:  # fmt: skip
+    rows, columns = heights.shape
+    transform = rasterio.Affine(pixel, 0, corner[0], 0, -pixel, corner[1] + pixel * rows)
+    with rasterio.open(
+        path, "w", driver="GTiff", count=1, height=rows, width=columns, dtype=heights.dtype,
+        transform=transform, crs=crs,
+    ) as file:  # fmt: skip
+        file.write(heights, 1)

@@ -9,8 +9,7 @@ import pytest
 from clouds import FAMILIES
 from commands import liftmesh as run
 from hypothesis import given, settings
-from test_sampling import LATTICE, with_heights
-from test_trimming import LIMITS, drawn, meadow, trimmed
+from surfaces import LATTICE, LIMITS, drawn, meadow, trimmed, with_heights
 
 import liftmesh
 

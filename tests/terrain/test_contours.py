@@ -17,8 +17,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure
 from surface_oracle import ExactSurface
-from test_sampling import LATTICE, exactly
-from test_trimming import drawn, meadow, trimmed
+from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh
 

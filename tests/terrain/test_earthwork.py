@@ -11,9 +11,7 @@ import shapely
 from commands import failed, liftmesh as run
 from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
-from test_measures import rotated
-from test_sampling import LATTICE
-from test_trimming import drawn, meadow, trimmed
+from surfaces import LATTICE, drawn, meadow, rotated, trimmed
 
 import liftmesh
 from liftmesh.predicates import orient2d

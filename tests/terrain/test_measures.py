@@ -12,8 +12,7 @@ from commands import failed, liftmesh as run
 from earthwork_oracle import clipped, under_roof
 from hypothesis import given, settings, strategies as st
 from surface_oracle import ExactSurface, turn
-from test_sampling import LATTICE, exactly
-from test_trimming import drawn, meadow
+from surfaces import LATTICE, drawn, exactly, meadow, rotated
 
 import liftmesh
 
@@ -54,11 +53,6 @@ def test_no_bit_depends_on_the_order_of_the_rows(points, rng) -> None:
     other = drawn([(x / 3, y / 7, z / 9) for x, y, z in shuffled])
     assert other.volume(0.1) == surface.volume(0.1)
     assert other.area() == surface.area()
-
-
-def rotated(points: np.ndarray, degrees: float, offset: tuple[float, float, float]) -> np.ndarray:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + offset
 
 
 @pytest.mark.parametrize("degrees", [0, 17, 45, 200])

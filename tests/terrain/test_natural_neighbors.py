@@ -11,8 +11,7 @@ from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from scipy.spatial import cKDTree
 from surface_oracle import Point, exact_point, turn
-from test_sampling import LATTICE, exactly, family_surface
-from test_trimming import drawn, meadow
+from surfaces import LATTICE, drawn, exactly, family_surface, meadow
 
 import liftmesh
 

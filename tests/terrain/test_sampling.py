@@ -8,29 +8,10 @@ from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from matplotlib.tri import LinearTriInterpolator
 from scipy.interpolate import LinearNDInterpolator
-from surface_oracle import ExactSurface, exact_point
-from test_find_simplex import hard_queries
+from surface_oracle import exact_point
+from surfaces import LATTICE, SMALL, exactly, family_surface, with_heights
 
 import liftmesh
-
-SMALL = st.integers(0, 5).map(float)
-LATTICE = st.lists(st.tuples(SMALL, SMALL, st.integers(-9, 9).map(float)), min_size=3, max_size=18)
-
-
-def exactly(surface: liftmesh.Surface) -> ExactSurface:
-    heights = surface.frame.heights(surface.vertices)
-    return ExactSurface(surface.triangulation.points, heights, surface.faces)
-
-
-def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
-    heights = np.random.default_rng(seed).normal(size=len(planar)) * 100
-    return np.column_stack([planar, heights])
-
-
-def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
-    rng = np.random.default_rng(43)
-    surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), duplicates="lowest")
-    return surface, hard_queries(surface.triangulation, rng)
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh._typing import Floats

@@ -10,7 +10,7 @@ import rasterio
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from surface_oracle import exact_point
-from test_sampling import LATTICE, exactly, family_surface, with_heights
+from surfaces import LATTICE, covering, exactly, family_surface, raster, with_heights
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
@@ -25,22 +25,6 @@ def owners(surface: liftmesh.Surface, layout: Layout, threads: int | None = None
     faces = np.empty((layout.rows, layout.columns), np.int32)
     scanner(surface, layout, threads)(faces[:, :, None], 0)
     return faces
-
-
-def covering(surface: liftmesh.Surface, rows: int, columns: int, *, turned: bool) -> Layout:
-    """Pixels that cover a surface and some of what is around it."""
-    solved = surface.triangulation
-    low, high = solved.min_bound, solved.max_bound
-    span = np.maximum(high - low, np.abs(high) * 1e-6) * 1.2
-    width, height = span[0] / columns, -span[1] / rows
-    x, y = low[0] - span[0] / 12, high[1] + span[1] / 12
-    tilt = (height * 0.3, width * 0.2) if turned else (0.0, 0.0)
-    return Layout((width, tilt[0], x, tilt[1], height, y), rows, columns)
-
-
-def raster(surface: liftmesh.Surface, layout: Layout, **options) -> liftmesh.Raster:
-    shape = (layout.rows, layout.columns)
-    return surface.raster(transform=layout.transform, shape=shape, **options)
 
 
 def is_flat(layout: Layout) -> bool:

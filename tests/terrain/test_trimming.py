@@ -14,13 +14,10 @@ import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
 from surface_oracle import ExactSurface, exact_point, turn
-from test_sampling import LATTICE, exactly
-from test_surface_raster import covering, raster
+from surfaces import LATTICE, LIMITS, covering, drawn, exactly, meadow, raster, trimmed
 
 import liftmesh
 from liftmesh.vector.polygons import as_polygons, contains, polygons_in
-
-LIMITS = st.floats(0.5, 6).filter(lambda each: abs(each * each - round(each * each)) > 1e-6)
 
 RING = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]]
 HOLE = [[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]
@@ -35,14 +32,6 @@ def is_inside(rings: list[np.ndarray], point: list[float]) -> bool:
             low, high = sorted(map(exact_point, ends), key=lambda end: end[1])
             crossed += low[1] <= at[1] < high[1] and turn(low, high, at) > 0
     return crossed % 2 == 1
-
-
-def meadow(n: int = 400, seed: int = 1) -> np.ndarray:
-    """Points with a pond in the middle and a bay at the side."""
-    points = np.random.default_rng(seed).random((n, 3)) * (100, 100, 10)
-    pond = np.hypot(*(points[:, :2] - 50).T) < 18
-    bay = (np.abs(points[:, 1] - 50) < 14) & (points[:, 0] > 70)
-    return points[~pond & ~bay]
 
 
 def squares(oracle: ExactSurface, number: int) -> list[Fraction]:
@@ -65,20 +54,6 @@ def rim_flood(surface: liftmesh.Surface, is_long: list[list[bool]], gone: set[in
         if not more:
             return gone - {-1}
         gone |= more
-
-
-def drawn(points) -> liftmesh.Surface | None:
-    try:
-        return liftmesh.triangulate(points, duplicates="highest")
-    except liftmesh.DegenerateInputError:
-        return None
-
-
-def trimmed(surface: liftmesh.Surface, **options) -> liftmesh.Surface | None:
-    try:
-        return surface.trim(**options)
-    except liftmesh.InputError:  # no face is left
-        return None
 
 
 def mask_of(surface: liftmesh.Surface) -> set[int]:

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from commands import failed, liftmesh as run
 from hypothesis import given, settings, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 
