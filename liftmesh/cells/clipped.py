@@ -14,7 +14,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
-from liftmesh.base.options import counted, shown
+from liftmesh.base.options import counted, refused, shown
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
 from liftmesh.crs.comparison import common_system, crs_of, given_system
@@ -274,7 +274,7 @@ def frame_of(data: Any, rows: int) -> Any:
         _check_length("data", len(data), rows)
         return pandas.DataFrame(data.drop(columns=_geometry_of(data)))
     if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
-        raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
+        raise refused("data", data, "give a mapping of names to values, or a table")
     names = getattr(data, "columns", () if data is None else data)
     columns = {name: _values(name, data[name], rows) for name in names}
     return pandas.DataFrame(columns, index=pandas.RangeIndex(rows))

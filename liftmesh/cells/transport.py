@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_numbers, read_only
-from liftmesh.base.options import as_count, as_switch, counted, shown
+from liftmesh.base.options import as_count, as_switch, counted, refused
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of
 from liftmesh.cells.measure import Density, Measure, as_density, as_share, check_extent, total_mass
@@ -208,8 +208,8 @@ def _check_connected(domain: Domain) -> None:
 def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> Floats:
     given = as_numbers("masses", masses, "give a number for each row", verb="are")
     if given.ndim == 0:
-        raise InputError(
-            f"masses are {shown(masses)}: give a number for each of {counted(rows, 'row')}"
+        raise refused(
+            "masses", masses, f"give a number for each of {counted(rows, 'row')}", verb="are"
         )
     if given.shape != (rows,):
         raise InputError(

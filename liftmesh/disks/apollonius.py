@@ -22,6 +22,7 @@ from liftmesh.base.options import (
     as_positive,
     check_option,
     check_progress,
+    refused,
     shown,
 )
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
@@ -312,10 +313,10 @@ class ApolloniusGraph(DiskGraph):
 def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
     values = as_numbers("box", box, "give real numbers")
     if values.shape != (4,) or not np.isfinite(values).all():
-        raise InputError(f"box is {shown(box)}: give four finite numbers")
+        raise refused("box", box, "give four finite numbers")
     x, y, right, upper = values.tolist()
     if not (x < right and y < upper):
-        raise InputError(f"box is {shown(box)}: give the least x and y, then the greatest")
+        raise refused("box", box, "give the least x and y, then the greatest")
     return x, y, right, upper
 
 

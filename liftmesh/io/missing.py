@@ -13,7 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 
 Missing: TypeAlias = float | str | None
 
@@ -65,8 +65,8 @@ class Outliers:
         apart = "far from all others, " if self.has_others else ""
         raise FormatError(
             f"{what} is {shown} in {self.counts[value]:,} of {self.rows:,} {rows}, {apart}a value "
-            f"or the mark of a missing one: read it with nodata='{shown}' if it is missing there, "
-            "or with nodata='none'"
+            f"or the mark of a missing one: read it with {Option('nodata', shown)} if it is "
+            f"missing there, or with {Option('nodata', 'none')}"
         )
 
     def _found(self) -> float | None:

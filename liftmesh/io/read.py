@@ -23,7 +23,7 @@ from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import Label, noted
@@ -255,7 +255,9 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+        raise InputError(
+            f"classes is 'ground', which the whole file decides: give {Option('classes', 2)}"
+        )
     if crs is not None:
         check_system(crs)
     source = at_home(source)

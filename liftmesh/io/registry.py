@@ -23,7 +23,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import freeze
 from liftmesh.base.interruption import defer_signals, preserve_signals
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, UnsupportedTypeError
+from liftmesh.errors import FormatError, Option, UnsupportedTypeError
 from liftmesh.io.format import Format, LazyFunction
 from liftmesh.io.formats import FORMATS
 from liftmesh.io.objects import plain
@@ -240,7 +240,7 @@ def _unsupported(source: object) -> UnsupportedTypeError:
 
 def _unknown(key: str) -> str:
     if not key:
-        return "the name has no suffix: give the format with format="
+        return f"the name has no suffix: give the format with {Option('format', ...)}"
     return f"no format has the suffix or name {key!r}"
 
 

@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.base.options import Returns, as_count, as_positive, as_switch, check_option, shown
+from liftmesh.base.options import (
+    Returns,
+    as_count,
+    as_positive,
+    as_switch,
+    check_option,
+    refused,
+)
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION
 from liftmesh.io.metadata import noted
@@ -125,7 +132,7 @@ def _numbers(value: Any) -> tuple[float, ...]:
 
 
 def _invalid(name: str, value: object, wanted: str) -> InputError:
-    return InputError(f"{name} is {shown(value)}: give {wanted}")
+    return refused(name, value, f"give {wanted}")
 
 
 class Selector:

@@ -25,7 +25,7 @@ from liftmesh.base.options import (
     check_progress,
     counted,
 )
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.kinds import TriangulationKind, as_metric
 from liftmesh.planar.lifting import Counters, given_vertex, resolve_q
 from liftmesh.planar.points import rows_of
@@ -214,7 +214,7 @@ def _folder(
     if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
         raise InputError(f"scratch {folder!r} is no folder: make it first")
     for name, is_given in (
-        (f"method={method!r}", method in _WRAPPING),
+        (f"{Option('method', method)}", method in _WRAPPING),
         (f"order={order!r}", order != _ENGINE),
         ("metric", form is not None),
     ):
@@ -281,7 +281,7 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
     return DegenerateInputError(
         f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
         "a triangle needs a point off it (for a cloud in a vertical plane: "
-        "liftmesh.triangulate(cloud, plane='fit'))"
+        f"triangulate it with {Option('plane', 'fit')})"
     )
 
 

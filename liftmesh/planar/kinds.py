@@ -26,7 +26,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals
 from liftmesh.base.arrays import as_floats, is_readable, unmasked, widened
 from liftmesh.base.options import as_switch, counted, shown
-from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.errors import InputError, NonFiniteError, Option
 from liftmesh.predicates import incircle
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class TriangulationKind:
     def non_finite(self, row: int, *, skippable: bool = True) -> NonFiniteError:
         """Return the error for a row whose value is not finite."""
         named = f"row {row} has the {_ONE_EACH[self.name]} {float(self.values[row])!r}"
-        advice = ", or skip them with nonfinite='skip'" if skippable else " first"
+        advice = f", or skip them with {Option('nonfinite', 'skip')}" if skippable else " first"
         return NonFiniteError(f"{named}: remove such rows{advice}", row=row)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:

@@ -20,8 +20,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
 from liftmesh.base.frozen import FrozenResult, check_numbers
-from liftmesh.base.options import shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import refused
 from liftmesh.planar.points import rows_of
 
 if TYPE_CHECKING:
@@ -106,11 +105,11 @@ def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
     if isinstance(q, str):
         if q in ("origin", "median"):
             return None
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
+        raise refused("q", q, "give 'origin', 'median' or a point (qx, qy)")
     with np.errstate(all="ignore"):
         pair = as_numbers("q", q, "give 'origin', 'median' or a point (qx, qy)")
     if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
+        raise refused("q", q, "give 'origin', 'median' or a finite point (qx, qy)")
     return float(pair[0]), float(pair[1])
 
 

@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
 from liftmesh.base.options import HullMethod, Method, check_option
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.lifting import Counters, LowerHull
 from liftmesh.planar.points import rows_of
 
@@ -96,7 +96,7 @@ def _check_hull_method(method: str) -> None:
     if isinstance(method, str) and method in get_args(Method) and method not in known:
         raise InputError(
             f"method {method!r} is for planar points only, which it lifts itself: use "
-            f"liftmesh.delaunay(points, method={method!r}), or one of "
+            f"liftmesh.delaunay(points, {Option('method', method)}), or one of "
             f"{', '.join(map(repr, known))} here"
         )
     check_option("method", method, HullMethod)

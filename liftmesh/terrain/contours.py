@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, shown
+from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
 from liftmesh.errors import InputError
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
@@ -275,7 +275,7 @@ def _levels(name: str, values: Any) -> Floats:
     except (TypeError, ValueError, OverflowError) as error:
         raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
     if heights.ndim != 1 or not np.isfinite(heights).all():
-        raise InputError(f"{name} are {shown(values)}: give finite heights")
+        raise refused(name, values, "give finite heights", verb="are")
     return heights
 
 
@@ -288,7 +288,7 @@ def _multiples(
     """Return the levels within the heights of a surface, and which of them are index contours."""
     step, start = (_decimal(*each) for each in (("interval", interval), ("base", base)))
     if step <= 0:
-        raise InputError(f"interval is {shown(interval)}: give a positive height")
+        raise refused("interval", interval, "give a positive height")
     low, high = heights()
     first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
     if last - first > _MOST_LEVELS:
@@ -316,4 +316,4 @@ def _decimal(name: str, value: Any) -> Fraction:
     try:
         return as_decimal(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(value)}: give a finite height") from error
+        raise refused(name, value, "give a finite height") from error

@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, as_reals, read_only
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import counted, shown
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.base.options import counted, refused
+from liftmesh.errors import DegenerateInputError, InputError, Option
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 # The planar coordinates of named planes are two columns, as they are.
@@ -178,7 +178,7 @@ class Frame(FrozenResult):
         points = _rows(points)
         for heights in (old, new):
             if not isinstance(heights, np.ndarray) or heights.dtype.kind not in "iuf":
-                raise InputError(f"heights are {shown(heights)}: give arrays of numbers")
+                raise refused("heights", heights, "give arrays of numbers", verb="are")
             if heights.shape != (len(points),):
                 raise InputError(
                     f"heights have the shape {heights.shape} for {counted(len(points), 'row')}: "
@@ -320,7 +320,7 @@ def _fit(points: Floats) -> tuple[Floats, Floats]:
     if spread[1] <= len(rows) * np.finfo(np.float64).eps * spread[0]:
         raise DegenerateInputError(
             "a plane cannot be fitted: all finite rows are equal or on one line; "
-            "give plane='xy', a normal or a matrix"
+            f"give {Option('plane', 'xy')}, a normal or a matrix"
         )
     return _upward(directions[2]), np.ldexp(base + shift, exponent)
 

@@ -27,7 +27,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import GroundMethod, as_count, as_positive, check_option
 from liftmesh.crs.description import parse_crs
-from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
 from liftmesh.io.interpreter import command
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
@@ -148,7 +148,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     if system.kind in {"geographic", "geocentric"}:
         raise InputError(
             f"the coordinates are {system.kind} ({system.name}), but the ground is found in "
-            "metres: transform them with to_crs="
+            f"metres: transform them with {Option('to_crs', ...)}"
         )
     x, y, z = ((each and each.metres) for each in system.units)
     plane = x or 1.0
@@ -172,8 +172,8 @@ def _check_size(points: Floats, resolution: float) -> None:
     if not nodes <= _MOST_NODES:
         raise InputError(
             f"the rows are in a box of {width:,.0f} by {height:,.0f} m, for which the cloth has "
-            f"{nodes:.2g} nodes: remove rows that are far away, or give a larger resolution= to "
-            "classify_ground"
+            f"{nodes:.2g} nodes: remove rows that are far away, or give a larger "
+            f"{Option('resolution', ...)}"
         )
 
 
@@ -245,7 +245,8 @@ def bare_warning(counts: Mapping[str, Any]) -> str:
     size = _NODES_OF_CELL * counts["resolution"]
     return (
         f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
-        "it, if they are no roofs: give a smaller resolution= to classify_ground, or rigidness=1"
+        f"it, if they are no roofs: give a smaller {Option('resolution', ...)}, or "
+        f"{Option('rigidness', 1)}"
     )
 
 

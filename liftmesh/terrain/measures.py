@@ -27,7 +27,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.options import as_number, as_switch
 from liftmesh.crs.comparison import are_different
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.optional import load
@@ -257,8 +257,8 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
         raise InputError("the surfaces are over different planes: give both the same")
     if are_different(surface.crs, other.crs):
         raise InputError(
-            "the surfaces have different coordinate systems: read one with to_crs= that of the "
-            "other, or replace(crs=None) if they are the same"
+            "the surfaces have different coordinate systems: read both with the same "
+            f"{Option('to_crs', ...)}, or with the same {Option('crs', ...)} if they are in it"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)
     check_grounds((name, found_selection(each.metadata)) for name, each in files)
@@ -349,8 +349,8 @@ def _in_each(
     for region in regions_in(plane_system(surface), polygon, by):
         if region.name in seen:
             raise InputError(
-                f"two polygons have the name {region.name!r}: give each its own, or by= a property "
-                "that differs"
+                f"two polygons have the name {region.name!r}: give each its own, or "
+                f"{Option('by', ...)} a property that differs"
             )
         seen.add(region.name)
         try:

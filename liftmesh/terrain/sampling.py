@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_pairs
 from liftmesh.base.options import SampleMethod, as_threads, check_option
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 from liftmesh.terrain.units import steepness
 
@@ -31,7 +31,7 @@ def heights_at(
     if method != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
         raise InputError(
             f"method {method!r} needs a Delaunay triangulation, and the surface has weights, "
-            "radii or a metric: give method='linear'"
+            f"radii or a metric: give {Option('method', 'linear')}"
         )
     pairs = as_pairs(points)
     heights = np.empty(pairs.shape[:-1])

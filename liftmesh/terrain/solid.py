@@ -18,7 +18,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Pinched, as_number, as_positive, check_option
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.trimming import boundary, mask_of, masked
 from liftmesh.terrain.units import slope_scale
@@ -168,7 +168,7 @@ def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:
             others = f", and at {len(rows) - 1:,} more" if len(rows) > 1 else ""
             raise InputError(
                 f"faces touch in a vertex only at row {rows[0]}, {place}{others}, where no solid "
-                "can be closed: give pinched='trim' to leave out the faces there"
+                f"can be closed: give {Option('pinched', 'trim')} to leave out the faces there"
             )
         flags = np.zeros(surface.triangulation.npoints, dtype=np.bool_)
         flags[rows] = True

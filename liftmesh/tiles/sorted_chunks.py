@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
-from liftmesh.errors import FormatError, InputError, NonFiniteError
+from liftmesh.errors import FormatError, InputError, NonFiniteError, Option
 from liftmesh.io.surface_rows import classes_of
 from liftmesh.tiles.context import group_suffix
 from liftmesh.tiles.manifest import PLAN
@@ -159,7 +159,7 @@ def changed(chunk: SourceChunk) -> InputError:
     first = chunk.origin.row
     return InputError(
         f"{chunk.origin.source}: rows {first:,} to {first + chunk.rows - 1:,} have changed since "
-        "this triangulation was begun: restore them, or begin anew with resume=False"
+        f"this triangulation was begun: restore them, or begin anew with {Option('resume', False)}"
     )
 
 

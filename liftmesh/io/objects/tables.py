@@ -20,7 +20,7 @@ from liftmesh.base.arrays import is_masked_array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
+from liftmesh.errors import FormatError, InputError, Option, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
@@ -103,7 +103,9 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
         return [(str(name), source.iloc[:, k]) for k, name in enumerate(source.columns)], {}
     rows = np.asanyarray(source)
     if rows.ndim != 2:
-        raise InputError(f"columns= names the columns of a table, not of the shape {rows.shape}")
+        raise InputError(
+            f"{Option('columns', ...)} names the columns of a table, not of the shape {rows.shape}"
+        )
     return [("", column) for column in rows.T], {}
 
 
@@ -193,7 +195,7 @@ def _no_numbers(part: str, name: str, values: Any) -> FormatError:
     example = "" if k is None else f" (row {k}: {shortened(repr([*values][k]))})"
     return FormatError(
         f"{_WHERE}: {part} is the column {name!r}, which holds no numbers{example}: convert it to "
-        f"numbers, or name another with columns='{part}=..'"
+        f"numbers, or name another with {Option('columns', f'{part}=..')}"
     )
 
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import as_positive, shown
+from liftmesh.base.options import as_positive, refused
 from liftmesh.crs.description import as_wkt
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.formats.las.fields import (
@@ -99,7 +99,7 @@ def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> La
 def _point_format(cloud: Cloud, said: Mapping[str, Any], given: int | None) -> int:
     if given is not None:
         if not isinstance(given, int) or not 0 <= given < len(POINT_SIZES):
-            raise InputError(f"point_format is {shown(given)}: give a whole number from 0 to 10")
+            raise refused("point_format", given, "give a whole number from 0 to 10")
         if with_colors(given, cloud) != given:
             raise InputError(
                 f"point_format is {given}, which has no colours: give {with_colors(given, cloud)}"

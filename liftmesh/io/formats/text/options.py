@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from types import MappingProxyType
 from typing import TypeAlias
 
-from liftmesh.base.options import as_count, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import as_count, refused
+from liftmesh.errors import InputError, Option
 from liftmesh.io.missing import Missing, as_missing
 
 ColumnChoice: TypeAlias = str | Mapping[str, str] | Sequence[str] | None
@@ -80,7 +80,10 @@ def validate_table_options(  # noqa: PLR0913 - one for each option
     if options.decimal is not None and options.decimal == options.delimiter:
         raise InputError(f"delimiter and decimal are both {decimal!r}: give two different ones")
     if flat and "z" in (*chosen, *(names or ())):
-        raise InputError("columns= names a column z, and flat=True says that there is none")
+        raise InputError(
+            f"{Option('columns', ...)} names a column z, and {Option('flat', True)} says that "
+            "there is none"
+        )
     return options
 
 
@@ -106,7 +109,7 @@ def spelled(names: Sequence[str]) -> str:
     """Return the option that names all columns, for a message; "" if it cannot be typed."""
     if len(names) > MOST_LISTED or not all(map(is_plain, names)):
         return ""
-    return f"columns='{','.join(names)}'"
+    return f"{Option('columns', ','.join(names))}"
 
 
 def is_plain(name: str) -> bool:
@@ -126,20 +129,22 @@ def _parsed(text: str) -> dict[str, str] | list[str]:
 
 
 def _invalid(columns: object) -> InputError:
-    return InputError(
-        f"columns is {shown(columns)}: give columns='x=..,y=..,z=..' with the names of the table's "
-        "columns, or the names of all columns in order, as columns='id,x,y,z'"
+    return refused(
+        "columns",
+        columns,
+        f"give {Option('columns', 'x=..,y=..,z=..')} with the names of the table's columns, or the "
+        f"names of all columns in order, as {Option('columns', 'id,x,y,z')}",
     )
 
 
 def _check_flag(name: str, value: object) -> None:
     if not isinstance(value, bool):
-        raise InputError(f"{name} is {shown(value)}: give True or False")
+        raise refused(name, value, "give True or False")
 
 
 def _text(name: str, value: object) -> str | None:
     if value is not None and (not isinstance(value, str) or not value.strip()):
-        raise InputError(f"{name} is {shown(value)}: give a text")
+        raise refused(name, value, "give a text")
     return None if value is None else value.strip()
 
 
