@@ -21,7 +21,7 @@ MOST_THREADS = 1024
 
 _LONGEST = 64  # characters of a value in a message
 _SHORT = 10**15
-_NO_REALS = tuple("cSUmMO")  # NumPy's kinds of complex numbers, texts, times and objects
+_NO_REALS = tuple("bcSUmMO")  # NumPy's kinds of all else than real numbers
 _REPR = Repr()  # of a list it shows the first few, and looks at no others
 _REPR.maxstring = _REPR.maxother = _LONGEST
 
@@ -43,10 +43,12 @@ ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
 Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 
-def refused(name: str, value: object, remedy: str, *, verb: str = "is") -> InputError:
-    """Make the error of an option with a wrong value."""
-    message = f"{Option(name)} {verb} {shown(value)}: {remedy}"
-    return InputError(message, option=name, value=value, reason=remedy)
+def refused(
+    name: str, value: object, reason: str, *, verb: str = "is", mark: str = ": "
+) -> InputError:
+    """Make the error of an option with a wrong value; `mark` stands before the reason."""
+    message = f"{Option(name)} {verb} {shown(value)}{mark}{reason}"
+    return InputError(message, option=name, value=value, reason=reason)
 
 
 def check_option(name: str, value: object, words: Any) -> None:
@@ -80,11 +82,10 @@ def as_number(
     wanted: str = "a finite number",
     is_wanted: Callable[[float], bool] = math.isfinite,
 ) -> float:
-    """Convert an option that is one number; `wanted` says which are right."""
-    is_text = isinstance(value, str | bytes | bytearray)
+    """Convert an option that is one number; `wanted` says which are right. True is none."""
     kind = getattr(getattr(value, "dtype", None), "kind", "")  # float() takes any of NumPy's
     number = math.nan
-    if not is_text and kind not in _NO_REALS:
+    if kind not in _NO_REALS and not isinstance(value, str | bytes | bytearray | bool):
         with suppress(TypeError, ValueError, OverflowError):
             number = float(value)
     if not is_wanted(number):
@@ -93,9 +94,8 @@ def as_number(
 
 
 def as_positive(name: str, value: Any, wanted: str = "a positive number") -> float:
-    """Convert an option that is a positive, finite number; True does not count as 1."""
-    is_truth = value is True or getattr(getattr(value, "dtype", None), "kind", "") == "b"
-    return as_number(name, value, wanted, lambda number: not is_truth and 0 < number < math.inf)
+    """Convert an option that is a positive, finite number."""
+    return as_number(name, value, wanted, lambda number: 0 < number < math.inf)
 
 
 def as_distance(name: str, value: Any, wanted: str = "0 or a positive number") -> float:

@@ -272,5 +272,6 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     try:
         shape = unite(shapes)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        error.within(path)
+        raise
     return shape, own_system(tree, shape.bounds)

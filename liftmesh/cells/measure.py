@@ -162,11 +162,11 @@ def check_extent(domain: Domain, points: Floats) -> None:
 
 def as_share(value: object, most: float) -> float:
     """Convert a tolerance that is a share; where it is limited it must be positive."""
-    is_limited, is_truth = most < np.inf, isinstance(value, bool | np.bool_)
+    is_limited = most < np.inf
     wanted = f"a number between 0 and {most}" if is_limited else "a number from 0"
 
     def is_wanted(share: float) -> bool:
-        return not is_truth and 0 <= share < most and (share > 0 or not is_limited)
+        return 0 <= share < most and (share > 0 or not is_limited)
 
     return as_number("tolerance", value, wanted, is_wanted)
 

@@ -35,7 +35,8 @@ def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...
     """Return what is worth knowing about how a file was read."""
     from liftmesh.io.metadata import found_columns
 
-    first = (*_about_rows(cloud), *_about_system(cloud, is_transformed=is_transformed))
+    about_system = _about_system(cloud, is_transformed=is_transformed)
+    first = (*_about_rows(cloud), *map(worded, about_system))
     names = found_columns(cloud.metadata)
     if not names:
         is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
@@ -55,7 +56,7 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
         return ()
     from liftmesh.io.selection import selection_sentence
 
-    said = selection_sentence(counts).replace("by every=", "by --every")
+    said = worded(selection_sentence(counts))
     return tuple(filter(None, (said, _flagged(cloud))))
 
 
@@ -81,9 +82,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
-        words = "name a projected system with" if is_transformed else "transform them with"
-        change = "transform them with to_crs=", f"{words} --to-crs"
-        return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
+        return (*taken, *coordinate_warnings(system, is_transformed=is_transformed))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""

@@ -13,6 +13,7 @@ from liftmesh.base.options import GroundMethod, Method, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
+from liftmesh.cli.wording import worded
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -163,14 +164,9 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     from liftmesh.io.selection import Selector, selected, validate_selection
     from liftmesh.terrain.ground import bare_warning, classify_ground
 
-    with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
-        try:
-            with inputs.without_warnings():
-                classified = classify_ground(cloud, **ground)
-        except InputError as error:
-            said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
-            error.args = (said,)
-            raise
+    stage = terminal.stage(f"finding the ground among {len(cloud):,} rows")
+    with stage, inputs.without_warnings():
+        classified = classify_ground(cloud, **ground)
     counts = classified.metadata["ground"]
     if not counts["ground"]:
         raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
@@ -181,8 +177,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         "sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
-        remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
-        terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
+        terminal.note(worded(lost))
     chosen = validate_selection(classes=classes)
     classified = (
         classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))

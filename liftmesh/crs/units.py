@@ -107,18 +107,17 @@ def _unit_of_heights(crs: str | None) -> float | None:
     return None if unit is None else unit.metres
 
 
-def coordinate_warnings(system: System | None) -> tuple[str, ...]:
+def coordinate_warnings(system: System | None, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Say what most users do not want of coordinates."""
     if system is None:
         return ()
+    verb = "name a projected system with" if is_transformed else "transform them with"
+    change = f"{verb} {Option('to_crs', ...)}"
     if system.kind == "geographic":
         what = f"x and y are degrees ({system.name}), which are no lengths"
-        return (f"{what}: transform them with {Option('to_crs', ...)}",)
+        return (f"{what}: {change}",)
     if system.kind == "geocentric":
-        return (
-            f"the coordinates are geocentric ({system.name}): transform them with "
-            f"{Option('to_crs', ...)}",
-        )
+        return (f"the coordinates are geocentric ({system.name}): {change}",)
     if system.is_mixed:
         x, y, z = (each.name if each else "?" for each in system.units)
         return (f"the units differ: x is in {x}, y in {y}, z in {z}",)

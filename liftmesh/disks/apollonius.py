@@ -23,7 +23,6 @@ from liftmesh.base.options import (
     check_option,
     check_progress,
     refused,
-    shown,
 )
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, trace_sides
@@ -327,9 +326,7 @@ def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
     limits = np.asarray(box, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST
     if value < least:
-        raise InputError(
-            f"tolerance is {shown(tolerance)}, near the rounding of coordinates of the box: give "
-            f"{least:.2g} at least"
-        )
+        reason = f"near the rounding of coordinates of the box: give {least:.2g} at least"
+        raise refused("tolerance", tolerance, reason, mark=", ")
     longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
     return min(value, longer)

@@ -26,9 +26,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Rows
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.disks.arcs import Arcs, Box, TooManyPointsError
-from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.disks.graph import DiskGraph
@@ -77,10 +76,8 @@ def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
         starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
     except TooManyPointsError as error:
         (most,) = error.args
-        raise InputError(
-            f"tolerance is {shown(tolerance)}, by which arcs have more than {most:,} points: give "
-            "a larger one"
-        ) from error
+        reason = f"by which arcs have more than {most:,} points: give a larger one"
+        raise refused("tolerance", tolerance, reason, mark=", ") from error
     return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
 
 

@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.errors import FormatError, InputError, Option
+from liftmesh.base.options import refused
+from liftmesh.errors import FormatError, Option
 
 Missing: TypeAlias = float | str | None
 
@@ -87,8 +88,6 @@ def as_missing(value: Any) -> tuple[float | str, ...] | None:
             return (value.strip(),)
         number = math.nan
     if math.isnan(number):
-        raise InputError(
-            f"nodata is {value!r}: give the number or the text that stands for a missing value, "
-            "or 'none' if there is none"
-        )
+        remedy = "give the number or the text that stands for a missing value, or 'none' if there"
+        raise refused("nodata", value, f"{remedy} is none")
     return (number,)

@@ -18,7 +18,7 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count
+from liftmesh.base.options import Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
@@ -255,9 +255,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError(
-            f"classes is 'ground', which the whole file decides: give {Option('classes', 2)}"
-        )
+        reason = f"which the whole file decides: give {Option('classes', 2)}"
+        raise refused("classes", classes, reason, mark=", ")
     if crs is not None:
         check_system(crs)
     source = at_home(source)
@@ -390,7 +389,8 @@ def _changed(
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
         return placed(cloud, crs, target, chosen)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from error
+        error.within(name)
+        raise
 
 
 def placed(

@@ -116,7 +116,9 @@ def known_formats() -> dict[str, Format]:
 def find_format(wanted: str, name: str) -> Format:
     """Find a format by its name or suffix, with or without the dot, in upper or lower case."""
     if not isinstance(wanted, str):
-        raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
+        raise FormatError(
+            f"{Option('format')} is {shown(wanted)}: give a name or suffix, such as 'ply'"
+        )
     key = wanted.lower().removeprefix(".")
     if key.endswith(".gz"):
         return _compressed(find_format(key.removesuffix(".gz"), name), name)

@@ -23,7 +23,7 @@ from liftmesh.base.options import (
     check_option,
     refused,
 )
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.metadata import noted
 
@@ -44,7 +44,7 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
     "returns": "other returns",
     "bbox": "outside the box",
     "z_range": "outside the heights",
-    "every": "by every=",
+    "every": f"by {Option('every', ...)}",
 }
 
 
@@ -142,8 +142,8 @@ class Selector:
         # has_levels: of COPC, whose reader has chosen the resolution
         if selection.resolution is not None and not has_levels:
             raise FormatError(
-                f"{name}: rows cannot be selected by resolution, for which the file has no index "
-                "(COPC), or is read in chunks: take every k-th row, or thin the cloud"
+                f"{name}: rows cannot be selected by {Option('resolution')}, for which the file "
+                "has no index (COPC), or is read in chunks: take every k-th row, or thin the cloud"
             )
         self._selection = selection
         self._name = name

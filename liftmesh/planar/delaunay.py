@@ -193,7 +193,9 @@ def solve(  # noqa: PLR0913 - as above
     counters = None
     if method is not _AUTO and method in _WRAPPING:
         if form is not None:
-            raise InputError(f"method {method!r} has no metric: leave one of the two out")
+            raise InputError(
+                f"{Option('method', method)} has no {Option('metric')}: leave one of the two out"
+            )
         outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
         counters = Counters.from_kernel(counts)
     else:
@@ -212,14 +214,14 @@ def _folder(
     """Check what has no arrays in files."""
     folder = as_folder("scratch", scratch)
     if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
-        raise InputError(f"scratch {folder!r} is no folder: make it first")
+        raise InputError(f"{Option('scratch')} {folder!r} is no folder: make it first")
     for name, is_given in (
         (f"{Option('method', method)}", method in _WRAPPING),
-        (f"order={order!r}", order != _ENGINE),
-        ("metric", form is not None),
+        (f"{Option('order', order)}", order != _ENGINE),
+        (f"{Option('metric')}", form is not None),
     ):
         if is_given:
-            raise InputError(f"scratch and {name} exclude each other: leave one out")
+            raise InputError(f"{Option('scratch')} and {name} exclude each other: leave one out")
     return folder
 
 

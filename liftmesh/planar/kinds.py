@@ -111,7 +111,9 @@ def as_kind(
     is_farthest = as_switch("furthest_site", furthest_site)
     named += ["furthest_site"] if is_farthest else []
     if len(named) > 1:
-        raise InputError(f"{' and '.join(named)} are given: give one of them")
+        raise InputError(
+            f"{' and '.join(f'{Option(each)}' for each in named)} are given: give one of them"
+        )
     if is_farthest:
         return TriangulationKind("farthest")
     if not named:
@@ -153,7 +155,8 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
     if name not in cloud.attributes:
         raise InputError(
             f"the mesh says that it was triangulated by the {kind} {name!r}, and does not hold "
-            f"them: give {kind}, or keep them with it in a format that holds named values, as PLY"
+            f"them: give {Option(kind)}, or keep them with it in a format that holds named values, "
+            "as PLY"
         )
     return named_values(cloud, kind, name)
 
@@ -163,17 +166,17 @@ def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
     try:
         array = np.asanyarray(given)
     except ValueError as error:
-        raise InputError(f"{kind} cannot be converted to an array: {error}") from error
+        raise InputError(f"{Option(kind)} cannot be converted to an array: {error}") from error
     if array.ndim == 2 and array.shape[1] == 1:
         array = array[:, 0]
     if array.ndim != 1:
         what = f"are {shown(given)}" if array.ndim == 0 else f"have the shape {array.shape}"
         raise InputError(
-            f"{kind} {what}: give an array of one number for each of {counted(rows, 'row')}"
+            f"{Option(kind)} {what}: give an array of one number for each of {counted(rows, 'row')}"
         )
     if len(array) != rows:
         raise InputError(
-            f"{kind} hold {counted(len(array), 'number')} for {counted(rows, 'row')}: "
+            f"{Option(kind)} hold {counted(len(array), 'number')} for {counted(rows, 'row')}: "
             "give one for each"
         )
     values = as_floats(unmasked(array, kind), kind)
@@ -183,11 +186,13 @@ def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
 def weights_or_radii(weights: Any, radii: Any) -> tuple[str, Any]:
     """Return the name and the value of the one of the two options that is given."""
     if weights is not None and radii is not None:
-        raise InputError("both weights and radii are given: give one of them")
+        raise InputError(
+            f"both {Option('weights')} and {Option('radii')} are given: give one of them"
+        )
     if weights is None and radii is None:
         raise InputError(
-            "neither weights nor radii are given: give one of them, or use delaunay, which needs "
-            "none"
+            f"neither {Option('weights')} nor {Option('radii')} are given: give one of them, or "
+            "use delaunay, which needs none"
         )
     return ("weights", weights) if radii is None else ("radii", radii)
 
@@ -199,7 +204,7 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
     there = ", ".join(repr(each) for each in list(cloud.attributes)[:8])
     remedy = f"there are {there}" if there else "they have none; give an array"
     raise InputError(
-        f"{kind} are {shown(name)}, and the points have no values of that name: {remedy}"
+        f"{Option(kind)} are {shown(name)}, and the points have no values of that name: {remedy}"
     )
 
 
@@ -208,11 +213,11 @@ def as_metric(metric: ArrayLike) -> Floats:
     matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
     shown = matrix.tolist()
     if not np.isfinite(matrix).all():
-        raise InputError(f"metric {shown} is not finite: {METRIC_REMEDY}")
+        raise InputError(f"{Option('metric')} {shown} is not finite: {METRIC_REMEDY}")
     if matrix[0, 1] != matrix[1, 0]:
-        raise InputError(f"metric {shown} is not symmetric: {METRIC_REMEDY}")
+        raise InputError(f"{Option('metric')} {shown} is not symmetric: {METRIC_REMEDY}")
     if not is_positive_definite(matrix):
-        raise InputError(f"metric {shown} is not positive definite: {METRIC_REMEDY}")
+        raise InputError(f"{Option('metric')} {shown} is not positive definite: {METRIC_REMEDY}")
     return matrix
 
 

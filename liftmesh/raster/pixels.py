@@ -13,7 +13,7 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_decimal, as_numbers, as_reals
 from liftmesh.base.options import as_thousands, refused
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 
 Transform: TypeAlias = tuple[float, float, float, float, float, float]
 
@@ -39,10 +39,11 @@ def layout_of(
 ) -> Layout:
     """Decide where the pixels of a raster are."""
     if (resolution is None) == (transform is None) or (transform is None) != (shape is None):
-        raise InputError("give either the resolution, or transform and shape")
+        raise InputError(f"give either {Option('resolution')}, or transform and shape")
     if transform is not None and bounds is not None:
         raise InputError(
-            "bounds go with a resolution: transform and shape say where the pixels are"
+            f"{Option('bounds')} go with {Option('resolution')}: transform and shape say where the "
+            "pixels are"
         )
     if resolution is None:
         return _checked(_numbers("transform", _without_last_row(transform), 6), *_whole(shape))

@@ -95,8 +95,8 @@ def _check_hull_method(method: str) -> None:
     known = get_args(HullMethod)
     if isinstance(method, str) and method in get_args(Method) and method not in known:
         raise InputError(
-            f"method {method!r} is for planar points only, which it lifts itself: use "
-            f"liftmesh.delaunay(points, {Option('method', method)}), or one of "
+            f"{Option('method')} {method!r} is for planar points only, which it lifts itself: use "
+            f"liftmesh.delaunay(points, method={method!r}), or one of "
             f"{', '.join(map(repr, known))} here"
         )
     check_option("method", method, HullMethod)

@@ -22,7 +22,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
@@ -260,7 +260,7 @@ def wanted_levels(
 ) -> tuple[Floats, Array]:
     """Decide which levels have lines, and which of these are index contours."""
     if (levels is None) == (interval is None):
-        raise InputError("give either levels or an interval")
+        raise InputError(f"give either {Option('levels')} or {Option('interval')}")
     if interval is None:
         wanted = _levels("levels", levels)
         return wanted, np.zeros(len(wanted), dtype=np.bool_)
@@ -273,7 +273,7 @@ def _levels(name: str, values: Any) -> Floats:
     try:
         heights = np.unique(as_reals(values))
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
+        raise InputError(f"{Option(name)} cannot be read as numbers: {shown(values)}") from error
     if heights.ndim != 1 or not np.isfinite(heights).all():
         raise refused(name, values, "give finite heights", verb="are")
     return heights
@@ -292,10 +292,8 @@ def _multiples(
     low, high = heights()
     first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
     if last - first > _MOST_LEVELS:
-        raise InputError(
-            f"interval is {shown(interval)}, which makes {as_thousands(last - first)} levels: give "
-            "a larger one"
-        )
+        reason = f"which makes {as_thousands(last - first)} levels: give a larger one"
+        raise refused("interval", interval, reason, mark=", ")
     numbers = range(first, last + 1)
     levels = np.array([float(start + step * number) for number in numbers])
     return levels, np.array([number % index_every == 0 for number in numbers])

@@ -227,7 +227,7 @@ def _named(plane: str, points: Floats) -> Frame:
     if plane == "fit":
         normal, centroid = _fit(points)
         return _around("fit", normal, centroid)
-    raise InputError(f"plane {plane!r} is unknown: {_REMEDY}")
+    raise InputError(f"{Option('plane')} {plane!r} is unknown: {_REMEDY}")
 
 
 def _numbers(plane: ArrayLike) -> Floats:
@@ -236,12 +236,15 @@ def _numbers(plane: ArrayLike) -> Floats:
         with np.errstate(all="ignore"):
             values = as_reals(plane)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"plane cannot be read as numbers ({error}): {_REMEDY}") from error
+        raise InputError(
+            f"{Option('plane')} cannot be read as numbers ({error}): {_REMEDY}"
+        ) from error
     if values.shape not in ((3,), (4,), (2, 3), (4, 4)):
-        raise InputError(f"plane has the shape {values.shape}: {_REMEDY}")
+        raise InputError(f"{Option('plane')} has the shape {values.shape}: {_REMEDY}")
     if not np.isfinite(values).all():
         raise InputError(
-            f"plane holds values that are not finite as float64, {values.tolist()}: {_REMEDY}"
+            f"{Option('plane')} holds values that are not finite as float64, {values.tolist()}: "
+            f"{_REMEDY}"
         )
     return values
 
@@ -284,7 +287,7 @@ def _from_equation(equation: Floats, centre: Floats) -> Frame:
         foot = -(equation[3] / equation[largest]) * normal[largest] * normal
         middle = centre - (normal * (centre - foot)).sum() * normal
     if not np.isfinite(foot).all():
-        raise InputError(f"plane {equation.tolist()} overflows: {_REMEDY}")
+        raise InputError(f"{Option('plane')} {equation.tolist()} overflows: {_REMEDY}")
     return _around("normal", normal, middle, through=foot)
 
 

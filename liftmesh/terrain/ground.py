@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import GroundMethod, as_count, as_positive, check_option
+from liftmesh.base.options import GroundMethod, as_count, as_positive, check_option, refused
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
 from liftmesh.io.interpreter import command
@@ -116,7 +116,7 @@ def classify_ground(
     as_positive("resolution", resolution, "a positive number of metres")
     as_positive("threshold", threshold, "a positive number of metres")
     if as_count("rigidness", rigidness, 1) > 3:
-        raise InputError(f"rigidness is {rigidness}: give 1, 2 or 3")
+        raise refused("rigidness", rigidness, "give 1, 2 or 3")
     source = read_cloud(cloud)
     metres, is_known, is_known_of_z = _metres(source)
     rows = np.flatnonzero(_is_for_cloth(source))
@@ -173,7 +173,7 @@ def _check_size(points: Floats, resolution: float) -> None:
         raise InputError(
             f"the rows are in a box of {width:,.0f} by {height:,.0f} m, for which the cloth has "
             f"{nodes:.2g} nodes: remove rows that are far away, or give a larger "
-            f"{Option('resolution', ...)}"
+            f"{Option('cloth_resolution', ...)}"
         )
 
 
@@ -245,8 +245,8 @@ def bare_warning(counts: Mapping[str, Any]) -> str:
     size = _NODES_OF_CELL * counts["resolution"]
     return (
         f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
-        f"it, if they are no roofs: give a smaller {Option('resolution', ...)}, or "
-        f"{Option('rigidness', 1)}"
+        f"it, if they are no roofs: give a smaller {Option('cloth_resolution', ...)}, or "
+        f"{Option('cloth_rigidness', 1)}"
     )
 
 

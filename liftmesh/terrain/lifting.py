@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.base.options import Method
-from liftmesh.errors import DataWarning, InputError
+from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
@@ -90,9 +90,11 @@ def lifting_of(
         return Lifting(_with_entry(cloud, {"metric": form.tolist()}), metric=form)
     kind, given = weights_or_radii(weights, radii)
     if metric is not None:
-        raise InputError(f"both {kind} and a metric are given: give one of them")
+        raise InputError(f"both {Option(kind)} and {Option('metric')} are given: give one of them")
     if method not in _DIVIDING:
-        raise InputError(f"method {method!r} takes no {kind}: leave one of the two out")
+        raise InputError(
+            f"{Option('method', method)} takes no {Option(kind)}: leave one of the two out"
+        )
     _check_hidden(cloud, kind)
     if isinstance(given, str):
         values = as_weights(kind, named_values(cloud, kind, given), len(cloud))

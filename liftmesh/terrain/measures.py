@@ -356,7 +356,8 @@ def _in_each(
         try:
             yield region.name, measure(region.polygons)
         except InputError as error:
-            raise InputError(f"polygon {region.name!r}: {error}") from error
+            error.within(f"polygon {region.name!r}")
+            raise
 
 
 def _level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:

@@ -41,7 +41,9 @@ def closed_solid(
     depth = _depth(base, thickness)
     scale = None if longest is None else as_positive("longest", longest, "a positive length")
     if scale is None and z_factor is not None:
-        raise InputError("z_factor goes with longest: without it, no height changes")
+        raise InputError(
+            f"{Option('z_factor')} goes with {Option('longest')}: without it, no height changes"
+        )
     surface = _unpinched(surface, pinched)
     top = used_rows(len(surface.vertices), surface.faces)
     heights = surface.frame.heights(surface.vertices[top])
@@ -154,7 +156,7 @@ def _wall(above: Array, below: Array) -> Array:
 def _depth(base: Any, thickness: Any) -> float:
     """Return the height of the base, or how much lower it is."""
     if (base is None) == (thickness is None):
-        raise InputError("give either a base or a thickness")
+        raise InputError(f"give either {Option('base')} or {Option('thickness')}")
     if thickness is None:
         return as_number("base", base, "a finite height")
     return as_positive("thickness", thickness, "a positive length")

@@ -107,7 +107,8 @@ def naming(source: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise type(error)(f"{source}: {error}") from error
+        error.within(source)
+        raise
 
 
 def records_of_points(points: Array, schema: Schema, source: str) -> Array:

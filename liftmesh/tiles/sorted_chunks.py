@@ -98,7 +98,7 @@ def _non_finite(chunk: SourceChunk, row: int, first: int, records: Array) -> Non
         return error
     within = chunk.origin.row + row
     where = "" if within == first + row else f", its row {within}"
-    return NonFiniteError(f"{chunk.origin.source}{where}: {error}", row=first + row)
+    return error.within(f"{chunk.origin.source}{where}")
 
 
 def partition(

@@ -62,7 +62,7 @@ def regions_in(crs: str | None, polygon: object, by: str = _NAME) -> list[Region
     try:
         return as_regions(shapes, by)
     except InputError as error:
-        raise FormatError(f"{path}: {error}") from error
+        raise FormatError(f"{path}: {error.message.marked}") from error
 
 
 def as_polygons(polygon: object) -> list[Polygon]:

@@ -62,7 +62,11 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
         return _cloud(values, options, described)
     except FormatError as error:  # of the rooms for files
         is_geometric = hasattr(type(source), "get_coordinates") and "as WKT" in str(error)
-        said = f"{_WHERE}: its points are geometries: {AS_TABLE}" if is_geometric else str(error)
+        said = (
+            f"{_WHERE}: its points are geometries: {AS_TABLE}"
+            if is_geometric
+            else error.message.marked
+        )
         raise InputError(said) from error
 
 
@@ -70,10 +74,12 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
     """Convert a table or an array of rows, with the options of a caller."""
     unknown = [name for name in given if name not in _OPTIONS]
     if unknown:
-        raise InputError(f"{unknown[0]}= is for files: an object takes {', '.join(_OPTIONS)}")
+        raise InputError(
+            f"{Option(unknown[0], ...)} is for files: an object takes {', '.join(_OPTIONS)}"
+        )
     if not is_table(source) and not is_array(source):
         raise InputError(
-            f"{', '.join(f'{name}=' for name in given)} cannot be given: a "
+            f"{', '.join(f'{Option(name, ...)}' for name in given)} cannot be given: a "
             f"{qualified_name(source)} has no columns"
         )
     with preserve_signals():

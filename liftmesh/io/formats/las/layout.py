@@ -22,7 +22,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import as_positive, refused
 from liftmesh.crs.description import as_wkt
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError
 from liftmesh.io.formats.las.fields import (
     Extra,
     Fields,
@@ -101,9 +101,8 @@ def _point_format(cloud: Cloud, said: Mapping[str, Any], given: int | None) -> i
         if not isinstance(given, int) or not 0 <= given < len(POINT_SIZES):
             raise refused("point_format", given, "give a whole number from 0 to 10")
         if with_colors(given, cloud) != given:
-            raise InputError(
-                f"point_format is {given}, which has no colours: give {with_colors(given, cloud)}"
-            )
+            reason = f"which has no colours: give {with_colors(given, cloud)}"
+            raise refused("point_format", given, reason, mark=", ")
         return given
     stated = said.get("point_format")
     is_known = isinstance(stated, int) and 0 <= stated < len(POINT_SIZES)

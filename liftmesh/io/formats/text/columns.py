@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from liftmesh.errors import DataWarning, FormatError, Option
+from liftmesh.errors import DataWarning, FormatError, Message, Option
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.formats.text.names import Meaning, meaning
 from liftmesh.io.formats.text.options import LEFT_OUT, TableOptions, is_plain
@@ -20,7 +20,7 @@ from liftmesh.io.formats.text.options import LEFT_OUT, TableOptions, is_plain
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
-DEGREES = (  # holds until they are transformed
+DEGREES = Message(  # holds until they are transformed
     "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
     f"transform them with {Option('crs', ...)} and {Option('to_crs', ...)}"
 )
@@ -270,7 +270,7 @@ def _turned(names: Sequence[str], given: Sequence[str], options: TableOptions) -
         return
     if places[0] > 0 and names[places[0] - 1] == "z":
         return
-    yield (
+    yield Message(
         "'Y' stands before 'X', as in surveys where X is northing: if it is here, all is mirrored: "
         f"read it with {Option('columns', 'x=Y,y=X')}"
     )
