@@ -16,25 +16,12 @@ from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import (
-    DataWarning,
-    DegenerateInputError,
-    DuplicateHeightError,
-    FormatError,
-    InputError,
-    Message,
-    NonFiniteError,
-)
+from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
-_ABOUT_A_FILE = (
-    *("row ", "the coordinates ", "weights are ", "radii are "),
-    *("the points have ", "the mesh says "),
-)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -314,7 +301,7 @@ def about(path: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error):
+        if _is_about_data(error):
             error.within("stdin" if is_stream(path) else path)
         raise
 
@@ -332,14 +319,16 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and "thinning" not in cloud.metadata:
+        if _is_about_data(error) and "thinning" not in cloud.metadata:
             placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
             error.args = (Message(placed),)
         raise
 
 
-def _is_about_rows(error: InputError) -> bool:
-    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
+def _is_about_data(error: InputError) -> bool:
+    """Whether an error is about what a file holds, and not about options."""
+    parts = error.message.parts
+    return not any(isinstance(each, Option) and each.value is None for each in parts)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

@@ -115,11 +115,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
             _note_overhangs(source, made.report.overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
-            try:
-                return liftmesh.as_surface(cloud, **choices)
-            except InputError as error:
-                error.within(source)
-                raise
+            return liftmesh.as_surface(cloud, **choices)
 
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:

@@ -35,45 +35,6 @@ _OTHERS: dict[str | Option, str] = {
 }
 """How the command line names what has another name in the library, or is given in another way."""
 
-_OPTION_NAMES = (
-    "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter", "duplicates",
-    "encoding", "end", "flat", "method", "nodata", "nonfinite", "plane", "point_format", "scale",
-    "skip_rows", "to_crs", "unit", "z_factor",
-)  # fmt: skip
-_PHRASES = {
-    "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
-    "with format='raster'": "with --from raster",
-    "with format=": "with --from FORMAT",
-    "with max_bytes=": "with --max-bytes SIZE",
-    "with crs=": "with --from-crs",
-    "to_crs= or crs=": "--to-crs or --from-crs",
-    "neighbors=True, resume=False": "--neighbors --anew",
-    "resume=False": "--anew",
-    "with neighbors ": "with --neighbors ",
-    "with nonfinite '": "with --nonfinite '",
-    "with shard_format '": "with --shards '",
-    "with tile_rows ": "with --tile-rows ",
-    "fewer tile_rows": "fewer --tile-rows",
-    "dtype='float64'": "--double",
-    "find the ground with classify_ground": "find the ground with triangulate --ground csf",
-    "flat=True": "--flat",
-    "read one with to_crs= that of the other, or replace(crs=None) if they are the same": (
-        "give --to-crs, which transforms both"
-    ),
-    "give one of None, ": "give one of none, ",
-}
-_SUBJECTS = (
-    "adaptive", "bounds", "cell", "compress", "distance", "interval", "length", "max_points",
-    "point_format", "resolution",
-)  # fmt: skip
-_OF_READING = {"crs": "from_crs", "header": "no_header"}
-_OTHER_NAMES = {"distance": "min_distance", "length": "min_length"}
-_OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
-_QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
-_NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
-_BARE = re.compile(rf"(?<![^\s(]){_OPTION_NAME}(?=[\s,;:)]|$)")
-_SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
-
 
 def usage_message(error: Any) -> str:
     """Describe wrong usage."""
@@ -178,9 +139,7 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
 def worded(message: str) -> str:
     """Name the options in a message as the command line does."""
     parts = Message(message).parts
-    return "".join(
-        as_on_command_line(each) if isinstance(each, str) else spelled(each) for each in parts
-    )
+    return "".join(each if isinstance(each, str) else spelled(each) for each in parts)
 
 
 def spelled(option: Option) -> str:
@@ -194,24 +153,3 @@ def spelled(option: Option) -> str:
     if value is None or value is ... or value is True:
         return spelled_name
     return f"{spelled_name} {shlex.quote(str(value))}"
-
-
-def as_on_command_line(message: str) -> str:
-    """Replace Python options in a message by those of the command line."""
-    for phrase, words in _PHRASES.items():
-        message = message.replace(phrase, words)
-    message = re.sub(r"\bto_crs=(?=['\"])", "--to-crs ", message)  # the quotes are the shell's too
-    for pattern in (_QUOTED, _NUMBER, _BARE):
-        message = pattern.sub(_as_option, message)
-    return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)
-
-
-def _as_option(found: re.Match[str]) -> str:
-    """Write an option as a shell takes it, with its value if it has one."""
-    value = found.groupdict().get("value")
-    option = _option(found["name"])
-    return option if value is None else f"{option} {shlex.quote(value)}"
-
-
-def _option(name: str) -> str:
-    return f"--{_OTHER_NAMES.get(name, name).replace('_', '-')}"

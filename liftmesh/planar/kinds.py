@@ -25,7 +25,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals
 from liftmesh.base.arrays import as_floats, is_readable, unmasked, widened
-from liftmesh.base.options import as_switch, counted, shown
+from liftmesh.base.options import as_switch, counted, refused, shown
 from liftmesh.errors import InputError, NonFiniteError, Option
 from liftmesh.predicates import incircle
 
@@ -203,21 +203,22 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
         return cloud.attributes[name]
     there = ", ".join(repr(each) for each in list(cloud.attributes)[:8])
     remedy = f"there are {there}" if there else "they have none; give an array"
-    raise InputError(
-        f"{Option(kind)} are {shown(name)}, and the points have no values of that name: {remedy}"
-    )
+    raise InputError(f"{Option(kind, name)}, and the points have no values of that name: {remedy}")
 
 
 def as_metric(metric: ArrayLike) -> Floats:
     """Validate the option ``metric``."""
     matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
-    shown = matrix.tolist()
+    flaw = ""
     if not np.isfinite(matrix).all():
-        raise InputError(f"{Option('metric')} {shown} is not finite: {METRIC_REMEDY}")
-    if matrix[0, 1] != matrix[1, 0]:
-        raise InputError(f"{Option('metric')} {shown} is not symmetric: {METRIC_REMEDY}")
-    if not is_positive_definite(matrix):
-        raise InputError(f"{Option('metric')} {shown} is not positive definite: {METRIC_REMEDY}")
+        flaw = "finite"
+    elif matrix[0, 1] != matrix[1, 0]:
+        flaw = "symmetric"
+    elif not is_positive_definite(matrix):
+        flaw = "positive definite"
+    if flaw:
+        reason = f"which is not {flaw}: {METRIC_REMEDY}"
+        raise refused("metric", matrix.tolist(), reason, mark=", ")
     return matrix
 
 

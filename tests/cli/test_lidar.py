@@ -152,11 +152,11 @@ def test_nothing_is_left_of_a_tile(folder: Path) -> None:
 
 
 WRONG = {
-    ("--classes", "trees"): "--classes 'trees' is unknown: give ground, all or as 2,9",
+    ("--classes", "trees"): "--classes is 'trees': give ground, all or numbers, as 2,9",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
     ("--bbox", "1,2,3"): "--bbox is [1.0, 2.0, 3.0]: give x0, y0, x1, y1",
-    ("--bbox", "a,b"): "--bbox 'a,b' is no list of numbers",
+    ("--bbox", "a,b"): "--bbox is 'a': give a number",
     ("--z-range", "3,1"): "--z-range is [3.0, 1.0]: give z0, z1 with z0 <= z1",
     ("--every", "0"): "--every is 0: give a whole number from 1",
 }
@@ -229,7 +229,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
     done = liftmesh("info", "tile.laz", "--resolution", "0", cwd=folder)
-    assert "--resolution '0' is not a positive number" in done.stderr
+    assert "--resolution is 0: give a positive number" in done.stderr
 
 
 @pytest.mark.parametrize(

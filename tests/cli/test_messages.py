@@ -57,7 +57,7 @@ def test_rows_of_several_files_are_counted_in_their_own() -> None:
     with pytest.raises(InputError, match=r"^a\.csv: row 3 is"), inputs.about(Path("a.csv")):
         raise InputError("row 3 is [nan, 0, 0]")
     with pytest.raises(InputError, match=r"^band is"), inputs.about(Path("a.csv")):
-        raise InputError("band is 3")
+        raise InputError(f"{Option('band')} is 3")
     with pytest.raises(InputError, match=r"^stdin: row 1"), inputs.about_rows([Path("-")], cloud):
         raise InputError("row 1 is no row")
 

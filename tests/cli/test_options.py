@@ -48,7 +48,7 @@ def test_values_are_parsed(parse: Callable[[str], Any], text: str, value: object
         (options.whole(3), "2", "is 2: give a whole number from 3"),
         (options.whole(3), "2.5", "is '2.5': give a whole number from 3"),
         (options.threads, "0", "is 0: give a whole number from 1 to 1024"),
-        (options.metric, "1,5,1", "[[1.0, 5.0], [5.0, 1.0]] is not positive definite: "),
+        (options.metric, "1,5,1", "is [[1.0, 5.0], [5.0, 1.0]], which is not positive definite: "),
     ],
 )
 def test_what_is_wrong_follows_the_name_of_the_option(

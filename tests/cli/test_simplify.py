@@ -38,12 +38,12 @@ def test_a_report_for_people(tmp_path: Path) -> None:
     ("words", "message"),
     [
         ((), "give --max-error or --max-points"),
-        (("--max-error", "x"), "--max-error 'x' is not a distance"),
-        (("--max-error", "-1"), "is not a distance"),
-        (("--tolerance", "nan"), "--tolerance 'nan' is not a distance"),
+        (("--max-error", "x"), "--max-error is 'x': give 0 or"),
+        (("--max-error", "-1"), "give 0 or a positive number"),
+        (("--tolerance", "nan"), "--tolerance is nan: give 0 or"),
         (("--tolerance", "20", "--max-error", "1"), "--max-error and --tolerance are the same"),
         (("--max-points", "2"), "--max-points"),
-        (("--max-error", "1", "--resolution", "2,5"), "--resolution '2,5' is not a positive"),
+        (("--max-error", "1", "--resolution", "2,5"), "--resolution is '2,5': give a positive"),
     ],
 )
 def test_what_is_asked_wrongly(words: tuple[str, ...], message: str, tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from commands import failed, liftmesh, process
 
 from liftmesh import Cloud, triangulate, write
 from liftmesh.cli import exit_codes
-from liftmesh.cli.wording import as_on_command_line, usage_message
+from liftmesh.cli.wording import usage_message
 
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",
@@ -82,42 +82,6 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("message", "said"),
-    [
-        ("transform them with to_crs=", "transform them with --to-crs"),
-        ("to_crs= needs a system", "--to-crs needs a system"),
-        ("b: to_crs='EPSG:99': no such", "b: --to-crs 'EPSG:99': no such"),
-        ('b: to_crs="it\'s": no such', 'b: --to-crs "it\'s": no such'),
-        ("b: band=, skip_rows= cannot be given", "b: --band, --skip-rows cannot be given"),
-        ("flat=True says so (flat=)", "--flat says so (--flat)"),
-        ("3MF has metre: give unit=", "3MF has metre: give --unit"),
-        ("steps of scale=1e-09: give more", "steps of --scale 1e-09: give more"),
-        ("give --color_depth=8 or color_depth=16", "give --color_depth=8 or --color-depth 16"),
-        ("give columns='x y' or end=''", "give --columns 'x y' or --end ''"),
-        ("(as liftmesh.triangulate(cloud, plane='fit'))", "(as --plane fit)"),
-        ("give plane='xy', a normal", "give --plane xy, a normal"),
-        ("point_format is 11: give 6", "--point-format is 11: give 6"),
-        ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
-        ("max_points is 3, and the hull has 4", "--max-points is 3, and the hull has 4"),
-        ("replace them with resume=False", "replace them with --anew"),
-        ("tile again with neighbors=True, resume=False", "tile again with --neighbors --anew"),
-        (
-            "out holds a run with tile_rows 500, not 99",
-            "out holds a run with --tile-rows 500, not 99",
-        ),
-        ("with shard_format 'npy', not 'ply'", "with --shards 'npy', not 'ply'"),
-        ("b in None: give to_crs= or crs=", "b in None: give --to-crs or --from-crs"),
-        ("the cell is empty, a distance is not", "the cell is empty, a distance is not"),
-        ("band=2/a.tif: no file", "band=2/a.tif: no file"),
-        ("tiles/cell=5: no file", "tiles/cell=5: no file"),
-        ("of band=2/a.tif", "of band=2/a.tif"),
-    ],
-)
-def test_options_of_python_are_told_as_those_of_commands(message: str, said: str) -> None:
-    assert as_on_command_line(message) == said
-
-
-@pytest.mark.parametrize(
     ("line", "said"),
     [
         ("triangulate a.ply b.ply --band 2", "a.ply: --band cannot be given: ply files"),
@@ -130,7 +94,7 @@ def test_options_of_python_are_told_as_those_of_commands(message: str, said: str
         ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
         (
             "triangulate wall.xyz b.ply",
-            "a point off it (for a cloud in a vertical plane: --plane fit)",
+            "a point off it (for a cloud in a vertical plane: triangulate it with --plane fit)",
         ),
     ],
 )

@@ -170,5 +170,5 @@ def test_a_determinant_that_rounds_to_zero_is_positive() -> None:
 
 @pytest.mark.parametrize("method", ["lf", "lfres", "lfres-indexed"])
 def test_gift_wrapping_has_no_metric(method: Any) -> None:
-    with pytest.raises(InputError, match=f"method '{method}' has no metric"):
+    with pytest.raises(InputError, match=f"method='{method}' has no metric"):
         liftmesh.delaunay(POINTS, method=method, metric=FORM)

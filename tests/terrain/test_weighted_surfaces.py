@@ -152,11 +152,11 @@ def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"weights": "w"}, "weights are 'w', .* no values of that name: there are 'size', 'class'"),
+        ({"weights": "w"}, "weights='w', .* no values of that name: there are 'size', 'class'"),
         ({"weights": "size", "radii": "size"}, "both weights and radii are given"),
         ({"weights": "size", "metric": FORM}, "both weights and a metric are given"),
         ({"radii": "size", "method": "lf"}, "method 'lf' takes no radii"),
-        ({"metric": FORM, "method": "lfres"}, "method 'lfres' has no metric"),
+        ({"metric": FORM, "method": "lfres"}, "method='lfres' has no metric"),
         ({"radii": -SIZES}, "row 0 has the radius -0"),
         ({"weights": SIZES[:9]}, "weights hold 9 numbers for 200 rows"),
         ({"metric": [[0, 0], [0, 1]]}, "not positive definite"),
