@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.optional import load
@@ -56,7 +56,10 @@ from liftmesh.tiles.stages import node
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh._typing import Progress
+    from liftmesh.io.options import ChunkOptions
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
@@ -159,7 +162,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     client: Any = None,
     crs: str | None = None,
     plane: Literal["xy"] = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     tile_rows: int | Literal["auto"] = "auto",
     scratch: str | os.PathLike[str] | None = None,
@@ -167,7 +170,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     shards: Literal["npy"] = "npy",
     neighbors: bool = False,
     progress: Progress | None = None,
-    **reading: Any,
+    **reading: Unpack[ChunkOptions],
 ) -> TiledSurface:
     """Make a surface of more points than fit in memory, on the workers of Dask.
 
@@ -184,7 +187,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         The folder to write to, which all workers see.
     client : distributed.Client, optional
         As for `delaunay`.
-    crs, plane, duplicates, nonfinite
+    crs, plane, on_duplicate, nonfinite
         As for `liftmesh.tile_surface`. An error about duplicates is that of the tile that is done
         first.
     tile_rows : int or "auto", default "auto"
@@ -220,7 +223,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )

@@ -12,13 +12,9 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from pathlib import Path
 
 import numpy as np
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "support"))
-
-from earthwork_oracle import error, exact_earthwork, grid_pair
+from oracles.earthwork import error, exact_earthwork, grid_pair
 
 import liftmesh
 

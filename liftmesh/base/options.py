@@ -25,8 +25,8 @@ _NO_REALS = tuple("bcSUmMO")  # NumPy's kinds of all else than real numbers
 _REPR = Repr()  # of a list it shows the first few, and looks at no others
 _REPR.maxstring = _REPR.maxother = _LONGEST
 
-Method: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
-HullMethod: TypeAlias = Literal["auto", "lf"]
+Algorithm: TypeAlias = Literal["auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"]
+HullAlgorithm: TypeAlias = Literal["auto", "lf"]
 NonFinite: TypeAlias = Literal["error", "skip"]
 RowOrder: TypeAlias = Literal["engine", "canonical"]
 PlyEncoding: TypeAlias = Literal["binary", "ascii"]
@@ -40,7 +40,7 @@ Pinched: TypeAlias = Literal["error", "trim"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
 Returns: TypeAlias = Literal["first", "last", "only"]
 ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
-Duplicates: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
+OnDuplicate: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 
 def refused(
@@ -133,6 +133,30 @@ def check_progress(progress: object) -> None:
     """Raise unless the option ``progress`` is a function or None."""
     if progress is not None and not callable(progress):
         raise refused("progress", progress, "give a function of the fraction done, such as print")
+
+
+class Part:
+    """Progress of a part of a run, told as that of the run; it never falls."""
+
+    def __init__(self, progress: Callable[[float], None], first: float, last: float) -> None:
+        self.has_raised = False
+        self._progress = progress
+        self._first, self._last, self._told = first, last, first
+
+    def __call__(self, done: float) -> None:
+        """Tell how much of the part is done."""
+        wanted = self._first + done * (self._last - self._first)
+        self._told = max(self._told, min(wanted, self._last))
+        try:
+            self._progress(self._told)
+        except BaseException:
+            self.has_raised = True
+            raise
+
+
+def part_of(progress: Callable[[float], None] | None, first: float, last: float) -> Part | None:
+    """Return a callback for a part of a run; None if nobody listens."""
+    return None if progress is None else Part(progress, first, last)
 
 
 def shown(value: object) -> str:

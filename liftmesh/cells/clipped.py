@@ -31,7 +31,7 @@ class ClippedCells:
 
     duplicates: Rows
     hidden: Rows
-    tolerance: float | None = None
+    max_deviation: float | None = None
 
     def __init__(self, points: Floats, domain: Domain, rings: Rings, exact: DomainCorners) -> None:
         self.points, self.domain = read_only(points), domain
@@ -108,20 +108,11 @@ class ClippedCells:
             centre = origin + np.ldexp(moments / area[:, None], scale[:, None])
         return read_only(np.where(area[:, None] > 0, centre, np.nan))
 
+    @property
     def sides(self) -> tuple[Floats, Floats]:
-        """Return the start and the end of each side, seen from the row of its cell.
+        """Start and end of each side, seen from the row of its cell, each (k, 2) float64.
 
-        Returns
-        -------
-        start, end : (k, 2) ndarray of float64
-            In the order of the corners.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> start, end = liftmesh.voronoi([[3, 4]], domain=(2, 3, 4, 5)).sides()
-        >>> start[0], end[0]
-        (array([-1., -1.]), array([ 1., -1.]))
+        In the order of the corners.
         """
         start = self.corners - self.points[rows_of_corners(self)]
         return start, start[following_corners(self.ring_corners)]

@@ -39,6 +39,13 @@ class Domain:
     crs: str | None = None  # WKT or "EPSG:n"
 
     @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """xmin, ymin, xmax, ymax."""
+        left, low = self.corners.min(axis=0).tolist()
+        right, high = self.corners.max(axis=0).tolist()
+        return left, low, right, high
+
+    @property
     def following(self) -> Rows:
         """The corner after each, in its ring."""
         return following_corners(self.starts).astype(np.int32)
@@ -58,7 +65,7 @@ def as_domain(given: Any, points: Floats, crs: str | None = None) -> Domain:
 
 
 def _rings_of(given: Any, points: Floats) -> Domain:
-    if given is None:
+    if given is None or (isinstance(given, str) and given == "bounds"):
         return _around(points)
     if isinstance(given, Domain):
         return given

@@ -124,7 +124,7 @@ class Measure:
 
 def energy(cells: Cells) -> float:
     """Integrate the squared distance to the row of each cell."""
-    start, end = cells.sides()
+    start, end = cells.sides
     scale = binary_scale(start)
     (x, y), (u, v) = np.ldexp(start, -scale).T, np.ldexp(end, -scale).T
     polar = x * x + x * u + u * u + y * y + y * v + v * v
@@ -168,7 +168,7 @@ def as_share(value: object, most: float) -> float:
     def is_wanted(share: float) -> bool:
         return 0 <= share < most and (share > 0 or not is_limited)
 
-    return as_number("tolerance", value, wanted, is_wanted)
+    return as_number("tol", value, wanted, is_wanted)
 
 
 def as_density(given: Any, domain: Domain) -> Density:

@@ -96,7 +96,9 @@ class NaturalNeighbors:
         return means
 
 
-def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> NaturalNeighbors:
+def natural_neighbors(
+    points: ArrayLike | Triangulation, queries: ArrayLike, *, threads: int | None = None
+) -> NaturalNeighbors:
     """Find the natural neighbours of points, and Sibson's weights.
 
     Parameters
@@ -105,6 +107,8 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
         Planar points, as for `voronoi`, or what `delaunay` returns of them.
     queries : array_like of shape (m, 2)
         Where neighbours are asked for; or a cloud, a table or points of GeoPandas.
+    threads : int, optional
+        As for `delaunay`; the result is the same for any number.
 
     Returns
     -------
@@ -139,7 +143,7 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
     tri = (
         points
         if isinstance(points, Triangulation)
-        else delaunay(sites_of(points, queries), copy=True)
+        else delaunay(sites_of(points, queries), threads=threads, copy=True)
     )
     if other := options_of(tri):
         raise InputError(
@@ -150,7 +154,7 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
     at = as_pairs(asked if asked is queries else np.asarray(asked)[:, :2]).reshape(-1, 2)
     check_finite(at, skippable=False)
     located = tri._locator  # noqa: SLF001 - made once for all that is asked of it
-    arrays = located.natural_weights(at, *as_threads(None, len(at)))
+    arrays = located.natural_weights(at, *as_threads(threads, len(at)))
     if arrays is None:
         raise InputError(
             "the points are not those that were triangulated: their array has changed since; "

@@ -23,21 +23,14 @@ HELP = (
 EXAMPLES = [
     "liftmesh compare cloud.ply",
     "liftmesh compare cloud.ply --lower lower.ply --hull hull.ply",
-    "liftmesh compare utm.csv --q origin --proofs 3",
+    "liftmesh compare utm.csv --apex origin --proofs 3",
 ]
 
 
 @outputs.guards("lower", "hull")
 def run(
     source: options.Source,
-    q: Annotated[
-        Any,
-        option(
-            "Q",
-            "Vertex of the paraboloid: median (best for Qhull), origin or QX,QY.",
-            options.vertex,
-        ),
-    ] = "median",
+    apex: options.Apex = "median",
     lower: Annotated[
         Path | None, option("FILE", "Write liftmesh's lower hull of the lifted points.")
     ] = None,
@@ -45,7 +38,7 @@ def run(
     proofs: Annotated[int, option("N", "Maximum number of proofs to print.", whole(0))] = 4,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     *,
     rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
@@ -55,10 +48,12 @@ def run(
     outputs.check_stdout()
     outputs.check_target(lower)
     outputs.check_target(hull)
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
-        result = _compare(cloud, q=q, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs)
+        result = _compare(
+            cloud, apex=apex, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs
+        )
     if lower is not None:
         outputs.write(lower, result.lower_hull())
     if hull is not None and result.error is None:
@@ -95,7 +90,7 @@ def _values(result: Comparison) -> dict[str, Any]:
     return {
         "verdict": result.verdict,
         "error": result.error,
-        "q": list(result.q),
+        "apex": list(result.apex),
         "triangles": result.triangles,
         "lower_facets": len(result.lower),
         "hull_facets": len(result.hull),

@@ -28,9 +28,10 @@ EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
 
 def run(
     source: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --from).")
+        Path,
+        typer.Argument(metavar="FILE", help="Cloud or mesh; - reads stdin (see --input-format)."),
     ],
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     *,
     rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
@@ -38,7 +39,7 @@ def run(
 ) -> None:
     """Read a file and print its summary."""
     outputs.check_stdout()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read(source, reading)
     from liftmesh.cli.summary import summarise
 

@@ -75,30 +75,35 @@ def _selection(
         Any,
         option(
             "CLASSES",
-            "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+            "Rows of these classes, as 2,9; or ground: class 2 if there is any, as by default "
+            "of a surface.",
             options.classes,
         ),
     ] = None,
+    all_classes: Annotated[
+        bool, typer.Option("--all-classes", help="Rows of every class.")
+    ] = False,
     returns: Annotated[
         Returns | None,
         typer.Option(help="Rows of the last or the first return, or of those that are both."),
     ] = None,
-    bbox: Annotated[
-        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
+    bounds: Annotated[
+        Any,
+        option("XMIN,YMIN,XMAX,YMAX", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
     withheld: Annotated[
         bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
     ] = False,
-    resolution: Annotated[
+    copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
         option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
     ] = None,
-    from_crs: Annotated[
+    src_crs: Annotated[
         str | None,
         option(
             "CRS",
@@ -106,21 +111,24 @@ def _selection(
             "several, of those that state none, or the same without heights.",
         ),
     ] = None,
-    to_crs: Annotated[
+    dst_crs: Annotated[
         str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
-    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    if classes is not None and all_classes:
+        raise typer.BadParameter("--classes and --all-classes exclude each other: leave one out")
+    chosen = "all" if all_classes else classes
+    conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+        every=every if every > 1 else None, withheld=withheld, copc_resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection
 
         with options.as_usage():
             validate_selection(**conditions)
-    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
+    return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
 Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
@@ -141,7 +149,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     """
     reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
     if is_stream(path) and "format" not in reading:
-        raise typer.BadParameter("stdin has no suffix: give its format with --from")
+        raise typer.BadParameter("stdin has no suffix: give its format with --input-format")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress
@@ -150,7 +158,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="dst_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -196,7 +204,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
         if _CRS_OF_OTHERS not in reading:
             return io.read(source, **reading)
         rest = {**reading}
-        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
+        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
         check_system(crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
@@ -228,9 +236,9 @@ def read_rows(
     for path in sources:
         if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    if "crs" in reading:
-        rest = {key: each for key, each in reading.items() if key != "crs"}
-        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
+    if "src_crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "src_crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["src_crs"]}
     with terminal.few_of_a_kind():
         clouds = [read_one(each) for each in sources]
     cloud = _merged(sources, clouds)
@@ -261,7 +269,7 @@ def _say_parts(cloud: Cloud) -> None:
 
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
-        "different ones; --from-crs says which"
+        "different ones; --src-crs says which"
     )
     for each in parts_of(cloud):
         inside = f", {each['overlap']:,} of them where an earlier file has some"

@@ -78,7 +78,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     crs, system = cloud.crs, system_of(cloud)
     stated = cloud.metadata.get("stated_crs")
     told = transformation_of(cloud.metadata)
-    instead = "--from-crs says another system" if told else f"taken as {crs_name(crs)}"
+    instead = "--src-crs says another system" if told else f"taken as {crs_name(crs)}"
     taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:

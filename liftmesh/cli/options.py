@@ -25,8 +25,8 @@ import typer
 
 from liftmesh.base.options import (
     MOST_THREADS,
-    Duplicates as Policy,
     NonFinite,
+    OnDuplicate as Policy,
     as_count,
     as_distance,
     as_number,
@@ -158,11 +158,13 @@ def box(text: str) -> tuple[float, ...] | None:
 
 def classes(text: str) -> str | list[int]:
     """Parse classes of rows."""
-    if text in {"ground", "all"}:
+    if text == "ground":
         return text
+    if text == "all":
+        raise refused(VALUE, text, "give --all-classes")
     words = text.split(",")
     if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
-        raise refused(VALUE, text, "give ground, all or numbers, as 2,9")
+        raise refused(VALUE, text, "give ground, or numbers as 2,9")
     return [int(word) for word in words]
 
 
@@ -211,13 +213,13 @@ def metric(text: str) -> Any:
     return (a, b), (b, c)
 
 
-def vertex(text: str) -> Any:
-    """Parse the vertex of the paraboloid."""
+def apex(text: str) -> Any:
+    """Parse the apex of the paraboloid."""
     if text in {"median", "origin"}:
         return text
     place = _exactly(2, text)
     if place is None or not all(map(math.isfinite, place)):
-        raise refused(VALUE, text, "give median, origin or a finite QX,QY")
+        raise refused(VALUE, text, "give median, origin or a finite X,Y")
     return place
 
 
@@ -291,13 +293,13 @@ def _exactly(length: int, text: str) -> tuple[float, ...] | None:
 
 
 Source: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --from).")
+    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --input-format).")
 ]
-SourceFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of the input, instead of its suffix.", name="--from")
+InputFormat: TypeAlias = Annotated[
+    str | None, option("FORMAT", "Format of the input, instead of its suffix.")
 ]
-TargetFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of OUT, instead of its suffix.", name="--format")
+OutputFormat: TypeAlias = Annotated[
+    str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -309,7 +311,10 @@ Plane: TypeAlias = Annotated[
         plane,
     ),
 ]
-Duplicates: TypeAlias = Annotated[
+Apex: TypeAlias = Annotated[
+    Any, option("APEX", "Apex of the paraboloid: median (of the points), origin or X,Y.", apex)
+]
+OnDuplicate: TypeAlias = Annotated[
     Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[

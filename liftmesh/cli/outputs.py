@@ -31,7 +31,7 @@ from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
 
 _NONE: Mapping[str, Any] = MappingProxyType({})
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
@@ -169,7 +169,7 @@ def check_target(
     if is_stream(path):
         check_stdout()
     if not (file_format or path.suffix):
-        raise typer.BadParameter(f"{path} has no suffix: give its format with --format")
+        raise typer.BadParameter(f"{path} has no suffix: give its format with --output-format")
     kind = find_written(file_format or suffix_of(path.name), str(path))
     if kind.write is None:
         raise FormatError(f"{path}: {kind.name} files can be read, not written")
@@ -214,7 +214,7 @@ def check_content(
 
 def write(
     path: Path, mesh: Any, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
-) -> Written:
+) -> WriteResult:
     """Write a mesh, or to stdout if the path is ``-``."""
     from liftmesh.io import streams, write as io
 
@@ -242,7 +242,7 @@ def opened(path: Path) -> Iterator[BinaryIO]:
             yield stream
 
 
-def headline(written: Written, content: str) -> str:
+def headline(written: WriteResult, content: str) -> str:
     """Say in a line what was written, and how the file differs from the mesh."""
     line = f"{written.path or '-'}: {content}, {terminal.bytes_text(written.bytes)}"
     if written.dropped:
@@ -255,7 +255,7 @@ def headline(written: Written, content: str) -> str:
     return f"{line}; float32, so the origin ({moved}) was subtracted"
 
 
-def as_values(written: Written) -> dict[str, Any]:
+def as_values(written: WriteResult) -> dict[str, Any]:
     """Return what `--json` prints of a file that was written."""
     return {
         "path": str(written.path or "-"),

@@ -68,7 +68,7 @@ class Places:
 def _own_names(option: str) -> dict[str, str]:
     """Return by option of IN that of the table which an option names."""
     names = {each: f"--{option}-{each.replace('_', '-')}" for each in _table_options()}
-    return names | {"format": f"--{option}-format", "header": f"--{option}-no-header"}
+    return names | {"format": f"--{option}-input-format", "header": f"--{option}-no-header"}
 
 
 def group(option: str) -> options.Group:
@@ -76,7 +76,7 @@ def group(option: str) -> options.Group:
 
     def parse(**given: Any) -> Places:
         plain = {key.removeprefix(f"{option}_"): value for key, value in given.items()}
-        file_format = plain.pop("format")
+        file_format = plain.pop("input_format")
         try:
             return Places(option, file_format, inputs.table(**plain))
         except typer.BadParameter as error:
@@ -86,7 +86,7 @@ def group(option: str) -> options.Group:
     file_format = typer.Option(
         metavar="FORMAT", help=f"Format of --{option}, instead of its suffix."
     )
-    parameters = [_parameter(f"{option}_format", None, str | None, file_format)]
+    parameters = [_parameter(f"{option}_input_format", None, str | None, file_format)]
     for name, each in _table_options().items():
         kind, info = get_args(each.annotation)
         own, dashed = copy(info), name.replace("_", "-")

@@ -53,7 +53,7 @@ def run(
     ],
     *,
     corners_table: Corners,
-    target_format: options.TargetFormat = None,
+    output_format: options.OutputFormat = None,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
@@ -62,11 +62,11 @@ def run(
     path = None if corners else Path(along[0])
     if json:
         outputs.check_stdout()
-    is_shapes = target_format is None and target.suffix.lower() in places.SHAPES
+    is_shapes = output_format is None and target.suffix.lower() in places.SHAPES
     if is_shapes:
         _check_shapes(target)
     else:
-        outputs.check_target(target, target_format)
+        outputs.check_target(target, output_format)
     surface = surfaces.read(source, reading)
     max_bytes = reading.rows.get("max_bytes")
     lines: list[Any] = [corners]
@@ -76,9 +76,9 @@ def run(
         draped = _draped(surface, lines, along)
     if is_shapes:
         with terminal.stage(f"writing {target.name}"):
-            written: Path | None = draped.save(target)
+            written = draped.save(target).path
     else:
-        name = outputs.write(target, draped.as_cloud(), target_format).path
+        name = outputs.write(target, draped.as_cloud(), output_format).path
         written = None if name is None else Path(name)
     with outputs.report_after(target):
         _say(written, draped, lines, surface, as_json=json)

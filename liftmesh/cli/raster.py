@@ -32,13 +32,15 @@ def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
     resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
-    bounds: Annotated[
-        Any, option("X0,Y0,X1,Y1", "What to cover, by default the surface.", numbers)
+    raster_bounds: Annotated[
+        Any, option("XMIN,YMIN,XMAX,YMAX", "What to cover, by default the surface.", numbers)
     ] = None,
     quantity: Annotated[
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
     ] = "height",
-    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    interpolation: Annotated[
+        SampleMethod, typer.Option(help="How heights are interpolated.")
+    ] = "linear",
     z_factor: Annotated[
         float | None,
         option(
@@ -68,20 +70,23 @@ def run(
     check_name(target)
     steps = resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
-    _check(steps, bounds, quantity, method, crs, packing)
+    _check(steps, raster_bounds, quantity, interpolation, crs, packing)
     outputs.check_place(target)
-    wanted = {"bounds": bounds, "quantity": quantity, "method": method, "z_factor": z_factor}
+    wanted = {
+        "bounds": raster_bounds,
+        "quantity": quantity,
+        "method": interpolation,
+        "z_factor": z_factor,
+    }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
         tiled = surfaces.open_tiles(source, reading, crs=crs)
         if quantity in _ANGLES:
             surfaces.note_units(source, tiled, z_factor)
         with terminal.share_bar(f"writing {target.name}") as progress:
-            path = tiled.save_raster(
-                target, steps, cog=cog, compress=packing, progress=progress, **wanted
-            )
-        with load("rasterio", extra="terrain").open(path) as file:
-            _say(path, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
+            tiled.save_raster(target, steps, cog=cog, compress=packing, progress=progress, **wanted)
+        with load("rasterio", extra="terrain").open(target) as file:
+            _say(target, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
@@ -91,18 +96,18 @@ def run(
     with terminal.stage("scanning faces"):
         raster = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        path = raster.save(target, cog=cog, compress=packing)
+        raster.save(target, cog=cog, compress=packing)
     known = int(np.count_nonzero(~np.isnan(raster.values)))
     counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
     place = raster.transform, raster.crs
-    _say(path, quantity, raster.values.shape, place, counts, as_json=json)
+    _say(target, quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
     steps: float | list[float],
     bounds: list[float] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: SampleMethod,
     crs: str | None,
     compress: str | None,
 ) -> None:
@@ -114,8 +119,8 @@ def _check(
     with options.as_usage():
         steps_of(steps)
         if bounds is not None:
-            bounds_of(bounds)
-        check_method(quantity, method)
+            bounds_of(bounds, "raster_bounds")
+        check_method(quantity, interpolation)
         writer.validate_geotiff_options(crs, compress)
 
 

@@ -42,10 +42,12 @@ def run(
     ],
     *,
     points: Points,
-    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    interpolation: Annotated[
+        SampleMethod, typer.Option(help="How heights are interpolated.")
+    ] = "linear",
     nonfinite: options.SkipNonFinite = "error",
-    source_format: options.SourceFormat = None,
-    target_format: options.TargetFormat = None,
+    input_format: options.InputFormat = None,
+    output_format: options.OutputFormat = None,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
     rows: inputs.RowOptions,
@@ -55,19 +57,19 @@ def run(
     """Read a surface and points, write the points with heights, and say how many have one."""
     if json:
         outputs.check_stdout()
-    outputs.check_target(target, target_format)
-    rows = {**rows, "format": source_format, "max_bytes": max_bytes}
+    outputs.check_target(target, output_format)
+    rows = {**rows, "format": input_format, "max_bytes": max_bytes}
     reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
     surface = surfaces.read(source, reading)
     asked = _asked(at, points, source, surface.crs, max_bytes)
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        sampled, known = _sampled(surface, asked, method, threads)
-    path = _write(target, sampled, target_format)
+        sampled, known = _sampled(surface, asked, interpolation, threads)
+    path = _write(target, sampled, output_format)
     with outputs.report_after(target):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
             counts |= notes.provenance(surface)
-            terminal.as_json({"path": str(path or "-"), "method": method, **counts})
+            terminal.as_json({"path": str(path or "-"), "interpolation": interpolation, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")
 
@@ -88,14 +90,14 @@ def _asked(
 
 
 def _sampled(
-    surface: Any, asked: Any, method: SampleMethod, threads: int | None
+    surface: Any, asked: Any, interpolation: SampleMethod, threads: int | None
 ) -> tuple[Any, int]:
     """Return the points with heights as z, and how many have one."""
     from dataclasses import replace
 
     import numpy as np
 
-    heights = surface.sample(asked.points[:, :2], method, threads=threads)
+    heights = surface.sample(asked.points[:, :2], interpolation, threads=threads)
     points = np.column_stack([asked.points[:, :2], heights])
     own = {"given_z": asked.points[:, 2]} if asked.points[:, 2].any() else {}
     attributes = {**own, **asked.attributes}

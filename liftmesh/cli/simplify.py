@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,7 +12,7 @@ from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
@@ -33,15 +33,14 @@ EXAMPLES = [
 def run(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="IN", help="Rasters or clouds, merged; - reads stdin (see --from)."),
+        typer.Argument(
+            metavar="IN", help="Rasters or clouds, merged; - reads stdin (see --input-format)."
+        ),
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     max_error: Annotated[
         float | None,
         option("Z", "The largest distance along z, in the units of the heights.", options.distance),
-    ] = None,
-    tolerance: Annotated[
-        float | None, option("Z", "Another name of --max-error.", options.distance)
     ] = None,
     max_points: Annotated[
         int | None, option("N", "The most vertices of the mesh.", whole(3))
@@ -51,10 +50,10 @@ def run(
         typer.Option("--prune/--no-prune", help="Remove vertices that the distance does not need."),
     ] = True,
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
+    on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
-    source_format: options.SourceFormat = None,
-    target_format: options.TargetFormat = None,
+    input_format: options.InputFormat = None,
+    output_format: options.OutputFormat = None,
     *,
     rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
@@ -65,45 +64,35 @@ def run(
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
     import liftmesh
 
-    limits = _limits(max_error, tolerance, max_points)
+    if max_error is None and max_points is None:
+        raise typer.BadParameter("give --max-error or --max-points")
+    limits = options.given(max_points=max_points, max_error=max_error)
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    outputs.check_target(target, output_format, writing)
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     cloud = inputs.read_rows(sources, reading | {"color_depth": color_depth})
     text = f"simplifying {len(cloud):,} rows"
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        outputs.check_content(target, output_format, cloud, writing)
         with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
             surface = liftmesh.simplify(
                 cloud,
                 **limits,
                 prune=prune,
                 plane=plane.value,
-                duplicates=duplicates,
+                on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
                 progress=progress,
             )
-    written = outputs.write(target, surface, target_format, writing)
+    written = outputs.write(target, surface, output_format, writing)
     with outputs.report_after(target):
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 
-def _limits(
-    max_error: float | None, tolerance: float | None, max_points: int | None
-) -> dict[str, Any]:
-    """Return the options of which there must be one."""
-    if max_error is not None and tolerance is not None:
-        raise typer.BadParameter("--max-error and --tolerance are the same: give one")
-    error = tolerance if max_error is None else max_error
-    if error is None and max_points is None:
-        raise typer.BadParameter("give --max-error or --max-points")
-    return options.given(max_points=max_points, max_error=error)
-
-
-def _print_report(written: Written, surface: Surface, seconds: float, *, as_json: bool) -> None:
+def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
     told = surface.metadata["simplification"]
     if as_json:
         cloud = surface.to_cloud()

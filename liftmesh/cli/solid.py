@@ -13,7 +13,7 @@ from liftmesh.cli.options import number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
@@ -22,8 +22,8 @@ HELP = (
     "flat base, or a thickness."
 )
 EXAMPLES = [
-    "liftmesh solid jacksboro.tif fault.stl --base 236",
-    "liftmesh solid dem.tif model.3mf --base 200 --longest 150 --z-factor 2",
+    "liftmesh solid jacksboro.tif fault.stl --base-height 236",
+    "liftmesh solid dem.tif model.3mf --base-height 200 --longest 150 --z-factor 2",
     "liftmesh solid tin.ply shell.stl --thickness 2 --max-edge 20 --pinched trim",
 ]
 
@@ -32,7 +32,9 @@ EXAMPLES = [
 def run(
     source: surfaces.Source,
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
-    base: Annotated[float | None, option("HEIGHT", "The height of a flat base.", number)] = None,
+    base_height: Annotated[
+        float | None, option("HEIGHT", "The height of a flat base.", number)
+    ] = None,
     thickness: Annotated[
         float | None, option("HEIGHT", "The base is the surface itself, so much lower.", positive)
     ] = None,
@@ -46,7 +48,7 @@ def run(
     pinched: Annotated[
         Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
     ] = "error",
-    target_format: options.TargetFormat = None,
+    output_format: options.OutputFormat = None,
     *,
     reading: surfaces.Reading,
     writing: outputs.Writing,
@@ -54,19 +56,23 @@ def run(
 ) -> None:
     """Read a surface, close it, write the solid, and say how large it is."""
     outputs.check_stdout()
-    if (base is None) == (thickness is None):
-        raise typer.BadParameter("give either --base or --thickness")
+    if (base_height is None) == (thickness is None):
+        raise typer.BadParameter("give either --base-height or --thickness")
     if longest is None and z_factor is not None:
         raise typer.BadParameter("--z-factor needs --longest")
-    outputs.check_target(target, target_format, writing)
+    outputs.check_target(target, output_format, writing)
     surface = surfaces.read(source, reading)
     if longest is not None:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         solid = surface.solid(
-            base=base, thickness=thickness, longest=longest, z_factor=z_factor, pinched=pinched
+            base=base_height,
+            thickness=thickness,
+            longest=longest,
+            z_factor=z_factor,
+            pinched=pinched,
         )
-    written = outputs.write(target, solid, target_format, writing)
+    written = outputs.write(target, solid, output_format, writing)
     _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
 
 
@@ -79,7 +85,7 @@ def _left_out(surface: Surface, solid: Cloud) -> list[str]:
 
 
 def _say(
-    written: Written,
+    written: WriteResult,
     solid: Cloud,
     left_out: list[str],
     rows_of: dict[str, Any],

@@ -47,7 +47,7 @@ def _trimming(
             "RADIUS", "Leave out faces whose circumcircle is larger: the alpha shape.", positive
         ),
     ] = None,
-    polygon: Annotated[
+    trim_polygon: Annotated[
         Path | None,
         option("FILE", "Leave out faces whose centroid is outside (GeoJSON, GeoPackage)."),
     ] = None,
@@ -55,10 +55,10 @@ def _trimming(
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
     if max_edge is None and boundary_only:
         raise typer.BadParameter("--boundary-only needs --max-edge")
-    if polygon is not None:
-        polygon.open("rb").close()
+    if trim_polygon is not None:
+        trim_polygon.open("rb").close()
     trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
-    return trimming | options.given(polygon=polygon)
+    return trimming | options.given(polygon=trim_polygon)
 
 
 Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
@@ -81,7 +81,7 @@ class SurfaceOptions:
 
 
 def _reading(
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     *,
@@ -90,7 +90,7 @@ def _reading(
     rows: inputs.RowOptions,
     max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
-    rows = rows | options.given(format=source_format, max_bytes=max_bytes)
+    rows = rows | options.given(format=input_format, max_bytes=max_bytes)
     return SurfaceOptions(rows, plane.value, nonfinite, threads, trimming)
 
 
@@ -124,14 +124,15 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
 
     of_files = {"format", "max_bytes"}
     given = [*reading.trimming]
-    given += [spelled(Option(name)) for name in reading.rows if name not in of_files]
+    given += [name for name in reading.rows if name not in of_files]
     given += [name for name, value in others.items() if value not in (None, False)]
     given += ["format"] if "format" in reading.rows else []
     given += ["nonfinite"] if reading.nonfinite != "error" else []
     given += ["plane"] if reading.plane != "xy" else []
     if given:
-        name = f"--{given[0].lstrip('-').replace('_', '-')}"
-        raise typer.BadParameter(f"{name} is for files: {source} is a surface in tiles as it is")
+        raise typer.BadParameter(
+            f"{spelled(Option(given[0]))} is for files: {source} is a surface in tiles as it is"
+        )
     tiled = open_tiled(source)
     if "surface" not in tiled.manifest:
         raise InputError(
@@ -145,7 +146,7 @@ def _note_overhangs(source: Path, count: int) -> None:
     if count:
         terminal.note(
             f"{source}: {counted(count, 'overhang')} left out: where rows share x and y at "
-            "different heights, the first counts; a mesh of triangulate --duplicates has others"
+            "different heights, the first counts; a mesh of triangulate --on-duplicate has others"
         )
 
 

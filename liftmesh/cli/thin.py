@@ -38,21 +38,16 @@ def _thinning(
         CellRow | None,
         typer.Option(help="Of --cell: by height (lowest by default), or nearest to the centre."),
     ] = None,
-    distance: Annotated[
+    min_distance: Annotated[
         float | None,
-        option(
-            "D",
-            "Thin: rows of which no two are nearer to each other in the plane.",
-            positive,
-            name="--min-distance",
-        ),
+        option("D", "Thin: rows of which no two are nearer to each other in the plane.", positive),
     ] = None,
     adaptive: Annotated[
         int | None, option("N", "Thin: the n rows without which a surface loses most.", whole(3))
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    thinning = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
+    thinning = options.given(random=random, cell=cell, distance=min_distance, adaptive=adaptive)
     if len(thinning) > 1:
         raise typer.BadParameter(_WAYS)
     if seed is not None and random is None:
@@ -69,11 +64,13 @@ Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
 def run(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="IN", help="Clouds or rasters, merged; - reads stdin (see --from)."),
+        typer.Argument(
+            metavar="IN", help="Clouds or rasters, merged; - reads stdin (see --input-format)."
+        ),
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
-    source_format: options.SourceFormat = None,
-    target_format: options.TargetFormat = None,
+    input_format: options.InputFormat = None,
+    output_format: options.OutputFormat = None,
     *,
     rows: inputs.RowOptions,
     thin: Thinning,
@@ -88,15 +85,15 @@ def run(
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    outputs.check_target(target, output_format, writing)
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     cloud = inputs.read_rows(sources, reading, of_surface=False)
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        outputs.check_content(target, output_format, cloud, writing)
         kept = thinned(cloud, thin)
-    written = outputs.write(target, kept, target_format, writing)
+    written = outputs.write(target, kept, output_format, writing)
     told = {
         **outputs.as_values(written),
         "thinning": kept.metadata.get("thinning"),

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from liftmesh.base.options import Duplicates, ShardFormat
+from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import option, whole
 from liftmesh.cli.wording import spelled
@@ -29,7 +29,7 @@ HELP = (
 EXAMPLES = [
     "liftmesh tile cloud.npy tiles/",
     "liftmesh tile a.laz b.laz tiles/ --memory 1GB --workers 2",
-    "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --duplicates lowest",
+    "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --on-duplicate lowest",
     "liftmesh tile cloud.npy /shared/tiles/ --scheduler tcp://10.0.0.1:8786",
 ]
 _NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracker"
@@ -44,8 +44,8 @@ def run(
     surface: Annotated[
         bool, typer.Option("--surface", help="Keep heights, colours and named values, too.")
     ] = False,
-    duplicates: Annotated[
-        Duplicates | None,
+    on_duplicate: Annotated[
+        OnDuplicate | None,
         typer.Option(
             help="Of a surface, which of several rows at one planar position is the vertex; by "
             "default the first."
@@ -70,8 +70,8 @@ def run(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
-    anew: Annotated[
-        bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")
+    restart: Annotated[
+        bool, typer.Option("--restart", help="Replace what a former run has written to OUT.")
     ] = False,
     shards: Annotated[
         ShardFormat, typer.Option(help="Format of triangles without heights; ply holds meshes.")
@@ -89,8 +89,8 @@ def run(
     outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    if not surface and (duplicates or rows):
-        given = "--duplicates" if duplicates else spelled(Option(next(iter(rows))))
+    if not surface and (on_duplicate or rows):
+        given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -106,9 +106,9 @@ def run(
         with options.as_usage():
             rows_of_tile = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
-    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
+    common |= {"resume": not restart, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **rows}
+        common |= {"on_duplicate": on_duplicate or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
@@ -208,7 +208,7 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        said = {"folder": str(tiled.folder), **counts, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
     merges = tiled.manifest["merges"]
@@ -218,6 +218,6 @@ def _say(tiled: Tiled, *, json: bool) -> None:
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.folder}"),
         ]
     )

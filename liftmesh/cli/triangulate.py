@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import GroundMethod, Method, refused
+from liftmesh.base.options import Algorithm, GroundMethod, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -18,7 +18,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 
@@ -26,13 +26,13 @@ SHORT_HELP = "Triangulate a point cloud and write a mesh file."
 HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
-    "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
+    "liftmesh triangulate lidar.csv mesh.obj --on-duplicate highest",
     "liftmesh triangulate survey.csv mesh.ply --columns x=East,y=North,z=GroundZ",
     "liftmesh triangulate *.laz tin.ply --cell 0.5",
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate trees.csv mesh.ply --radii crown_radius",
     "liftmesh triangulate ground.laz tin.ply --max-edge 5 --boundary-only",
-    "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
+    "liftmesh triangulate - - --input-format xyz --output-format ply < points.xyz > mesh.ply",
 ]
 
 
@@ -89,30 +89,30 @@ Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
 def run(
     sources: Annotated[
         list[Path],
-        typer.Argument(metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --from)."),
+        typer.Argument(
+            metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --input-format)."
+        ),
     ],
     target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
+    on_duplicate: options.OnDuplicate = "first",
     nonfinite: options.SkipNonFinite = "error",
-    method: Annotated[
-        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
-    ] = "auto",
-    q: Annotated[
-        Any,
-        option(
-            "Q",
-            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
-            options.vertex,
+    algorithm: Annotated[
+        Algorithm,
+        typer.Option(
+            metavar="ALGORITHM",
+            help="auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
+            "triangles, lf and lfres are slow.",
         ),
-    ] = "origin",
-    source_format: options.SourceFormat = None,
+    ] = "auto",
+    apex: options.Apex = "median",
+    input_format: options.InputFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
     *,
     trimming: surfaces.Trimming,
-    target_format: options.TargetFormat = None,
+    output_format: options.OutputFormat = None,
     threads: options.Threads = None,
     rows: inputs.RowOptions,
     ground: Ground,
@@ -127,9 +127,9 @@ def run(
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    outputs.check_target(target, output_format, writing)
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
+    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
     reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
@@ -139,21 +139,21 @@ def run(
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        outputs.check_content(target, output_format, cloud, writing)
         surface = _triangulate(
             cloud,
             plane=plane.value,
-            duplicates=duplicates,
+            on_duplicate=on_duplicate,
             nonfinite=nonfinite,
-            method=method,
-            q=q,
+            algorithm=algorithm,
+            apex=apex,
             threads=threads,
             **lifted_by,
         )
         surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
-    written = outputs.write(target, surface, target_format, writing)
+    written = outputs.write(target, surface, output_format, writing)
     seconds["write"] = perf_counter() - start
     with outputs.report_after(target):
         _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)
@@ -204,7 +204,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def _print_report(
-    written: Written,
+    written: WriteResult,
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
@@ -241,7 +241,7 @@ def _print_report(
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report, faces: int) -> str:
+def _headline(written: WriteResult, report: Report, faces: int) -> str:
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
     return outputs.headline(written, f"{report.rows:,} vertices, {triangles}")
 
@@ -258,7 +258,7 @@ def _counts(report: Report) -> dict[str, int]:
     }
 
 
-def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
         **outputs.as_values(written),
         **{name.replace(" ", "_"): count for name, count in _counts(report).items()},

@@ -31,7 +31,7 @@ EXAMPLES = [
     "liftmesh verify molecule.ply --radii radius",
     "liftmesh verify tiles/",
 ]
-SHOWN = 3  # offenders of a flaw
+SHOWN = 3  # violations of a flaw
 
 
 @outputs.guards("certificate")
@@ -39,7 +39,7 @@ def run(
     source: Annotated[
         Path,
         typer.Argument(
-            metavar="FILE", help="Mesh, - reads stdin (see --from); or a folder of tiles."
+            metavar="FILE", help="Mesh, - reads stdin (see --input-format); or a folder of tiles."
         ),
     ],
     certificate: Annotated[
@@ -49,7 +49,7 @@ def run(
     plane: options.Plane = "xy",
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
-    source_format: options.SourceFormat = None,
+    input_format: options.InputFormat = None,
     weights: Annotated[
         str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
@@ -72,8 +72,8 @@ def run(
     if source.is_dir():
         certified = _verify_tiles(source, points, threads, certificate)
     else:
-        _check_format(source, source_format)
-        cloud = inputs.read(source, {"format": source_format, "max_bytes": max_bytes})
+        _check_format(source, input_format)
+        cloud = inputs.read(source, {"format": input_format, "max_bytes": max_bytes})
         _note_polygons(cloud)
         with inputs.about(source):
             choices = {"nonfinite": nonfinite, "threads": threads}
@@ -95,7 +95,7 @@ def _verify_tiles(
     from liftmesh.tiles.tiled import open_tiled
 
     tiled = open_tiled(source)
-    tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
+    tiled_files = [tiled.folder / each.get("path", "") for each in tiled.manifest["source"]]
     outputs.check_lost([] if certificate is None else [certificate], tiled_files)
     with terminal.share_bar(f"verifying {tiled.nsimplex:,} triangles") as progress:
         return tiled.verify(points, threads=threads, progress=progress)

@@ -24,14 +24,16 @@ VALUE = "value"
 
 _OTHERS: dict[str | Option, str] = {
     VARIABLE: VARIABLE,
-    "crs": "--from-crs",
     "distance": "--min-distance",
-    "format": "--from",
+    "format": "--input-format",
+    "header": "--no-header",
     "length": "--min-length",
+    "polygon": "--trim-polygon",
+    "resume": "--restart",
+    "shard_format": "--shards",
+    Option("classes", "all"): "--all-classes",
     Option("classify_ground"): "triangulate --ground csf",
     Option("dtype", "float64"): "--double",
-    Option("header", False): "--no-header",
-    Option("resume", False): "--anew",
 }
 """How the command line names what has another name in the library, or is given in another way."""
 
@@ -150,6 +152,6 @@ def spelled(option: Option) -> str:
     spelled_name = _OTHERS.get(name) or (
         name if name.startswith("-") else f"--{name.replace('_', '-')}"
     )
-    if value is None or value is ... or value is True:
+    if value is None or value is ... or isinstance(value, bool):
         return spelled_name
     return f"{spelled_name} {shlex.quote(str(value))}"

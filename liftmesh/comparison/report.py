@@ -43,8 +43,8 @@ class Comparison(FrozenResult):
     ----------
     triangulation : Triangulation
         liftmesh's triangulation.
-    q : (qx, qy)
-        Vertex of the paraboloid.
+    apex : tuple of float
+        Apex of the paraboloid.
     hull : (h, 3) ndarray of int32
         All facets of trimesh's hull in the caller's rows, oriented outward.
     lower : (l, 3) ndarray of int32
@@ -77,11 +77,11 @@ class Comparison(FrozenResult):
 
     Examples
     --------
-    With q at the origin, the heights of points far away lose digits, and Qhull fails:
+    With the apex at the origin, the heights of points far away lose digits, and Qhull fails:
 
     >>> import liftmesh
     >>> result = liftmesh.compare(
-    ...     [[9e9, 0], [9e9 + 4, 0], [9e9, 4], [9e9 + 3, 3], [9e9 + 1, 1]], q="origin"
+    ...     [[9e9, 0], [9e9 + 4, 0], [9e9, 4], [9e9 + 3, 3], [9e9 + 1, 1]], apex="origin"
     ... )
     >>> result
     <Comparison: different, 4 triangles of liftmesh, 2 lower facets of trimesh>
@@ -94,7 +94,7 @@ class Comparison(FrozenResult):
     """
 
     triangulation: Triangulation
-    q: tuple[float, float]
+    apex: tuple[float, float]
     hull: Rows
     lower: Rows
     vertical: int
@@ -144,15 +144,15 @@ class Comparison(FrozenResult):
         Returns
         -------
         LowerHull
-            Vertices are the caller's rows on z = |p - q|^2.
+            Vertices are the caller's rows on the paraboloid.
 
         Examples
         --------
         >>> import liftmesh
-        >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]], q=(0, 0)).lower_hull().vertices[3]
+        >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]], apex=(0, 0)).lower_hull().vertices[3]
         array([ 3.,  3., 18.])
         """
-        return self.triangulation.lifted(q=self.q)
+        return self.triangulation.lifted(apex=self.apex)
 
     def trimesh_hull(self) -> Cloud:
         """Return trimesh's whole hull on the vertices of :meth:`lower_hull`.
@@ -168,7 +168,7 @@ class Comparison(FrozenResult):
         >>> len(liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).trimesh_hull().faces)
         4
         """
-        return Cloud(lift(self.triangulation.points, q=self.q), faces=self.hull)
+        return Cloud(lift(self.triangulation.points, apex=self.apex), faces=self.hull)
 
     def trimesh_lower_facets(self) -> Cloud:
         """Return the lower facets of trimesh's hull on the vertices of :meth:`lower_hull`.
@@ -184,7 +184,7 @@ class Comparison(FrozenResult):
         >>> len(liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).trimesh_lower_facets().faces)
         2
         """
-        return Cloud(lift(self.triangulation.points, q=self.q), faces=self.lower)
+        return Cloud(lift(self.triangulation.points, apex=self.apex), faces=self.lower)
 
     def conclusion(self) -> str:
         """Summarise the verdict in a sentence.

@@ -65,15 +65,16 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
     if wanted is not None and stated is None and band is None and cloud.crs is not None:
         raise InputError(
-            f"{Option('to_crs')} is {shown(target)}, which states what heights are, but nothing "
-            f"says their unit in the file: name their system, too, with {Option('crs', ...)}, as "
-            f"'EPSG:2263+6360' (US survey feet), or give {Option('to_crs', ...)} without heights"
+            f"{Option('dst_crs')} is {shown(target)}, which states what heights are, but nothing "
+            f"says their unit in the file: name their system, too, with {Option('src_crs', ...)}, "
+            f"as 'EPSG:2263+6360' (US survey feet), or give {Option('dst_crs', ...)} without "
+            "heights"
         )
     if band is None or (stated is None and wanted is None):
         return 1.0, 1.0
     if band.metres is None:
         raise InputError(
-            f"{Option('to_crs')} is {shown(target)}: the band says that heights are in "
+            f"{Option('dst_crs')} is {shown(target)}: the band says that heights are in "
             f"{shown(band.name)}, which cannot be converted: give a system without heights"
         )
     if stated is not None:
@@ -112,7 +113,7 @@ def coordinate_warnings(system: System | None, *, is_transformed: bool = False) 
     if system is None:
         return ()
     verb = "name a projected system with" if is_transformed else "transform them with"
-    change = f"{verb} {Option('to_crs', ...)}"
+    change = f"{verb} {Option('dst_crs', ...)}"
     if system.kind == "geographic":
         what = f"x and y are degrees ({system.name}), which are no lengths"
         return (f"{what}: {change}",)
@@ -130,7 +131,7 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
     if crs is None and heights is not None and heights != METRE:
         raise FormatError(
             f"z is in {heights.name}, and the unit of x and y is not known, but {what} has one for "
-            f"all: state their system with {Option('crs', ...)}"
+            f"all: state their system with {Option('src_crs', ...)}"
         )
     if crs is None:
         return None
@@ -139,18 +140,18 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
         remedy = "install liftmesh[terrain], or " if is_lookup else ""
         raise FormatError(
             f"the unit of {shown(crs)} is not known, but {what} states one: {remedy}state another "
-            f"system with {Option('crs', ...)}"
+            f"system with {Option('src_crs', ...)}"
         )
     if system.kind in {"geographic", "geocentric"}:
         raise FormatError(
             f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
-            f"transform them with {Option('to_crs', ...)}"
+            f"transform them with {Option('dst_crs', ...)}"
         )
     units = (*system.units, heights)
     names = dict.fromkeys(each.name for each in units if each is not None)
     if len(names) > 1:
         raise FormatError(
             f"the units of x, y and z are {' and '.join(names)}, but {what} has one for all: "
-            f"transform them with {Option('to_crs', ...)}"
+            f"transform them with {Option('dst_crs', ...)}"
         )
     return next(iter(names), None)

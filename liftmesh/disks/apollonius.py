@@ -23,6 +23,7 @@ from liftmesh.base.options import (
     check_option,
     check_progress,
     refused,
+    shown,
 )
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, trace_sides
@@ -270,19 +271,21 @@ class ApolloniusGraph(DiskGraph):
         edges = self.edges
         return np.unique(edges[:, ::-1][edges == row])
 
-    def cell_sides(self, box: ArrayLike, tolerance: float) -> list[tuple[tuple[int, int], Floats]]:
-        """Return the sides of all cells in a box, as polylines.
+    def cell_sides(
+        self, bounds: ArrayLike, max_deviation: float
+    ) -> list[tuple[tuple[int, int], Floats]]:
+        """Return the sides of all cells within bounds, as polylines.
 
         A side is an arc of a hyperbola, or a segment between equal disks. The points are rounded;
-        between them, chords are at most `tolerance` off the arc.
+        between them, chords are at most `max_deviation` off the arc.
 
         Parameters
         ----------
-        box : (4,) array_like
-            The least x and y, and the greatest. Sides are cut off there.
-        tolerance : float
-            Positive, in the unit of the coordinates; 2^-46 of those of the box at least. No more
-            than the longer side of the box counts.
+        bounds : (4,) array_like
+            xmin, ymin, xmax, ymax. Sides are cut off there.
+        max_deviation : float
+            Positive, in the unit of the coordinates; 2^-46 of the bounds at least. No more
+            than their longer side counts.
 
         Returns
         -------
@@ -293,7 +296,7 @@ class ApolloniusGraph(DiskGraph):
         Raises
         ------
         InputError
-            They are no numbers, the box is not finite or has no area, or the tolerance is not
+            They are no numbers, `bounds` are not finite or have no area, or `max_deviation` is not
             positive or not finite, near the rounding of coordinates, or so small that there are too
             many points to hold.
 
@@ -305,28 +308,29 @@ class ApolloniusGraph(DiskGraph):
         >>> disks, line.round(9).tolist()
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
-        limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
+        limits, length = _as_limits(bounds), as_max_deviation(max_deviation, bounds)
         return list(pieces_in(trace_sides(self, limits, length)))
 
 
-def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
-    values = as_numbers("box", box, "give real numbers")
+def _as_limits(bounds: ArrayLike) -> tuple[float, float, float, float]:
+    values = as_numbers("bounds", bounds, "give real numbers", verb="are")
     if values.shape != (4,) or not np.isfinite(values).all():
-        raise refused("box", box, "give four finite numbers")
+        raise refused("bounds", bounds, "give four finite numbers", verb="are")
     x, y, right, upper = values.tolist()
     if not (x < right and y < upper):
-        raise refused("box", box, "give the least x and y, then the greatest")
+        raise refused("bounds", bounds, "give xmin, ymin, xmax, ymax", verb="are")
     return x, y, right, upper
 
 
-def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
+def as_max_deviation(max_deviation: float, bounds: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    as_numbers("tolerance", tolerance, "give real numbers")
-    value = as_positive("tolerance", tolerance, "a positive, finite number")
-    limits = np.asarray(box, dtype=np.float64)
+    value = as_positive("max_deviation", max_deviation, "a positive, finite number")
+    limits = np.asarray(bounds, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST
     if value < least:
-        reason = f"near the rounding of coordinates of the box: give {least:.2g} at least"
-        raise refused("tolerance", tolerance, reason, mark=", ")
+        raise InputError(
+            f"max_deviation is {shown(max_deviation)}, near the rounding of coordinates there: "
+            f"give {least:.2g} at least"
+        )
     longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
     return min(value, longer)

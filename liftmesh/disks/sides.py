@@ -26,8 +26,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Rows
-from liftmesh.base.options import refused
+from liftmesh.base.options import shown
 from liftmesh.disks.arcs import Arcs, Box, TooManyPointsError
+from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.disks.graph import DiskGraph
@@ -57,7 +58,7 @@ class Traced(NamedTuple):
         return np.flatnonzero(is_start)
 
 
-def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
+def trace_sides(graph: DiskGraph, box: Box, max_deviation: float) -> Traced:
     """Follow the sides of all cells as far as a box sees them."""
     largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
     scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
@@ -73,11 +74,13 @@ def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
     limits = left, low, right, high
     arcs = arcs_of(all_sides, disks, vertices).near(limits)
     try:
-        starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
+        starts, points = arcs.polylines(vertices, limits, float(np.ldexp(max_deviation, -scale)))
     except TooManyPointsError as error:
         (most,) = error.args
-        reason = f"by which arcs have more than {most:,} points: give a larger one"
-        raise refused("tolerance", tolerance, reason, mark=", ") from error
+        raise InputError(
+            f"max_deviation is {shown(max_deviation)}, by which arcs have more than {most:,} "
+            "points: give a larger one"
+        ) from error
     return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
 
 

@@ -16,7 +16,7 @@ from liftmesh._typing import Floats, Indices, Mask, Progress, Rows
 from liftmesh.base.options import as_threads, check_progress, counted
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.errors import InputError
-from liftmesh.planar.certificate import Certificate, Flaw, Offender, sha256_of
+from liftmesh.planar.certificate import Certificate, Flaw, Violation, sha256_of
 from liftmesh.planar.violations import Place, Violations
 
 _SHAPES = {"simplices": (3,), "neighbors": (3,), "convex_hull": (2,), "hidden": ()}
@@ -191,7 +191,7 @@ class DiskViolations(Violations):
         super().__init__(centers, MEANINGS)
         self._lists = lists
 
-    def _invalid_index(self, number: int, place: int) -> Offender:
+    def _invalid_index(self, number: int, place: int) -> Violation:
         name, values = list(self._lists.items())[number]
         row, *_ = at = np.unravel_index(place, values.shape)
         is_triangle = name == "neighbors"
@@ -199,23 +199,23 @@ class DiskViolations(Violations):
         value = int(values[at])
         shown = "a number beyond 32 bits" if value == BEYOND else str(value)
         text = f"{name}[{row}] refers to {what} {shown}, which is none{others}"
-        return Offender(text, (), triangles=(int(row),) if number < 2 else ())
+        return Violation(text, (), triangles=(int(row),) if number < 2 else ())
 
-    def _at_triangle(self, triangle: int, text: str) -> Offender:
+    def _at_triangle(self, triangle: int, text: str) -> Violation:
         rows = self._lists["simplices"][triangle].tolist()
         of = f"triangle {triangle} of {self._named(*rows)}"
         return self._at(f"{of} {text}", *rows, triangles=(triangle,))
 
-    def _degenerate(self, triangle: int, _: int) -> Offender:
+    def _degenerate(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has a disk that is within another of the three")
 
-    def _no_circle(self, triangle: int, _: int) -> Offender:
+    def _no_circle(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has no circle that is touched in this order")
 
-    def _other_circles(self, triangle: int, _: int) -> Offender:
+    def _other_circles(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has other numbers for its circle than `apollonius`")
 
-    def _edge(self, place: int, text: str) -> Offender:
+    def _edge(self, place: int, text: str) -> Violation:
         """Describe an edge: of a triangle, of the hull, or from a disk of the hull to infinity."""
         simplices, hull = self._lists["simplices"], self._lists["convex_hull"]
         if place < simplices.size:
@@ -231,37 +231,37 @@ class DiskViolations(Violations):
         rows = [*hull[pair].tolist(), int(hull[(pair + 1) % len(hull)][1])]
         return self._at(f"the hull at the second of {self._named(*rows)} {text}", *rows)
 
-    def _wrong_neighbors(self, place: int, _: int) -> Offender:
+    def _wrong_neighbors(self, place: int, _: int) -> Violation:
         beyond = int(self._lists["neighbors"].flat[place])
         if beyond < 0:
             return self._edge(place, "has no neighbour, and is not in the hull once")
         return self._edge(place, f"names triangle {beyond}, which does not have it, or not this")
 
-    def _wrong_hull(self, pair: int, _: int) -> Offender:
+    def _wrong_hull(self, pair: int, _: int) -> Violation:
         rows = self._lists["convex_hull"][pair].tolist()
         text = "is not followed by one that begins where it ends, or has not one triangle"
         return self._at(f"the pair {pair} of the hull, {self._named(*rows)}, {text}", *rows)
 
-    def _boundary_winding(self, _: int, windings: int) -> Offender:
-        return Offender(f"the hull winds around {windings} times", ())
+    def _boundary_winding(self, _: int, windings: int) -> Violation:
+        return Violation(f"the hull winds around {windings} times", ())
 
-    def _not_delaunay(self, place: int, _: int) -> Offender:
+    def _not_delaunay(self, place: int, _: int) -> Violation:
         return self._edge(place, "has a disk beside it that enters the circle on the other side")
 
-    def _wrong_order(self, place: int, _: int) -> Offender:
+    def _wrong_order(self, place: int, _: int) -> Violation:
         text = "has its two circles in the wrong order along what separates both cells"
         return self._edge(place, text)
 
-    def _not_canonical(self, place: int, _: int) -> Offender:
+    def _not_canonical(self, place: int, _: int) -> Violation:
         return self._edge(place, "is another one under the symbolic perturbation")
 
-    def _missing_vertices(self, row: int, _: int) -> Offender:
+    def _missing_vertices(self, row: int, _: int) -> Violation:
         text = f"{self._named(row)} is in no triangle, not hidden, and no duplicate"
         return self._at(text, row)
 
-    def _wrong_hidden(self, row: int, why: int) -> Offender:
+    def _wrong_hidden(self, row: int, why: int) -> Violation:
         return self._at(f"{self._named(row)} {_NOT_HIDDEN[why]}", row)
 
-    def _wrong_duplicates(self, row: int, other: int) -> Offender:
+    def _wrong_duplicates(self, row: int, other: int) -> Violation:
         text = "are not the same disk, or the second is not the first of its rows with triangles"
         return self._at(f"{self._named(row, other)} {text}", row, other)

@@ -6,7 +6,7 @@ which they are known: what a caller or another library says under the same keys 
 stored, and is named. All else is stored as JSON, one object of one entry each: in comments as
 ``metadata {"survey": "2024"}``, in NPZ as a text, in glTF as extras. An entry is stored if JSON
 holds it without loss (tuples come back as lists) and it is not too long; others are named in
-`Written.dropped`.
+`WriteResult.dropped`.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def _has_short_lines(key: str, value: Any, text: str) -> bool:
 
 
 def dropped_entries(metadata: Mapping[str, Any]) -> list[str]:
-    """Name the entries that files cannot store, as `Written.dropped` does."""
+    """Name the entries that files cannot store, as `WriteResult.dropped` does."""
     stored = storable(metadata)
     return named(key for key in user_entries(metadata) if key not in stored)
 

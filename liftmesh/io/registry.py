@@ -32,6 +32,10 @@ from liftmesh.io.objects.plain import is_of, is_other_table, is_table, qualified
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
+    from typing_extensions import Unpack
+
+    from liftmesh.io.options import ObjectOptions
+
 
 Entry = TypeVar("Entry")
 
@@ -148,7 +152,7 @@ def _compressed(file_format: Format, name: str) -> Format:
     return file_format
 
 
-def as_cloud(source: Any, **options: Any) -> Cloud:
+def as_cloud(source: Any, **options: Unpack[ObjectOptions]) -> Cloud:
     """Convert any object that holds points to a cloud.
 
     Parameters

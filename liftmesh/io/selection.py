@@ -38,11 +38,11 @@ ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 
 _CLASS, _RETURN, _RETURNS = ("classification", "class"), ("returnnumber",), ("numberofreturns",)
 _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet them
-    "resolution": "finer than the resolution",
+    "copc_resolution": "finer than the resolution",
     "withheld": "withheld",
     "classes": "of other classes",
     "returns": "other returns",
-    "bbox": "outside the box",
+    "bounds": "outside the box",
     "z_range": "outside the heights",
     "every": f"by {Option('every', ...)}",
 }
@@ -55,22 +55,22 @@ class Selection:
     # "ground": class 2 if the file has any, else all rows
     classes: frozenset[int] | Literal["ground"] | None = None
     returns: Returns | None = None
-    bbox: tuple[float, float, float, float] | None = None
+    bounds: tuple[float, float, float, float] | None = None
     z_range: tuple[float, float] | None = None
     every: int = 1
     withheld: bool = True  # whether rows of that flag stay
-    resolution: float | None = None
+    copc_resolution: float | None = None
 
 
 def validate_selection(
     *,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    resolution: float | None = None,
+    copc_resolution: float | None = None,
 ) -> Selection | None:
     """Check the conditions that a caller gives; None if all rows meet them."""
     if returns is not None:
@@ -78,11 +78,11 @@ def validate_selection(
     selection = Selection(
         classes=_classes(classes),
         returns=returns,
-        bbox=None if bbox is None else _box(bbox),
+        bounds=None if bounds is None else _box(bounds),
         z_range=None if z_range is None else _range(z_range),
         every=min(as_count("every", every, 1), _MOST),
         withheld=as_switch("withheld", withheld),
-        resolution=None if resolution is None else _length(resolution),
+        copc_resolution=None if copc_resolution is None else _length(copc_resolution),
     )
     return None if selection == Selection() else selection
 
@@ -107,7 +107,7 @@ def _classes(value: ClassChoice) -> frozenset[int] | Literal["ground"] | None:
 def _box(value: Iterable[float]) -> tuple[float, float, float, float]:
     numbers = _numbers(value)
     if len(numbers) != 4 or numbers[0] > numbers[2] or numbers[1] > numbers[3]:
-        raise _invalid("bbox", value, "x0, y0, x1, y1 with x0 <= x1 and y0 <= y1")
+        raise _invalid("bounds", value, "xmin, ymin, xmax, ymax, each maximum at least its minimum")
     return numbers[0], numbers[1], numbers[2], numbers[3]
 
 
@@ -119,7 +119,7 @@ def _range(value: Iterable[float]) -> tuple[float, float]:
 
 
 def _length(value: float) -> float:
-    return as_positive("resolution", value, "a positive number, in the units of the file")
+    return as_positive("copc_resolution", value, "a positive number, in the units of the file")
 
 
 def _numbers(value: Any) -> tuple[float, ...]:
@@ -140,7 +140,7 @@ class Selector:
 
     def __init__(self, selection: Selection, name: str, *, has_levels: bool = False) -> None:
         # has_levels: of COPC, whose reader has chosen the resolution
-        if selection.resolution is not None and not has_levels:
+        if selection.copc_resolution is not None and not has_levels:
             raise FormatError(
                 f"{name}: rows cannot be selected by {Option('resolution')}, for which the file "
                 "has no index (COPC), or is read in chunks: take every k-th row, or thin the cloud"
@@ -220,11 +220,11 @@ class Selector:
         return first if self._selection.returns == "first" else first & (count == 1)
 
     def _inside(self, left: Array, columns: Mapping[str, Array]) -> Array:
-        if self._selection.bbox is not None:
+        if self._selection.bounds is not None:
             x, y = columns["x"][left], columns["y"][left]
-            low_x, low_y, high_x, high_y = self._selection.bbox
+            low_x, low_y, high_x, high_y = self._selection.bounds
             inside = (x >= low_x) & (x <= high_x) & (y >= low_y) & (y <= high_y)
-            left = self._keep("bbox", left, inside)
+            left = self._keep("bounds", left, inside)
         if self._selection.z_range is not None:
             z = columns["z"][left]
             low, high = self._selection.z_range

@@ -1,4 +1,4 @@
-"""The result of `verify`: counts, flaws with their first offenders, and a JSON form.
+"""The result of `verify`: counts, flaws with their first violations, and a JSON form.
 
 A certificate identifies its points and triangles by their SHA-256 sums, so that anyone who has them
 can confirm that it is theirs.
@@ -23,7 +23,7 @@ _HASHED_AT_ONCE = 1 << 20
 
 
 @dataclass(frozen=True, slots=True)
-class Offender:
+class Violation:
     """One place where a triangulation is wrong.
 
     Attributes
@@ -73,7 +73,7 @@ class Flaw:
         The number of occurrences.
     text : str
         What it means, with the count, in words.
-    first : tuple of Offender
+    first : tuple of Violation
         At most the first sixteen occurrences.
 
     Examples
@@ -86,7 +86,7 @@ class Flaw:
     kind: str
     count: int
     text: str
-    first: tuple[Offender, ...] = ()
+    first: tuple[Violation, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

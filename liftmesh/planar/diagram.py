@@ -58,10 +58,12 @@ def diagram_of(
     neighbors: Rows,
     values: Floats = _NO_VALUES,
     kind: str = "plain",  # or "weights" or "radii", which the values are
+    *,
+    threads: int | None = None,
 ) -> Diagram:
     """Compute the vertices that are dual to a triangulation."""
-    threads = as_threads(None, len(points))
-    return Diagram(*_kernel.vertices(points, values, kind, simplices, neighbors, *threads))
+    used = as_threads(threads, len(points))
+    return Diagram(*_kernel.vertices(points, values, kind, simplices, neighbors, *used))
 
 
 def regions_of(rows: int, simplices: Rows, neighbors: Rows, simplex_to_vertex: Rows) -> Regions:

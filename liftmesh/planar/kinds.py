@@ -155,8 +155,8 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
     if name not in cloud.attributes:
         raise InputError(
             f"the mesh says that it was triangulated by the {kind} {name!r}, and does not hold "
-            f"them: give {Option(kind, ...)}, or keep them with it in a format that holds named values, "
-            "as PLY"
+            f"them: give {Option(kind, ...)}, or keep them with it in a format that holds named "
+            "values, as PLY"
         )
     return named_values(cloud, kind, name)
 

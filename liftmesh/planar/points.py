@@ -76,7 +76,7 @@ def pieces(length: int, size: int = _PIECE) -> Iterator[slice]:
 def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
     """Return the length of the shortest edge at each row; infinite for those without a triangle."""
     shortest = np.full(len(rows), np.inf)
-    points = _as_complex(rows)
+    points = as_complex(rows)
     for piece in pieces(len(simplices)):
         corners = simplices[piece].reshape(-1)
         a, b, c = points[corners].reshape(-1, 3).T
@@ -86,7 +86,7 @@ def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
     return shortest
 
 
-def _as_complex(rows: Reals) -> NDArray[np.complex128]:
+def as_complex(rows: Reals) -> NDArray[np.complex128]:
     """Return x + iy of each row: one gather fetches both, and the absolute value is scaled."""
     numbers = np.empty(len(rows), dtype=np.complex128)
     for piece in pieces(len(rows)):

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
+from liftmesh._typing import Apex, Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
@@ -244,13 +244,13 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         """
         return -super().equations if self.furthest_site else super().equations
 
-    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:
         """Return the lower hull of the lifted points; its projection is this triangulation.
 
         Parameters
         ----------
-        q : {"origin", "median"} or (2,) array_like, default "origin"
-            The vertex of the paraboloid.
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
 
         Returns
         -------
@@ -260,7 +260,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         Raises
         ------
         InputError
-            q is not one of these, or the triangles are the upper hull.
+            The apex is not one of these, or the triangles are the upper hull.
 
         Examples
         --------
@@ -272,7 +272,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
                 "with furthest_site=True the triangles are the upper hull of the lifted points: "
                 "liftmesh.lift(points) and simplices are its vertices and faces"
             )
-        return super().lifted(q)
+        return super().lifted(apex)
 
     @cached_property
     def good(self) -> Rows:

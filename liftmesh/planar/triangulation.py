@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
+from liftmesh._typing import Apex, Array, Floats, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
 from liftmesh.planar.kinds import options_of
-from liftmesh.planar.lifting import Heights, LowerHull, resolve_q
+from liftmesh.planar.lifting import Heights, LowerHull, resolve_apex
 
 if TYPE_CHECKING:
     import scipy.spatial
@@ -239,7 +239,7 @@ class Triangulation:
 
     @cached_property
     def equations(self) -> Floats:
-        """The planes of the lifted triangles, (m, 4) float64: downward unit normal and offset."""
+        """The planes of triangles lifted by `lift_points`, (m, 4): downward unit normal, offset."""
         return self._kept(self._heights.planes(self.points, self.simplices))
 
     @property
@@ -359,13 +359,13 @@ class Triangulation:
             np.ascontiguousarray(self.neighbors),
         )
 
-    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:
         """Return the lower hull of the lifted points; its projection is this triangulation.
 
         Parameters
         ----------
-        q : {"origin", "median"} or (2,) array_like, default "origin"
-            The vertex of the paraboloid.
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
 
         Returns
         -------
@@ -375,17 +375,17 @@ class Triangulation:
         Raises
         ------
         InputError
-            q is not one of these.
+            The apex is not one of these.
 
         Examples
         --------
         >>> import liftmesh
-        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted("median").q
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted("origin").apex
         (0.0, 0.0)
         """
-        vertex = resolve_q(q, self.points)
-        lifted = self._heights.lifted_rows(self.points, vertex)
-        return LowerHull(lifted, self.simplices, vertex, self.neighbors)
+        place = resolve_apex(apex, self.points)
+        lifted = self._heights.lifted_rows(self.points, place)
+        return LowerHull(lifted, self.simplices, place, self.neighbors)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
         """Verify the triangles from scratch, as `liftmesh.verify` does for any triangulation.

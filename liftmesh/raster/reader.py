@@ -182,7 +182,7 @@ class _OpenRaster:
         builder.shorten(filled)
         entries = self._entries(window.samples)
         if selector is not None:
-            selector.leave_out({"bbox": window.outside, "every": window.between})
+            selector.leave_out({"bounds": window.outside, "every": window.between})
             entries = noted(entries, selection=selector.counts())
         return builder.cloud(metadata=entries, crs=self._crs(data))
 

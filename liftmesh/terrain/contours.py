@@ -30,6 +30,7 @@ from liftmesh.vector.lines import write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
+    from liftmesh.io.write import WriteResult
 
 _MOST_LEVELS = 1_000_000
 
@@ -176,7 +177,7 @@ class Contours(FrozenResult):
             index=self.index[lines],
         )
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
+    def save(self, path: str | os.PathLike[str]) -> WriteResult:
         """Write the lines with height, index and closed as properties.
 
         Parameters
@@ -186,8 +187,8 @@ class Contours(FrozenResult):
 
         Returns
         -------
-        pathlib.Path
-            The file.
+        WriteResult
+            The file, its format and its size.
 
         Raises
         ------
@@ -209,14 +210,13 @@ class Contours(FrozenResult):
         --------
         >>> import liftmesh, tempfile
         >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 8]])
-        >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").name
-        'lines.geojson'
+        >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").format
+        'geojson'
         """
         target = Path(path)
         check_name(target)
         columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        write_lines(target, self.points, self.starts, columns, self.crs, "contours")
-        return target
+        return write_lines(target, self.points, self.starts, columns, self.crs, "contours")
 
 
 def length_of(length: Any) -> float:

@@ -148,7 +148,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     if system.kind in {"geographic", "geocentric"}:
         raise InputError(
             f"the coordinates are {system.kind} ({system.name}), but the ground is found in "
-            f"metres: transform them with {Option('to_crs', ...)}"
+            f"metres: transform them with {Option('dst_crs', ...)}"
         )
     x, y, z = ((each and each.metres) for each in system.units)
     plane = x or 1.0

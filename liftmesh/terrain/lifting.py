@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import LIFTED, lifted_by
 from liftmesh.planar import delaunay, regular
@@ -79,7 +79,7 @@ def lifting_of(
     weights: ArrayLike | str | None,
     radii: ArrayLike | str | None,
     metric: ArrayLike | None,
-    method: Method,
+    algorithm: Algorithm,
 ) -> Lifting:
     """Convert the options to what the points are lifted by."""
     cloud = _without_former(cloud)
@@ -90,10 +90,10 @@ def lifting_of(
         return Lifting(_with_entry(cloud, {"metric": form.tolist()}), metric=form)
     kind, given = weights_or_radii(weights, radii)
     if metric is not None:
-        raise InputError(f"both {Option(kind)} and {Option('metric')} are given: give one of them")
-    if method not in _DIVIDING:
+        raise InputError(f"both {kind} and a metric are given: give one of them")
+    if algorithm not in _DIVIDING:
         raise InputError(
-            f"{Option('method', method)} takes no {Option(kind)}: leave one of the two out"
+            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
         )
     _check_hidden(cloud, kind)
     if isinstance(given, str):

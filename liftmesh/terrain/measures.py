@@ -257,8 +257,8 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
         raise InputError("the surfaces are over different planes: give both the same")
     if are_different(surface.crs, other.crs):
         raise InputError(
-            "the surfaces have different coordinate systems: read both with the same "
-            f"{Option('to_crs', ...)}, or with the same {Option('crs', ...)} if they are in it"
+            "the surfaces have different coordinate systems: read both with the "
+            f"same {Option('dst_crs', ...)}, or the same {Option('src_crs', ...)} if they are in it"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)
     check_grounds((name, found_selection(each.metadata)) for name, each in files)

@@ -177,11 +177,11 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
                 f"only {first if _states_heights(crs) else name} states what heights are: say it "
-                f"of the other with {Option('crs', ...)}, such as EPSG:7415"
+                f"of the other with {Option('src_crs', ...)}, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
-            f"{_titled(other)}: give {Option('to_crs', ...)}, which transforms both"
+            f"{_titled(other)}: give {Option('dst_crs', ...)}, which transforms both"
         )
     return crs
 
@@ -194,7 +194,7 @@ def _note_distances(merged: list[dict[str, Any]], distances: Sequence[float]) ->
             message = (
                 f"{each['source']} is {distance:.4g} away from {merged[0]['source']}, and neither "
                 "states a coordinate system: they may be in different ones; say which with "
-                f"{Option('crs', ...)}"
+                f"{Option('src_crs', ...)}"
             )
             warnings.warn(message, DataWarning, stacklevel=3)
 
@@ -318,7 +318,7 @@ def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         if unit != first:
             raise InputError(
                 f"the band of {name} says that heights are in {shown(unit.name)}, that of {before} "
-                f"in {shown(first.name)}: convert one, or read both with {Option('to_crs', ...)} "
+                f"in {shown(first.name)}: convert one, or read both with {Option('dst_crs', ...)} "
                 "of a system that names a unit"
             )
     if stated and len(stated) < len(parts):

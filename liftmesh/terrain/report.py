@@ -38,7 +38,7 @@ class Report(FrozenResult):
     triangles : int
         Number of faces.
     policy : str
-        The option ``duplicates``: which row is used at a shared planar position.
+        The option ``on_duplicate``: which row is used at a shared planar position.
     seconds : mapping of str to float
         Duration of each stage.
     left_out : (k,) ndarray of int32
@@ -58,14 +58,14 @@ class Report(FrozenResult):
     classes : mapping of int to int
         Rows by class, as lidar has them; empty if the cloud has no classes.
     transformation : mapping
-        How ``to_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
+        How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
 
     Examples
     --------
     >>> import liftmesh
     >>> cloud = [[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 0, 9], [1, 0, 6]]
-    >>> report = liftmesh.triangulate(cloud, duplicates="highest").report
+    >>> report = liftmesh.triangulate(cloud, on_duplicate="highest").report
     >>> report.rows, report.used, report.duplicates, report.overhangs, report.skipped
     (5, 3, 0, 2, 0)
     >>> report.left_out, report.representatives

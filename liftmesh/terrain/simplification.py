@@ -41,8 +41,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import (
-    Duplicates,
     NonFinite,
+    OnDuplicate,
     as_count,
     as_distance,
     as_switch,
@@ -81,7 +81,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     max_points: int | None = None,
     prune: bool = True,
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     classes: ClassChoice = None,
     progress: Progress | None = None,
@@ -102,7 +102,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
-    plane, duplicates, nonfinite, classes
+    plane, on_duplicate, nonfinite, classes
         As for `triangulate`; not for a `Surface`, which has them already.
     progress : callable, optional
         As for `triangulate`.
@@ -155,7 +155,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     start = time.perf_counter()
     stages = _scaled(progress)
-    given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
+    given: Any = {"plane": plane, "on_duplicate": on_duplicate, "nonfinite": nonfinite}
     whole = _whole(cloud, classes, given, stages(0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
@@ -202,7 +202,7 @@ def _whole(
         if cloud.mask is not None:
             raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
-    source = read_rows(cloud, classes)
+    source = read_rows(cloud, classes=classes)
     whole = triangulate(source, **given, progress=progress)
     if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
         _check_faces(source, given["plane"])

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import trimesh as trimesh_package
 
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import Earthwork, Volume
@@ -945,7 +945,7 @@ class Surface(SurfaceData):
         x, y = self.triangulation.points.T
         return triangulations.to_triangulation(x, y, self.faces)
 
-    def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> Written:
+    def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
         """Write the surface to a file.
 
         Parameters
@@ -957,7 +957,7 @@ class Surface(SurfaceData):
 
         Returns
         -------
-        Written
+        WriteResult
             Summary of what was written, as returned by `liftmesh.write`.
 
         Raises

@@ -72,7 +72,7 @@ def steepness(surface: OverPlane, z_factor: float | None) -> tuple[float, float]
     if z_factor is None and any(each is not None and each.metres is None for each in units):
         raise InputError(
             "x and y are degrees, which are no lengths, so slopes and aspects are wrong: read the "
-            f"points with {Option('to_crs', ...)} a projected system, or give "
+            f"points with {Option('dst_crs', ...)} a projected system, or give "
             f"{Option('z_factor', ...)}"
         )
     return slope_scale(surface, z_factor)

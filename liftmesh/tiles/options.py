@@ -13,8 +13,8 @@ import numpy as np
 
 from liftmesh.base.cloud import is_crs
 from liftmesh.base.options import (
-    Duplicates,
     NonFinite,
+    OnDuplicate,
     ShardFormat,
     as_count,
     as_folder,
@@ -89,15 +89,15 @@ class Options:
 class SurfaceOptions:
     """The options of a surface, checked."""
 
-    duplicates: str
+    on_duplicate: str
     reading: Reading
 
     @classmethod
     def validated(
-        cls, duplicates: str, plane: object, crs: str | None, options: Mapping[str, Any]
+        cls, on_duplicate: str, plane: object, crs: str | None, options: Mapping[str, Any]
     ) -> SurfaceOptions:
         """Check the options."""
-        check_option("duplicates", duplicates, Duplicates)
+        check_option("on_duplicate", on_duplicate, OnDuplicate)
         if not isinstance(plane, str) or plane != "xy":
             raise refused(
                 "plane",
@@ -110,7 +110,7 @@ class SurfaceOptions:
                 raise InputError(f"{name} is for surfaces in one call: {reason}")
         if crs is not None and not is_crs(crs):
             raise refused("crs", crs, "give WKT or 'EPSG:n' as a string, or None")
-        return cls(duplicates, Reading(crs, as_json(options)))
+        return cls(on_duplicate, Reading(crs, as_json(options)))
 
     def check_shards(self, shards: ShardFormat) -> None:
         """Raise if the triangles of a surface cannot be in a format."""
@@ -119,13 +119,13 @@ class SurfaceOptions:
                 "shards",
                 shards,
                 "a surface has NPY, with vertices and faces beside the triangles; "
-                "TiledSurface.meshes() gives each shard for a file of any format",
+                "TiledSurface.iter_meshes() gives each shard for a file of any format",
             )
 
     def as_dict(self, schema: Schema) -> dict[str, Any]:
         """Return what the files of a run depend on."""
         return {
-            "duplicates": self.duplicates,
+            "on_duplicate": self.on_duplicate,
             "reading": dict(self.reading.options),
             **schema.as_dict(),
         }

@@ -128,7 +128,7 @@ class Run:
             chunks=len(self.chunks),
             groups=groups,
             has_values=self.surface is not None,
-            duplicates="first" if self.surface is None else self.surface.duplicates,
+            on_duplicate="first" if self.surface is None else self.surface.on_duplicate,
         )
 
     def _begun(self, first: Plan, identity: Mapping[str, Any]) -> Plan | None:

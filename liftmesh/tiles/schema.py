@@ -182,13 +182,13 @@ def check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
     """Raise if rows of a source have other values than those before."""
     if other.crs != first.crs:
         raise InputError(
-            f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: give "
-            f"{Option('to_crs', ...)} or {Option('crs', ...)}"
+            f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: "
+            f"give {Option('dst_crs', ...)} or {Option('src_crs', ...)}"
         )
     if other.unit != first.unit:
         raise InputError(
             f"the band of {name} says that heights are in {_unit_of(other)}, that of {before} in "
-            f"{_unit_of(first)}: convert one, or give {Option('to_crs', ...)} with a system that "
+            f"{_unit_of(first)}: convert one, or give {Option('dst_crs', ...)} with a system that "
             "names a unit"
         )
     if other.names == first.names and other.color_depth != first.color_depth:

@@ -114,7 +114,7 @@ def partition(
     records = chunk.records()
     if digests_of(records) != (stated["sha256"], stated.get("values", "")):
         raise changed(chunk)
-    arrays = sorted_by_tile(load_plan(context), records, first, context.duplicates)
+    arrays = sorted_by_tile(load_plan(context), records, first, context.on_duplicate)
     parts = context.groups.apart(arrays)
     for end, name in missing.items():
         digests[name] = save_array(context.scratch / name, parts[end])
@@ -132,13 +132,13 @@ def _missing(context: RunContext, stem: str, digests: Mapping[str, str]) -> dict
     }
 
 
-def sorted_by_tile(plan: Plan, records: Array, first: int, duplicates: str) -> dict[str, Array]:
+def sorted_by_tile(plan: Plan, records: Array, first: int, on_duplicate: str) -> dict[str, Array]:
     """Sort rows by tile; planar records are changed."""
     rows = planar_of(records)
     heights = heights_of(records)
     if heights is not None:
         rows[~np.isfinite(heights)] = np.nan
-    apart, which, firsts = set_apart(rows, plan.repeated, heights, duplicates)
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, on_duplicate)
     tiles, begins, boxes, skipped = plan.partition(rows, first)
     pairs = first + np.column_stack((apart, firsts[which]))
     arrays = {

@@ -31,7 +31,7 @@ def contour_lines(
     index_every: int,
 ) -> Contours:
     """Compute lines of equal height, reading one shard after the other."""
-    low, high = (Fraction(tiled.extent[k]) for k in (2, 5))
+    low, high = (Fraction(tiled.box[k]) for k in (2, 5))
     wanted, is_index = wanted_levels(levels, interval, base, index_every, lambda: (low, high))
     lines = _lines(_Steps.of(tiled, wanted))
     starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)

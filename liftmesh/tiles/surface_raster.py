@@ -27,6 +27,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
@@ -89,7 +90,7 @@ def save_raster(  # noqa: PLR0913 - options are keywords
     compress: str | None,
     threads: int | None,
     progress: Progress | None,
-) -> Path:
+) -> WriteResult:
     """Write a raster as GeoTIFF, window by window."""
     check_progress(progress)
     target = Path(path)
@@ -108,14 +109,13 @@ def save_raster(  # noqa: PLR0913 - options are keywords
         cog=is_cog,
         compress=compress,
     )
-    return target
+    return written_file(target, "geotiff")
 
 
 def _layout(
     tiled: TiledSurfaceData, resolution: Any, bounds: Any, transform: Any, shape: Any
 ) -> Layout:
-    west, south, _, east, north, _ = tiled.extent
-    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
+    return layout_of(resolution, bounds, transform, shape, lambda: tiled.bounds)
 
 
 def _windows(
@@ -130,7 +130,7 @@ def _windows(
 ) -> tuple[_Windows, Wanted]:
     wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
     if quantity == "height":
-        wanted.check_range(np.array(tiled.extent)[[2, 5]])
+        wanted.check_range(np.array(tiled.box)[[2, 5]])
     return _Windows(tiled, layout, wanted, method, threads), wanted
 
 
@@ -230,7 +230,7 @@ def part_of(
         return _surface(points, np.concatenate(parts), tiled.crs, threads)
     except InputError as error:  # a folder whose manifest was made to fit
         raise FormatError(
-            f"{tiled.directory}: the shards hold no faces of a triangulation ({error}): tile the "
+            f"{tiled.folder}: the shards hold no faces of a triangulation ({error}): tile the "
             "source again"
         ) from error
 
@@ -238,7 +238,7 @@ def part_of(
 def touching(tiled: TiledSurfaceData, box: Bounds) -> Iterator[tuple[Any, Rows]]:
     """Yield the faces whose own boxes touch a box, and their corners."""
     for shard in tiled.manifest["shards"]:
-        west, south, _, east, north, _ = shard["extent"]
+        west, south, _, east, north, _ = shard["box"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
             continue
         vertices, faces = mesh_of(tiled, shard)

@@ -1,7 +1,7 @@
 """The property: a cloud that comes back is the same bit for bit, or its losses are named.
 
-A format names them in `Written.dropped`, exactly: no loss is unnamed, and nothing is named that was
-not lost. Objects, and formats that other programs write, name nothing: there the table of
+A format names them in `WriteResult.dropped`, exactly: no loss is unnamed, and nothing is named that
+was not lost. Objects, and formats that other programs write, name nothing: there the table of
 FORMATS.md, which `table` makes, must show each loss. In it also stand the types that a format gives
 to named values. Anything that raises must be a `LiftmeshError` of one line.
 """

@@ -94,8 +94,8 @@ CHUNKS = 16
 
 WITHOUT_DATA = {
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
-    "Relaxed": "a result, made by lloyd",
-    "Transported": "a result, made by transport",
+    "LloydResult": "a result, made by lloyd",
+    "TransportResult": "a result, made by transport",
     "Cells": "a result, made by voronoi; its methods and properties are watched",
     "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
     "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",
@@ -103,10 +103,10 @@ WITHOUT_DATA = {
     "ApolloniusGraph": "a result, made by apollonius; its methods are watched",
     "Adapter": "describes a conversion",
     "Format": "describes a format",
-    "Written": "tells what was written",
+    "WriteResult": "tells what was written",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "Flaw": "a result, made by verify",
-    "Offender": "a result, made by verify",
+    "Violation": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",
     "Comparison": "a result, made by compare; its methods are watched",
     "Contour": "a line of Contours",

@@ -189,7 +189,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.raster", PLANAR, rasters(), HARD_TO_WALK, LEAST
     hillshade = rasters(quantity="hillshade")
     yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
-    yield "Raster.centres", PLANAR, on_raster(liftmesh.Raster.centres), ("uniform",), LEAST
+    yield "Raster.centers", PLANAR, on_raster(liftmesh.Raster.centers), ("uniform",), LEAST
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 

@@ -91,7 +91,7 @@ def weighted_functions() -> Iterator[tuple[Any, ...]]:
     for name, call in (
         ("lift_points", lambda tri: tri.lift_points(tri.points)),
         ("plane_distance", lambda tri: tri.plane_distance(tri.points[0])),
-        ("lifted", partial(RegularTriangulation.lifted, q="median")),
+        ("lifted", partial(RegularTriangulation.lifted, apex="median")),
     ):
         yield f"RegularTriangulation.{name}", PLANAR, on_weighted(call), ()
 

@@ -10,10 +10,9 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
-from checked_cells import check, domain_rings
 from hypothesis import given
 from numpy.typing import NDArray
-from rational_cells import cell_area, exact_point
+from oracles.cells import cell_area, check, domain_rings, exact_point
 from strategies import SITES
 
 import liftmesh

@@ -38,7 +38,7 @@ def test_sources_without_heights(name: str) -> None:
     np.testing.assert_array_equal(by_radius.areas, expected.areas)
     plain = liftmesh.voronoi(source, domain=BOX)
     np.testing.assert_array_equal(plain.points, POINTS)
-    assert liftmesh.lloyd(source, domain=BOX, steps=1).points.shape == (20, 2)
+    assert liftmesh.lloyd(source, domain=BOX, max_iter=1).points.shape == (20, 2)
     assert liftmesh.transport(source, np.ones(20), domain=BOX).converged
     with pytest.raises(liftmesh.InputError, match="have no values of that name: there are 'size'"):
         liftmesh.power_diagram(source, weights="mass", domain=BOX)
@@ -72,8 +72,8 @@ def test_geometries_are_points_of_one_system() -> None:
         liftmesh.voronoi(GEOMETRIC),
         liftmesh.voronoi(POINTS, domain=domain),
         liftmesh.power_diagram(GEOMETRIC, weights="size"),
-        liftmesh.lloyd(POINTS, domain=domain, steps=1).cells,
-        liftmesh.lloyd(GEOMETRIC, domain=BOX, steps=1).cells,
+        liftmesh.lloyd(POINTS, domain=domain, max_iter=1).cells,
+        liftmesh.lloyd(GEOMETRIC, domain=BOX, max_iter=1).cells,
         liftmesh.transport(GEOMETRIC, np.ones(20), domain=BOX).cells,
     ):
         assert found.to_geodataframe().crs == found.crs == "EPSG:32633"

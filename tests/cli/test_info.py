@@ -174,7 +174,7 @@ def test_a_mesh_with_colours(tmp_path):
 
 def test_stdin():
     content = TERRAIN.read_bytes()
-    done = process("info", "-", "--from", "ply", stdin=content, text=False)
+    done = process("info", "-", "--input-format", "ply", stdin=content, text=False)
     assert done.returncode == 0
     assert b"138,632" in done.stdout
 

@@ -11,7 +11,7 @@ from liftmesh import Cloud
 from liftmesh.cli import exit_codes, inputs, notes, outputs, places, terminal, wording
 from liftmesh.cli.info import _decimals
 from liftmesh.errors import InputError, Option
-from liftmesh.io.write import Written
+from liftmesh.io.write import WriteResult
 
 
 @pytest.mark.parametrize(
@@ -39,11 +39,12 @@ def test_what_caused_an_error_decides() -> None:
     ("option", "said"),
     [
         (Option("skip_rows"), "--skip-rows"),
-        (Option("crs"), "--from-crs"),
-        (Option("header", False), "--no-header"),
+        (Option("src_crs", ...), "--src-crs"),
+        (Option("header"), "--no-header"),
+        (Option("resume", False), "--restart"),
+        (Option("classes", "all"), "--all-classes"),
         (Option("columns", "x y"), "--columns 'x y'"),
         (Option("flat", True), "--flat"),
-        (Option("unit", ...), "--unit"),
     ],
 )
 def test_options_of_the_library_are_told_as_those_of_commands(option: Option, said: str) -> None:
@@ -83,7 +84,7 @@ def test_rows_without_classes_have_none() -> None:
 
 
 def test_the_headline_says_how_a_file_differs_from_the_mesh() -> None:
-    written = Written(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0))
+    written = WriteResult(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0))
     moved = "float32, so the origin (450000, 5200000, 0) was subtracted"
     assert outputs.headline(written, "12 triangles") == f"-: 12 triangles, 684 B; {moved}"
 

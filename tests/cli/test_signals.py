@@ -105,7 +105,7 @@ def assert_nothing_was_written(folder: Path) -> None:
 TRIED = [
     ("compare mesh.stl", "trimesh.path.exchange.load"),
     ("triangulate mesh.ply out.glb --overwrite", "networkx"),
-    ("triangulate mesh.ply - --format glb", "networkx"),
+    ("triangulate mesh.ply - --output-format glb", "networkx"),
 ]
 AMID_AN_IMPORT = """
 class Sending:
@@ -177,7 +177,7 @@ def test_nothing_is_put_in_place_after_a_signal_that_was_caught(where: str, fold
 
 
 def test_nothing_goes_to_stdout_after_a_signal_that_was_caught(folder: Path) -> None:
-    words = ("triangulate", "mesh.ply", "-", "--format", "obj")
+    words = ("triangulate", "mesh.ply", "-", "--output-format", "obj")
     child = started(SWALLOWED["in a report"], *words, cwd=folder, number=signal.SIGTERM)
     assert ended(child) == (ENDS[signal.SIGTERM][0], "", ENDS[signal.SIGTERM][1])
 

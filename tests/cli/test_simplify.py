@@ -13,7 +13,7 @@ import liftmesh as lm
 
 
 def test_a_terrain_within_a_distance(tmp_path: Path) -> None:
-    done = liftmesh("simplify", TERRAIN, "few.ply", "--tolerance", "40", "--json", cwd=tmp_path)
+    done = liftmesh("simplify", TERRAIN, "few.ply", "--max-error", "40", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     mesh = lm.read(tmp_path / "few.ply")
@@ -40,10 +40,12 @@ def test_a_report_for_people(tmp_path: Path) -> None:
         ((), "give --max-error or --max-points"),
         (("--max-error", "x"), "--max-error is 'x': give 0 or"),
         (("--max-error", "-1"), "give 0 or a positive number"),
-        (("--tolerance", "nan"), "--tolerance is nan: give 0 or"),
-        (("--tolerance", "20", "--max-error", "1"), "--max-error and --tolerance are the same"),
+        (("--max-error", "nan"), "--max-error is nan: give 0 or"),
         (("--max-points", "2"), "--max-points"),
-        (("--max-error", "1", "--resolution", "2,5"), "--resolution is '2,5': give a positive"),
+        (
+            ("--max-error", "1", "--copc-resolution", "2,5"),
+            "--copc-resolution is '2,5': give a positive",
+        ),
     ],
 )
 def test_what_is_asked_wrongly(words: tuple[str, ...], message: str, tmp_path: Path) -> None:

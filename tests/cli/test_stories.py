@@ -133,10 +133,10 @@ def test_a_cartographer_simplifies_an_elevation_model(tmp_path: Path) -> None:
     # Single precision moves y by more than a millionth of the size, 22 km, and x by 1/64: less.
     corner, pixel = (299_003 + 17 / 64, 5_258_341.25), 450.0
     elevation_model(tmp_path / "dem_01.tif", heights, pixel, "EPSG:32755", corner)
-    done("liftmesh simplify dem_01.tif tin.xml --tolerance 1", tmp_path)
-    said = done("liftmesh simplify dem_01.tif tin.glb --tolerance 1", tmp_path)
+    done("liftmesh simplify dem_01.tif tin.xml --max-error 1", tmp_path)
+    said = done("liftmesh simplify dem_01.tif tin.glb --max-error 1", tmp_path)
     assert "float32, so the origin (299228, 5258566, 0) was subtracted" in said
-    words = "liftmesh simplify dem_01.tif tin.glb --tolerance 1 --json --overwrite"
+    words = "liftmesh simplify dem_01.tif tin.glb --max-error 1 --json --overwrite"
     assert json.loads(done(words, tmp_path))["origin"] == [299228, 5258566, 0]
     y, x = np.mgrid[:40, :50]
     places = pixel * np.column_stack([x.ravel() + 0.5, 39.5 - y.ravel()]) + corner
@@ -155,12 +155,12 @@ def test_a_maker_prints_a_solid(tmp_path: Path) -> None:
     heights = hills(20, 30)
     elevation_model(tmp_path / "jacksboro.tif", heights, 1.0)
     surface = liftmesh.triangulate(tmp_path / "jacksboro.tif")
-    done("liftmesh solid jacksboro.tif fault.stl --base 236", tmp_path)
+    done("liftmesh solid jacksboro.tif fault.stl --base-height 236", tmp_path)
     solid = trimesh.load(tmp_path / "fault.stl")
     assert solid.is_watertight
     assert solid.volume == pytest.approx(surface.volume(236.0).net, rel=1e-6)
 
-    done("liftmesh solid jacksboro.tif fault.3mf --base 226", tmp_path)
+    done("liftmesh solid jacksboro.tif fault.3mf --base-height 226", tmp_path)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
@@ -176,7 +176,7 @@ def test_a_modeller_asks_for_heights(tmp_path: Path) -> None:
     las = tile(tmp_path / "autzen_trim.las", "EPSG:2992", (636000.0, 849000.0))
     done("liftmesh triangulate autzen_trim.las autzen.ply --classes 2", tmp_path)
     (tmp_path / "points.csv").write_text("x,y\n636010.125,849020.3625\n636000,849200\n")
-    line = "liftmesh sample autzen.ply heights.csv --at points.csv --method sibson"
+    line = "liftmesh sample autzen.ply heights.csv --at points.csv --interpolation sibson"
     done(line, tmp_path)
     rows = [each.split(",") for each in (tmp_path / "heights.csv").read_text().splitlines()]
     ground = np.asarray(las.xyz)[np.asarray(las.classification) == 2]
@@ -237,15 +237,15 @@ FLAWS = {
     "triangulate nodata.tif o.ply": "nodata.tif: none of 20 samples has a value",
     "triangulate nodata.agr o.ply": "nodata.agr: none of 2 samples has a value",
     "triangulate utm.laz o.ply --classes 40": "utm.laz: none of 3,638 rows meets",
-    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --to-crs",
+    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --dst-crs",
     "triangulate feet.laz o.xml": "x, y and z are foot and metre, but LandXML has one for all",
     "triangulate band.tif o.xml": "x, y and z are metre and foot, but LandXML has one for all",
     "triangulate band.tif o.3mf": "x, y and z are metre and foot, but 3MF has one for all",
-    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --from-crs$",
+    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --src-crs$",
     "triangulate cut.laz o.ply": "cut.laz: LAZ: the table of chunks should begin at byte .* trunc",
     "triangulate head.laz o.ply": r"begin at byte [\d,]+, but the file has 300: it is truncated",
     "triangulate lies.laz o.ply": "lies.laz: byte 100: the header states 2,147,483,647 records",
-    "triangulate odd.ply o.ply --to-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG:n",
+    "triangulate odd.ply o.ply --dst-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG",
 }
 
 

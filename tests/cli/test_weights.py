@@ -63,9 +63,13 @@ def test_the_command_takes_a_metric(table: Path) -> None:
         (["--weights", "size", "--metric", "1,0,1"], 2, "--weights and --metric are given: give"),
         (["--radii", "z"], 3, "--radii z, and the points have no values of that name"),
         (["--metric", "1,0"], 2, "--metric is '1,0': give three numbers A,B,C"),
-        (["--metric", "1,2,1"], 2, "--metric [[1.0, 2.0], [2.0, 1.0]] is not positive definite"),
+        (
+            ["--metric", "1,2,1"],
+            2,
+            "--metric is [[1.0, 2.0], [2.0, 1.0]], which is not positive definite",
+        ),
         (["--metric", "1,nan,1"], 2, "is not finite"),
-        (["--metric", "1,0,1", "--method", "lf"], 3, "--method lf has no --metric"),
+        (["--metric", "1,0,1", "--algorithm", "lf"], 3, "--algorithm 'lf' has no --metric"),
     ],
 )
 def test_what_the_command_refuses(table: Path, words: list[str], code: int, said: str) -> None:

@@ -41,10 +41,10 @@ WRONG = [
     ([*TRIANGULATE, "--threads", "two"], "--threads is 'two': give a whole number from 1 to 1024"),
     ([*TRIANGULATE, "--threads", "1.5"], "--threads is '1.5': give a whole number from 1"),
     ([*TRIANGULATE, "--threads", "-1"], "--threads is -1: give a whole number from 1"),
-    ([*TRIANGULATE, "--duplicates"], "--duplicates needs a value"),
+    ([*TRIANGULATE, "--on-duplicate"], "--on-duplicate needs a value"),
     (
-        [*TRIANGULATE, "--duplicates", "some"],
-        "--duplicates 'some' is unknown: give first, last, lowest, highest, mean or error (see",
+        [*TRIANGULATE, "--on-duplicate", "some"],
+        "--on-duplicate 'some' is unknown: give first, last, lowest, highest, mean or error (see",
     ),
     ([*TRIANGULATE, "--nonfinite", "x"], "--nonfinite 'x' is unknown: give error or skip"),
     ([*TRIANGULATE, "--plane", "up"], "--plane is 'up', neither a known name nor a file: give xy"),
@@ -61,7 +61,10 @@ WRONG = [
     (["verify"], "FILE is missing: give liftmesh verify FILE"),
     (["compare", "a.ply", "--proofs", "x"], "--proofs is 'x': give a whole number from 0"),
     (["compare", "a.ply", "--proofs", "-1"], "--proofs is -1: give a whole number from 0"),
-    (["compare", "a.ply", "--q", "1,2,3"], "--q is '1,2,3': give median, origin or a"),
+    (
+        ["compare", "a.ply", "--apex", "1,2,3"],
+        "--apex is '1,2,3': give median, origin or a",
+    ),
     (["paper", "--n", "2"], "--n is 2: give a whole number from 3"),
     (["paper", "--seeds", "some"], "--seeds is 'some': give a whole number from 1"),
     (["paper", "--table", "6"], "--table '6' is unknown: give 5.1, 5.2 or both"),
@@ -90,7 +93,7 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
         ("triangulate a.ply b.ply --cell 1e-300", "--cell is 1e-300, too small"),
         ("triangulate a.ply b.ply --min-distance 1e-300", "--min-distance is 1e-300, too small"),
         ("simplify a.ply b.ply --max-points 3", "--max-points is 3, and the hull has"),
-        ("tile a.ply feet.ply out --surface", "in None: give --to-crs or --from-crs"),
+        ("tile a.ply feet.ply out --surface", "in None: give --dst-crs or --src-crs"),
         ("triangulate feet.ply b.3mf", "but 3MF has metre, foot: give --unit"),
         (
             "triangulate wall.xyz b.ply",
@@ -148,9 +151,9 @@ def completed(shell: str, words: str, **variables: str) -> list[str]:
 @pytest.mark.slow
 def test_shells_complete_commands_options_and_values() -> None:
     assert completed("bash", "liftmesh tri", COMP_CWORD="1") == ["triangulate"]
-    options = completed("bash", "liftmesh triangulate --dup", COMP_CWORD="2")
-    assert options == ["--duplicates"]
-    values = completed("bash", "liftmesh triangulate a b --duplicates l", COMP_CWORD="5")
+    options = completed("bash", "liftmesh triangulate --on-d", COMP_CWORD="2")
+    assert options == ["--on-duplicate"]
+    values = completed("bash", "liftmesh triangulate a b --on-duplicate l", COMP_CWORD="5")
     assert values == ["last", "lowest"]
     assert '"triangulate":"Triangulate' in " ".join(completed("zsh", "liftmesh tri"))
 

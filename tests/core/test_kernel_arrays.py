@@ -8,10 +8,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-import second_opinion
 from clouds import FAMILIES
 from meshes import assert_oracle_agrees
 from numpy.typing import NDArray
+from oracles import second_opinion
 
 import liftmesh
 from liftmesh import _kernel
@@ -167,7 +167,7 @@ def test_masked_rows_can_be_skipped() -> None:
 
 def test_the_documented_method_is_the_default(points: NDArray[np.float64]) -> None:
     auto = liftmesh.delaunay(points)
-    named = liftmesh.delaunay(points, method="divide-and-conquer")
+    named = liftmesh.delaunay(points, algorithm="divide-and-conquer")
     np.testing.assert_array_equal(auto.simplices, named.simplices)
 
 

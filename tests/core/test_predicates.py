@@ -9,12 +9,12 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import oracle
 import pytest
 from clouds import nearly_cocircular
 from hypothesis import given, settings, strategies as st
 from numpy.random import Generator
 from numpy.typing import NDArray
+from oracles import planar as oracle
 
 import liftmesh
 

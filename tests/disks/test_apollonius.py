@@ -270,9 +270,9 @@ def test_errors_of_boxes_and_tolerances() -> None:
     graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1])
     for box, tolerance, message in (
         ((0, 0, 1), 0.1, "four finite numbers"),
-        ((0, 0, 0, 1), 0.1, "the least x and y, then the greatest"),
+        ((0, 0, 0, 1), 0.1, "give xmin, ymin, xmax, ymax"),
         ((0, 0, 1, 1), 0.0, "give a positive, finite number"),
-        ((0, 0, 1e9, 1), 1e-9, "near the rounding of coordinates of the box: give 1.4e-05"),
+        ((0, 0, 1e9, 1), 1e-9, "near the rounding of coordinates there: give 1.4e-05"),
     ):
         with pytest.raises(InputError, match=message):
             graph.cell_sides(box, tolerance)  # type: ignore[arg-type]

@@ -7,9 +7,9 @@ import pickle
 from collections.abc import Callable
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import given, settings, strategies as st
+from oracles import planar as oracle
 from strategies import clouds
 
 import liftmesh

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-import oracle
 import pytest
 import scipy.spatial
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from meshes import hard_queries
 from numpy.typing import NDArray
+from oracles import planar as oracle
 
 import liftmesh
 

@@ -91,6 +91,6 @@ def test_help_is_short(name: str) -> None:
 
 def test_help_names_parameters_and_types() -> None:
     text = " ".join(" ".join(help_of("delaunay")).split()).replace("( ", "(")
-    assert "delaunay(points: 'ArrayLike', *, method: 'Method' = 'auto'," in text
+    assert "delaunay(points: 'ArrayLike', *, algorithm: 'Algorithm' = 'auto'," in text
     assert inspect.signature(liftmesh.delaunay).parameters["threads"].default is None
     assert typing.get_type_hints(liftmesh.lower_hull)["return"] is liftmesh.LowerHull

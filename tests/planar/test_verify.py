@@ -15,9 +15,9 @@ from damage import POINTS, Rows, flipped, without_a_point
 from hypothesis import given, settings, strategies as st
 from meshes import oracle_triangles
 from numpy.typing import NDArray
-from oracle import counter_clockwise, exact
+from oracles.planar import counter_clockwise, exact
+from oracles.second_opinion import flaw as second_opinion
 from scipy.spatial import Delaunay
-from second_opinion import flaw as second_opinion
 
 import liftmesh
 from liftmesh import Certificate, InputError, NonFiniteError
@@ -75,7 +75,7 @@ def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) ->
     as_built = liftmesh.verify(points, simplices, nonfinite="skip")
     shuffled = liftmesh.verify(points, simplices[listed], nonfinite="skip")
     assert kinds(shuffled) == kinds(as_built)
-    assert offenders(shuffled, kind, listed) == offenders(as_built, kind, np.arange(len(listed)))
+    assert violations(shuffled, kind, listed) == violations(as_built, kind, np.arange(len(listed)))
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -103,7 +103,7 @@ def test_what_else_is_wrong_with_it_is_what_is_wrong_seen_from_above(kind: str) 
         for turned in (mesh[:, ::-1], mesh[:, [0, 2, 1]]):
             below = liftmesh.verify(points, turned)
             assert kinds(below) == kinds(above) | {"clockwise": len(mesh)}
-            assert offenders(below, kind, numbers) == offenders(above, kind, np.arange(len(mesh)))
+            assert violations(below, kind, numbers) == violations(above, kind, np.arange(len(mesh)))
 
 
 def test_in_circle_tests_skip_clockwise_triangles() -> None:
@@ -117,7 +117,7 @@ def test_in_circle_tests_skip_clockwise_triangles() -> None:
     assert found.keys() & {"not_delaunay", "not_canonical"} == set()
 
 
-def offenders(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
+def violations(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
     """All of one kind, triangles by the numbers they had before they were listed otherwise."""
     (flaw,) = (flaw for flaw in certificate.flaws if flaw.kind == kind)
     assert flaw.count == len(flaw.first) > 0

@@ -124,10 +124,10 @@ def test_a_row_below_the_triangles_is_named() -> None:
         found = verify(points, triangles, weights=[0, -6, 0, 0, weight])
         (flaw,) = (flaw for flaw in found.flaws if flaw.kind == "missing_vertices")
         assert flaw.text == "1 row has no vertex, and is not hidden"
-        (offender,) = flaw.first
-        assert offender.rows == (0, 2, 3, 4)
-        assert (offender.triangles, offender.sign) == ((1,), sign)
-        assert f"its lift is {'below' if sign else 'on'} the plane of triangle 1" in offender.text
+        (violation,) = flaw.first
+        assert violation.rows == (0, 2, 3, 4)
+        assert (violation.triangles, violation.sign) == ((1,), sign)
+        assert f"its lift is {'below' if sign else 'on'} the plane of triangle 1" in violation.text
     found = verify(points, triangles, weights=[0, -6, 0, 0, -8])
     assert found.canonical
     assert (found.hidden, found.duplicates, found.vertices) == (1, 0, 4)

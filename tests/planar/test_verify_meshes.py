@@ -59,7 +59,7 @@ def test_a_surface_is_verified_in_its_own_plane() -> None:
 @pytest.mark.parametrize("policy", ["first", "last", "highest", "mean"])
 def test_a_surface_with_overhangs_and_skipped_rows_is_valid(policy: Any) -> None:
     rows = np.vstack([ROWS, ROWS[:9] + np.array([0, 0, 1]), [[0.5, 0.5, np.nan]], [[np.inf, 0, 0]]])
-    surface = liftmesh.triangulate(rows, duplicates=policy, nonfinite="skip")
+    surface = liftmesh.triangulate(rows, on_duplicate=policy, nonfinite="skip")
     certificate = liftmesh.verify(surface)
     assert certificate.canonical
     assert (certificate.skipped, certificate.duplicates) == (2, 9)

@@ -10,9 +10,9 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-import oracle
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
+from oracles import planar as oracle
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation

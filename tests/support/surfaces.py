@@ -6,7 +6,7 @@ import hypothesis.strategies as st
 import numpy as np
 from clouds import FAMILIES
 from meshes import hard_queries
-from surface_oracle import ExactSurface
+from oracles.surfaces import ExactSurface
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
@@ -68,7 +68,7 @@ def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
 
 def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
     rng = np.random.default_rng(43)
-    surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), duplicates="lowest")
+    surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), on_duplicate="lowest")
     return surface, hard_queries(surface.triangulation, rng)
 
 
@@ -101,7 +101,7 @@ def meadow(n: int = 400, seed: int = 1) -> np.ndarray:
 
 def drawn(points) -> liftmesh.Surface | None:
     try:
-        return liftmesh.triangulate(points, duplicates="highest")
+        return liftmesh.triangulate(points, on_duplicate="highest")
     except liftmesh.DegenerateInputError:
         return None
 

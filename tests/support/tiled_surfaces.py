@@ -35,7 +35,7 @@ def steep_cloud(seed: int = 3, rows: int = 1_200, side: int = 22) -> Cloud:
 
 def check(tiled: TiledSurface, expected: Surface) -> None:
     """Compare triangles, vertices with all values, and the use of every row, bit for bit."""
-    ours, theirs = (ordered(_turned(each)) for each in (tiled.compute(), expected.faces))
+    ours, theirs = (ordered(_turned(each)) for each in (tiled.to_array(), expected.faces))
     assert np.array_equal(ours, theirs)
     one, other = tiled.report, expected.report
     for name in ("rows", "used", "duplicates", "overhangs", "skipped", "triangles", "policy"):
@@ -45,7 +45,7 @@ def check(tiled: TiledSurface, expected: Surface) -> None:
     assert np.array_equal(one.left_out, other.left_out)
     assert np.array_equal(one.representatives, other.representatives)
     assert tiled.crs == expected.crs
-    seen = [check_vertices(vertices, expected) for vertices in tiled.vertices()]
+    seen = [check_vertices(vertices, expected) for vertices in tiled.iter_vertices()]
     assert np.array_equal(np.unique(np.concatenate(seen)), np.unique(expected.faces))
     assert tiled.is_sound()
 

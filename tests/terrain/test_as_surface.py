@@ -21,7 +21,7 @@ def names(surface: liftmesh.Surface) -> set[tuple[int, ...]]:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_mesh_is_the_surface_that_it_was(family: str) -> None:
     points = with_heights(FAMILIES[family](60, np.random.default_rng(2)))
-    surface = liftmesh.triangulate(points, duplicates="lowest")
+    surface = liftmesh.triangulate(points, on_duplicate="lowest")
     found = liftmesh.as_surface(surface.to_cloud())
     assert names(found) == names(surface)
     assert found.mask is None

@@ -6,6 +6,7 @@ import json
 import pickle
 import sys
 from collections import Counter
+from dataclasses import astuple
 from decimal import Context, localcontext
 from fractions import Fraction
 from itertools import pairwise
@@ -16,7 +17,7 @@ import pyproj
 import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure
-from surface_oracle import ExactSurface
+from oracles.surfaces import ExactSurface
 from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh
@@ -355,7 +356,7 @@ class TestResult:
         np.testing.assert_array_equal(copy.points, lines.points)
 
     def test_geojson_holds_everything(self, lines, tmp_path) -> None:
-        path = lines.save(tmp_path / "lines.geojson")
+        path = lines.save(tmp_path / "lines.geojson").path
         tree = json.loads(path.read_text())
         assert tree["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::7415"
         for feature, line in zip(tree["features"], lines, strict=True):
@@ -380,7 +381,7 @@ class TestResult:
     )
     def test_no_coordinate_system_is_lost(self, crs: str, name: str, tmp_path) -> None:
         lines = liftmesh.triangulate(meadow(), crs=crs).contours([5])
-        tree = json.loads(lines.save(tmp_path / "lines.json").read_text())
+        tree = json.loads(lines.save(tmp_path / "lines.json").path.read_text())
         assert tree["crs"] == {"type": "name", "properties": {"name": name}}
         if not name.startswith("LOCAL"):
             assert pyproj.CRS(name) == pyproj.CRS(crs)
@@ -396,7 +397,8 @@ class TestResult:
     @pytest.mark.parametrize("crs", [None, "EPSG:25832"])
     def test_geopackage_has_the_same_lines(self, crs, tmp_path) -> None:
         lines = liftmesh.triangulate(meadow(), crs=crs).contours(interval=2)
-        path = lines.save(tmp_path / "lines.gpkg")
+        path, kind, size, *_ = astuple(lines.save(tmp_path / "lines.gpkg"))
+        assert (kind, size) == ("geopackage", path.stat().st_size)
         frame = geopandas.read_file(path, layer="contours")
         assert frame["height"].tolist() == lines.levels.tolist()
         assert frame["index"].tolist() == lines.index.tolist()
@@ -417,7 +419,7 @@ class TestResult:
             lines.longer_than(length)
 
     def test_a_surface_without_lines_is_a_file_without_features(self, tmp_path) -> None:
-        path = rolling().contours([1e9]).save(tmp_path / "lines.geojson")
+        path = rolling().contours([1e9]).save(tmp_path / "lines.geojson").path
         assert json.loads(path.read_text()) == {"type": "FeatureCollection", "features": []}
 
     def test_errors_leave_nothing_behind(self, lines, tmp_path) -> None:

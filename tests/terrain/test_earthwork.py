@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 import shapely
 from commands import failed, liftmesh as run
-from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
+from oracles.earthwork import error, exact_earthwork, grid_pair
 from surfaces import LATTICE, drawn, meadow, rotated, trimmed
 
 import liftmesh
@@ -19,7 +19,7 @@ from liftmesh.terrain import measures
 
 
 def moved(surface, offset) -> liftmesh.Surface:
-    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), duplicates="highest")
+    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), on_duplicate="highest")
 
 
 SHIFT = st.integers(-6, 6).map(lambda each: each / 2)
@@ -105,7 +105,7 @@ ON_A_GRID = st.lists(
 def bits(one, two, change=lambda points: points):
     try:
         first, second = (
-            liftmesh.triangulate(change(np.array(each)), duplicates="highest")
+            liftmesh.triangulate(change(np.array(each)), on_duplicate="highest")
             for each in (one, two)
         )
         found = first.cut_and_fill(second)

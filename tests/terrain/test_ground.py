@@ -188,7 +188,7 @@ def test_the_command_takes_the_ground_that_it_found(tmp_path: Path) -> None:
     assert f"ground by csf: {len(mesh):,} of 6,000 rows (cloth of 0.5 m, rigidness 2; the" in (
         done.stderr
     )
-    done = command(*words, "--classes", "all", cwd=tmp_path)
+    done = command(*words, "--all-classes", cwd=tmp_path)
     whole = liftmesh.read(tmp_path / "tin.ply").attributes["classification"]
     assert np.count_nonzero(whole == 2) == len(mesh)
     assert len(whole) == 6000

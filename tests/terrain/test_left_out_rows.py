@@ -21,7 +21,7 @@ class TestDuplicates:
     @pytest.mark.parametrize("policy", POLICIES)
     def test_the_policy_chooses_the_row_at_every_position(self, policy):
         points = layered()
-        surface = triangulate(points, duplicates=policy)
+        surface = triangulate(points, on_duplicate=policy)
         assert_accounted(surface)
         used = set(np.unique(surface.faces).tolist())
         choose = {
@@ -40,7 +40,7 @@ class TestDuplicates:
     @pytest.mark.parametrize("policy", POLICIES)
     def test_the_planar_triangles_are_the_same_for_every_policy(self, policy):
         points = layered()
-        surface = triangulate(points, duplicates=policy)
+        surface = triangulate(points, on_duplicate=policy)
         flat = liftmesh.delaunay(points[:, :2])
         assert triangles_of(points[:, :2], surface.faces) == triangles_of(
             points[:, :2], flat.simplices
@@ -59,7 +59,7 @@ class TestDuplicates:
             ]
         )
         before = points.tobytes()
-        surface = triangulate(points, duplicates="mean")
+        surface = triangulate(points, on_duplicate="mean")
         assert points.tobytes() == before
         expected = points.copy()
         expected[0, 2] = 2.5
@@ -70,12 +70,12 @@ class TestDuplicates:
 
     def test_the_mean_copies_only_where_a_height_changes(self):
         points = np.vstack([terrain(), terrain()[:5]])
-        assert np.shares_memory(triangulate(points, duplicates="mean").vertices, points)
+        assert np.shares_memory(triangulate(points, on_duplicate="mean").vertices, points)
 
     def test_the_mean_moves_along_the_normal_of_the_plane(self):
         base = terrain(50, offset=(0, 0, 0))
         points = np.vstack([base, base[7] + (8.0, 0.0, 0.0)])
-        surface = triangulate(points, plane=(1, 0, 0), duplicates="mean")
+        surface = triangulate(points, plane=(1, 0, 0), on_duplicate="mean")
         expected = base[7] + (4.0, 0.0, 0.0)
         assert np.allclose(surface.vertices[7], expected, rtol=1e-15)
         assert surface.report.overhangs == 1
@@ -85,12 +85,12 @@ class TestDuplicates:
     def test_the_error_names_both_rows(self):
         points = np.vstack([terrain(), terrain()[:2] + np.array([0, 0, 1])])
         with pytest.raises(DuplicateHeightError, match="rows 0 and 300 share") as caught:
-            triangulate(points, duplicates="error")
+            triangulate(points, on_duplicate="error")
         assert caught.value.rows == (0, 300)
 
     def test_plain_duplicates_are_no_error(self):
         points = np.vstack([terrain(), terrain()[[7, 7, 3]]])
-        report = triangulate(points, duplicates="error").report
+        report = triangulate(points, on_duplicate="error").report
         assert (report.duplicates, report.overhangs) == (3, 0)
         assert report.left_out.tolist() == [300, 301, 302]
         assert report.representatives.tolist() == [7, 7, 3]
@@ -100,7 +100,7 @@ class TestDuplicates:
         points = np.zeros((1_000_003, 3))
         points[:, 2] = np.arange(1_000_003) % 1000
         points[-3:] = corners
-        report = triangulate(points, duplicates="highest").report
+        report = triangulate(points, on_duplicate="highest").report
         assert (report.used, report.triangles) == (3, 1)
         assert report.representatives[0] == 999
 
@@ -142,7 +142,7 @@ class TestNonFinite:
 
     def test_rows_left_out_for_different_reasons_are_listed_in_order(self):
         points = np.vstack([[[np.nan] * 3], terrain(), [[0, 0, np.inf]], terrain()[[8, 3]]])
-        surface = triangulate(points, nonfinite="skip", duplicates="last")
+        surface = triangulate(points, nonfinite="skip", on_duplicate="last")
         assert_accounted(surface)
         assert surface.report.left_out.tolist() == [0, 4, 9, 301]
         assert surface.report.representatives.tolist() == [-1, 303, 302, -1]

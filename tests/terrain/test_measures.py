@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import failed, liftmesh as run
-from earthwork_oracle import clipped, under_roof
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, turn
+from oracles.earthwork import clipped, under_roof
+from oracles.surfaces import ExactSurface, turn
 from surfaces import LATTICE, drawn, exactly, meadow, rotated
 
 import liftmesh

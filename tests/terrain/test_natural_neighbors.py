@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
+from oracles.surfaces import Point, exact_point, turn
 from scipy.spatial import cKDTree
-from surface_oracle import Point, exact_point, turn
 from surfaces import LATTICE, drawn, exactly, family_surface, meadow
 
 import liftmesh
@@ -138,7 +138,7 @@ def test_no_bit_depends_on_the_order_of_the_rows(family: str, method: str) -> No
     known = heights[~np.isnan(heights)]
     assert ((known >= low) & (known <= high)).all()
     rows = surface.vertices[rng.permutation(len(surface.vertices))]
-    turned = liftmesh.triangulate(rows, duplicates="lowest")
+    turned = liftmesh.triangulate(rows, on_duplicate="lowest")
     order = rng.permutation(len(queries))
     np.testing.assert_array_equal(turned.sample(queries[order], method), heights[order])
 

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
-from surface_oracle import turn
+from oracles.surfaces import turn
 from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh

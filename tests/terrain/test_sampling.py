@@ -7,8 +7,8 @@ import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from matplotlib.tri import LinearTriInterpolator
+from oracles.surfaces import exact_point
 from scipy.interpolate import LinearNDInterpolator
-from surface_oracle import exact_point
 from surfaces import LATTICE, SMALL, exactly, family_surface, with_heights
 
 import liftmesh
@@ -34,7 +34,7 @@ def test_no_bit_depends_on_the_order_of_the_rows(family: str) -> None:
     rng = np.random.default_rng(3)
     heights, gradients = surface.sample(queries), surface.gradient(queries)
     rows = surface.vertices[rng.permutation(len(surface.vertices))]
-    turned = liftmesh.triangulate(rows, duplicates="lowest")
+    turned = liftmesh.triangulate(rows, on_duplicate="lowest")
     order = rng.permutation(len(queries))
     np.testing.assert_array_equal(turned.sample(queries[order]), heights[order])
     np.testing.assert_array_equal(turned.gradient(queries[order]), gradients[order])
@@ -64,7 +64,7 @@ def test_a_vertex_has_its_own_height() -> None:
 @given(LATTICE, st.lists(st.tuples(SMALL, SMALL), min_size=1, max_size=12))
 def test_borders_belong_to_one_face(points, queries) -> None:
     try:
-        surface = liftmesh.triangulate(points, duplicates="highest")
+        surface = liftmesh.triangulate(points, on_duplicate="highest")
     except liftmesh.DegenerateInputError:
         return
     oracle = exactly(surface)
@@ -214,6 +214,6 @@ class TestForms:
 
     def test_hidden_rows_and_duplicates_count_as_the_report_says(self) -> None:
         points = [[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [1, 1, 50], [1, 1, 7]]
-        assert liftmesh.triangulate(points, duplicates="lowest").sample([1, 1]) == 7
+        assert liftmesh.triangulate(points, on_duplicate="lowest").sample([1, 1]) == 7
         weights = [0, 0, 0, 0, -99, -99]
         assert liftmesh.triangulate(points, weights=weights).sample([1, 1]) == 1

@@ -50,7 +50,7 @@ def test_a_pyramid_on_a_slab() -> None:
 def test_any_solid_has_the_volume_under_its_surface(rows, limit, flat: bool) -> None:
     """Lattices, whose rims have corners on straight sides, trimmed or not."""
     try:
-        surface = liftmesh.triangulate(np.array(rows, float), duplicates="highest")
+        surface = liftmesh.triangulate(np.array(rows, float), on_duplicate="highest")
         surface = surface if limit is None else surface.trim(max_edge=limit)
         block = surface.solid(
             *([-2.0] if flat else []), **({} if flat else {"thickness": 2}), pinched="trim"

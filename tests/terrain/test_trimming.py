@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, exact_point, turn
+from oracles.surfaces import ExactSurface, exact_point, turn
 from surfaces import LATTICE, LIMITS, covering, drawn, exactly, meadow, raster, trimmed
 
 import liftmesh
@@ -117,7 +117,7 @@ def test_the_boundary_bounds_the_faces(points, limit: float, inwards: bool, rng)
     assert [oracle.points[r[0]] for r in rings] == sorted(oracle.points[r[0]] for r in rings)
     rows = list(range(len(points)))
     rng.shuffle(rows)
-    other = liftmesh.triangulate([points[row] for row in rows], duplicates="highest")
+    other = liftmesh.triangulate([points[row] for row in rows], on_duplicate="highest")
     other = other.trim(max_edge=limit, boundary_only=inwards)
     places = [[surface.triangulation.points[row].tolist() for row in ring] for ring in rings]
     assert places == [other.triangulation.points[r].tolist() for r in other.boundary()]
@@ -178,7 +178,7 @@ def test_rasters_end_where_the_faces_do(turned: bool) -> None:
     for each in (layout, covering(surface, 30, 30, turned=False)):
         for quantity, method in (("height", "sample"), ("aspect", "aspect")):
             found = raster(surface, each, quantity=quantity)
-            expected = getattr(surface, method)(found.centres())
+            expected = getattr(surface, method)(found.centers())
             np.testing.assert_array_equal(found.values, expected)
     on_vertices = surface.raster(transform=(1, 0, -0.5, 0, 1, -0.5), shape=(30, 30)).values
     used = np.unique(surface.faces)
@@ -191,10 +191,10 @@ def test_rasters_end_where_the_faces_do(turned: bool) -> None:
 def test_lengths_of_any_size(power: int, options) -> None:
     """Powers of two change no mask; their squares would leave the range of doubles."""
     points = np.round(meadow())
-    expected = liftmesh.triangulate(points, duplicates="highest").trim(**options).mask
+    expected = liftmesh.triangulate(points, on_duplicate="highest").trim(**options).mask
     points[:, :2] = np.ldexp(points[:, :2], power)
     scaled = {name: float(np.ldexp(each, power)) for name, each in options.items()}
-    found = liftmesh.triangulate(points, duplicates="highest").trim(**scaled).mask
+    found = liftmesh.triangulate(points, on_duplicate="highest").trim(**scaled).mask
     np.testing.assert_array_equal(found, expected)
 
 

@@ -69,7 +69,7 @@ ROWS = [(0, 0, 1), (4, 0, 2), (0, 4, 3), (4, 4, 9), (0, 0, 5), (0, 0, 7), (1, 1,
 @pytest.mark.parametrize(("policy", "used"), [("first", 0), ("last", 5), ("highest", 5)])
 def test_the_policy_chooses_among_the_heaviest_rows(policy: Any, used: int) -> None:
     weights = [9, 9, 9, 9, 8, 9, -1, -1]  # rows 0 and 5 alike, 4 lighter, 6 and 7 above a facet
-    surface = liftmesh.triangulate(ROWS, weights=weights, duplicates=policy)
+    surface = liftmesh.triangulate(ROWS, weights=weights, on_duplicate=policy)
     report = surface.report
     other = 5 - used
     assert report.left_out.tolist() == sorted([other, 4, 6, 7])
@@ -100,7 +100,7 @@ def test_each_row_is_used_or_accounted_for(
     if skips:
         weights[4], points[3, 2] = np.nan, np.inf
     surface = liftmesh.triangulate(
-        points, weights=weights, duplicates=policy, nonfinite="skip" if skips else "error"
+        points, weights=weights, on_duplicate=policy, nonfinite="skip" if skips else "error"
     )
     report, tri = surface.report, surface.triangulation
     assert isinstance(tri, RegularTriangulation)
@@ -128,11 +128,11 @@ def test_each_row_is_used_or_accounted_for(
 
 
 def test_the_mean_leaves_hidden_rows_where_they_are() -> None:
-    surface = liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], duplicates="mean")
+    surface = liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], on_duplicate="mean")
     assert surface.vertices[:, 2].tolist() == [4, 2, 3, 9, 5, 7, 1, 8]
     with pytest.raises(liftmesh.DuplicateHeightError, match="rows 0 and 5"):
-        liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], duplicates="error")
-    liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 7, -1, -1], duplicates="error")
+        liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], on_duplicate="error")
+    liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 7, -1, -1], on_duplicate="error")
 
 
 def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
@@ -155,8 +155,8 @@ def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
         ({"weights": "w"}, "weights='w', .* no values of that name: there are 'size', 'class'"),
         ({"weights": "size", "radii": "size"}, "both weights and radii are given"),
         ({"weights": "size", "metric": FORM}, "both weights and a metric are given"),
-        ({"radii": "size", "method": "lf"}, "method 'lf' takes no radii"),
-        ({"metric": FORM, "method": "lfres"}, "method='lfres' has no metric"),
+        ({"radii": "size", "algorithm": "lf"}, "algorithm 'lf' takes no radii"),
+        ({"metric": FORM, "algorithm": "lfres"}, "algorithm 'lfres' has no metric"),
         ({"radii": -SIZES}, "row 0 has the radius -0"),
         ({"weights": SIZES[:9]}, "weights hold 9 numbers for 200 rows"),
         ({"metric": [[0, 0], [0, 1]]}, "not positive definite"),

@@ -32,8 +32,8 @@ def both(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[TiledSurface, Surface]:
     cloud, out = CLOUDS[request.param], tmp_path_factory.mktemp("tiles")
-    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, duplicates="mean")
-    return tiled, liftmesh.triangulate(cloud, duplicates="mean")
+    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, on_duplicate="mean")
+    return tiled, liftmesh.triangulate(cloud, on_duplicate="mean")
 
 
 LAYOUTS: list[dict[str, Any]] = [
@@ -138,9 +138,9 @@ def test_a_cloud_optimised_file_is_that_of_one_call(
 ) -> None:
     monkeypatch.setattr(surface_raster, "_SIDE", 512)
     tiled, surface = both
-    size = (tiled.extent[3] - tiled.extent[0]) / 700
+    size = (tiled.bounds[2] - tiled.bounds[0]) / 700
     for compress in ("deflate", None):
-        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress)
+        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress).path
         expected = surface.raster(size, dtype="float32")
         expected.save(tmp_path / "b.tif", cog=True, compress=compress)
         with rasterio.open(path) as file, rasterio.open(tmp_path / "b.tif") as other:
@@ -163,11 +163,12 @@ def test_a_file_holds_the_values_of_one_call(
     tiled, surface = both
     shown: list[float] = []
     for compress in ("deflate", None):
-        path = tiled.save_raster(
-            tmp_path / "tiled.tif", 0.05, compress=compress, progress=shown.append
-        )
+        path, alone = tmp_path / "tiled.tif", tmp_path / "a.tif"
+        written = tiled.save_raster(path, 0.05, compress=compress, progress=shown.append)
+        assert (written.path, written.bytes) == (path, path.stat().st_size)
         expected = surface.raster(0.05, dtype="float32")
-        with rasterio.open(path) as file, rasterio.open(expected.save(tmp_path / "a.tif")) as other:
+        expected.save(alone)
+        with rasterio.open(path) as file, rasterio.open(alone) as other:
             assert file.read(1).tobytes() == other.read(1).tobytes() == expected.values.tobytes()
             assert (file.transform, file.crs, file.nodata) == (
                 *(other.transform, other.crs, pytest.approx(np.nan, nan_ok=True)),
@@ -245,23 +246,23 @@ def test_a_raster_that_breaks_off_leaves_no_file(tmp_path: Path) -> None:
 
 def test_the_commands(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "a.las", liftmesh.Cloud(CLOUD.points, crs=CLOUD.crs))
-    options = ("--surface", "--duplicates", "lowest", "--tile-rows", 400, "--bbox", "0,0,20,20")
+    options = ("--surface", "--on-duplicate", "lowest", "--tile-rows", 400, "--bounds", "0,0,20,20")
     options += ("--neighbors",)
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
-    cloud = liftmesh.read(tmp_path / "a.las", bbox=[0, 0, 20, 20])
-    surface = liftmesh.triangulate(cloud, duplicates="lowest")
+    cloud = liftmesh.read(tmp_path / "a.las", bounds=[0, 0, 20, 20])
+    surface = liftmesh.triangulate(cloud, on_duplicate="lowest")
     assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
     assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
     assert command("verify", "out", cwd=tmp_path).returncode == 0
-    assert liftmesh.open_tiled(tmp_path / "out").compute_neighbors().shape == surface.faces.shape
+    assert liftmesh.open_tiled(tmp_path / "out").neighbors_to_array().shape == surface.faces.shape
     done = command("raster", "out", "a.tif", "--resolution", "0.5", "--json", cwd=tmp_path)
     expected = surface.raster(0.5, dtype="float32")
     told = json.loads(done.stdout)
     assert (told["rows"], told["columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
-    options = ("--resolution", "0.5", "--method", "sibson", "--cog", "--double")
+    options = ("--resolution", "0.5", "--interpolation", "sibson", "--cog", "--double")
     assert command("raster", "out", "b.tif", *options, cwd=tmp_path).returncode == 0
     with rasterio.open(tmp_path / "b.tif") as file:
         assert file.read(1).tobytes() == surface.raster(0.5, method="sibson").values.tobytes()
@@ -280,7 +281,7 @@ def test_the_commands(tmp_path: Path) -> None:
         (("contour", "out", "a.gpkg", "--interval", 1, "--plane", "xz"), "--plane is for files"),
         (("raster", "flat", "a.tif", "--resolution", 1), "flat holds triangles without heights"),
         (("raster", "none", "a.tif", "--resolution", 1), "no finished triangulation is here"),
-        (("tile", "a.npy", "b", "--duplicates", "mean"), "--duplicates is for surfaces"),
+        (("tile", "a.npy", "b", "--on-duplicate", "mean"), "--on-duplicate is for surfaces"),
         (("tile", "a.npy", "b", "--classes", "2"), "--classes is for surfaces"),
         (("tile", "a.npy", "b", "--surface", "--shards", "ply"), "--shards ply is for triangles"),
     ],

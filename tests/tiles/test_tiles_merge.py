@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import fuzz_tiles
 import numpy as np
-import oracle
 import pytest
 from hypothesis import given, settings, strategies as st
+from oracles import planar as oracle
 from strategies import ANY_MAGNITUDE, clouds
-from tile_families import FAMILIES
-from tilings import Points, adjacent, ordered, tiled
+from tilings import FAMILIES, Points, adjacent, ordered, tiled
 
 import liftmesh
 from liftmesh import _kernel

@@ -35,7 +35,7 @@ from distributions import Points
 from numpy.typing import NDArray
 from process_state import memory
 from rich.table import Table
-from tile_families import FAMILIES
+from tilings import FAMILIES
 
 import liftmesh
 from benchmark.contest import SEED
@@ -185,7 +185,7 @@ def take(way: str, place: str, tile_rows: int) -> Taken:
         merges = {"rows_up_from_tiles": 0, "rows_at_root": 0, "bytes_up": 0}
     else:
         tiled = liftmesh.open_tiled(out)
-        merges, blocks = tiled.manifest["merges"], tiled.blocks()
+        merges, blocks = tiled.manifest["merges"], tiled.iter_blocks()
     marks = [(len(block), mark_of(block)) for block in blocks]
     mark = sum((each for _, each in marks), np.zeros(len(MIXERS), np.uint64))
     handed = (merges[name] for name in ("rows_up_from_tiles", "rows_at_root", "bytes_up"))

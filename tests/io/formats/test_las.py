@@ -159,7 +159,16 @@ def test_a_path_a_stream_and_a_pipe(tmp_path: Path) -> None:
         assert_same_mesh(liftmesh.read(stream), whole)
     data = (tmp_path / "a.laz").read_bytes()
     done = process(
-        *("triangulate", "-", "-", "--from", "laz", "--format", "ply", "--classes", "all"),
+        *(
+            "triangulate",
+            "-",
+            "-",
+            "--input-format",
+            "laz",
+            "--output-format",
+            "ply",
+            "--all-classes",
+        ),
         stdin=data,
         text=False,
     )

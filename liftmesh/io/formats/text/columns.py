@@ -22,7 +22,7 @@ _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
 DEGREES = Message(  # holds until they are transformed
     "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
-    f"transform them with {Option('crs', ...)} and {Option('to_crs', ...)}"
+    f"transform them with {Option('src_crs', ...)} and {Option('dst_crs', ...)}"
 )
 _CHOOSE = f"{Option('columns', 'x=..,y=..,z=..')}"
 _LONGEST = 40  # characters of a name in a message

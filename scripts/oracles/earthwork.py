@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from surface_oracle import ExactSurface, Point, turn
+from oracles.surfaces import ExactSurface, Point, turn
 
 if TYPE_CHECKING:
     import liftmesh
