@@ -168,7 +168,9 @@ class Wanted:
 def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
     """Raise unless a quantity has a method of interpolation."""
     if quantity != "height" and method != "linear":
-        raise InputError(f"{quantity} is that of faces: leave out {Option('method', method)}")
+        raise InputError(
+            f"{quantity} is that of faces: leave out {Option('interpolation', method)}"
+        )
 
 
 def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:

@@ -30,8 +30,8 @@ def heights_at(
     solved = surface.triangulation
     if method != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
         raise InputError(
-            f"{Option('method', method)} needs a Delaunay triangulation, and the surface has "
-            f"weights, radii or a metric: give {Option('method', 'linear')}"
+            f"{Option('interpolation')} {method!r} needs a Delaunay triangulation, and the surface "
+            f"has weights, radii or a metric: give {Option('interpolation', 'linear')}"
         )
     pairs = as_pairs(points)
     heights = np.empty(pairs.shape[:-1])

@@ -26,7 +26,7 @@ from liftmesh.errors import InputError
         (options.ends, "-inf,10", [-math.inf, 10.0]),
         (options.classes, "2,9", [2, 9]),
         (options.metric, "2,0.5,1", ((2.0, 0.5), (0.5, 1.0))),
-        (options.vertex, "1.5,-2", (1.5, -2.0)),
+        (options.apex, "1.5,-2", (1.5, -2.0)),
         (options.box, "0,0,2,1", (0.0, 0.0, 2.0, 1.0)),
         (options.box, "city.geojson", None),
         (options.plane, "0,0,1", ((0.0, 0.0, 1.0), None)),

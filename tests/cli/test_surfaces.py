@@ -306,7 +306,11 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("raster", "tin.ply", "o.tif", "--resolution", "1e-5"), 3, "pixels are too many"),
         (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "is nan: give a"),
         (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 2, "--resolution is -1.0: give"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "one of none"),
+        (
+            ("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"),
+            2,
+            "--compress 'x' is unknown: give",
+        ),
         (
             ("raster", "tin.ply", "o.tif", "--resolution", "1", "--raster-bounds", "3,3,0,0"),
             2,

@@ -22,7 +22,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import as_positive, refused
 from liftmesh.crs.description import as_wkt
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.formats.las.fields import (
     Extra,
     Fields,
@@ -164,7 +164,7 @@ def _rounding(values: Any, scale: float) -> ScaleOffset:
     if not (abs(steps.numbers(values)) <= _MOST).all():
         raise FormatError(
             f"coordinates from {low:.10g} to {high:.10g} have more than 32 bits in steps of "
-            f"scale={scale:g}: give a larger one"
+            f"{Option('scale', scale)}: give a larger one"
         )
     return steps
 
