@@ -60,7 +60,7 @@ from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
-from .terrain.measures import Earthwork as Earthwork, Volume as Volume
+from .terrain.measures import CutFillResult as CutFillResult, VolumeResult as VolumeResult
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile

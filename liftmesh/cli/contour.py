@@ -48,9 +48,8 @@ def run(
     check_name(target)
     if (interval is None) == (levels is None):
         raise typer.BadParameter("give either --interval or --levels")
-    wanted = (
-        {"levels": levels} if levels is not None else {"interval": interval, "base": contour_base}
-    )
+    multiples = {"interval": interval, "contour_base": contour_base}
+    wanted = multiples if levels is None else {"levels": levels}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)

@@ -265,20 +265,18 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of
-
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
         "different ones; --src-crs says which"
     )
-    for each in parts_of(cloud):
+    for each in notes.provenance_of(cloud).merged:
         inside = f", {each['overlap']:,} of them where an earlier file has some"
         note(
             f"{each['source']}: {counted(each['rows'], 'row')}"
             + (inside if each["overlap"] else "")
             + (far.format(each["distance"]) if "distance" in each else "")
         )
-    flown = cloud.metadata.get("flight_lines")
+    flown = notes.provenance_of(cloud).flight_lines
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"
         note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
@@ -321,13 +319,11 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of
-
-    starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
+    starts = [(each["source"], each["rows"]) for each in notes.provenance_of(cloud).merged]
     try:
         yield
     except InputError as error:
-        if _is_about_data(error) and "thinning" not in cloud.metadata:
+        if _is_about_data(error) and not notes.provenance_of(cloud).thinning:
             placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
             error.args = (Message(placed),)
         raise

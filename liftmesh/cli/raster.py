@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeAlias
 
 import typer
 
-from liftmesh.base.options import RasterQuantity, SampleMethod, shown
+from liftmesh.base.options import Interpolation, RasterQuantity, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import numbers, option, positive
 from liftmesh.errors import InputError
@@ -40,7 +40,7 @@ def run(
         RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
     ] = "height",
     interpolation: Annotated[
-        SampleMethod, typer.Option(help="How heights are interpolated.")
+        Interpolation, typer.Option(help="How heights are interpolated.")
     ] = "linear",
     z_factor: Annotated[
         float | None,
@@ -76,7 +76,7 @@ def run(
     wanted = {
         "bounds": raster_bounds,
         "quantity": quantity,
-        "method": interpolation,
+        "interpolation": interpolation,
         "z_factor": z_factor,
     }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
@@ -108,20 +108,20 @@ def _check(
     steps: float | list[float],
     bounds: list[float] | None,
     quantity: RasterQuantity,
-    interpolation: SampleMethod,
+    interpolation: Interpolation,
     crs: str | None,
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
-    from liftmesh.terrain.raster import check_method
+    from liftmesh.terrain.raster import check_interpolation
 
     with options.as_usage():
         steps_of(steps)
         if bounds is not None:
             bounds_of(bounds, "raster_bounds")
-        check_method(quantity, interpolation)
+        check_interpolation(quantity, interpolation)
         writer.validate_geotiff_options(crs, compress)
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import SampleMethod
+from liftmesh.base.options import Interpolation
 from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
 from liftmesh.cli.options import is_stream, option
 
@@ -43,7 +43,7 @@ def run(
     *,
     points: Points,
     interpolation: Annotated[
-        SampleMethod, typer.Option(help="How heights are interpolated.")
+        Interpolation, typer.Option(help="How heights are interpolated.")
     ] = "linear",
     nonfinite: options.SkipNonFinite = "error",
     input_format: options.InputFormat = None,
@@ -90,7 +90,7 @@ def _asked(
 
 
 def _sampled(
-    surface: Any, asked: Any, interpolation: SampleMethod, threads: int | None
+    surface: Any, asked: Any, interpolation: Interpolation, threads: int | None
 ) -> tuple[Any, int]:
     """Return the points with heights as z, and how many have one."""
     from dataclasses import replace

@@ -93,13 +93,13 @@ def run(
 
 
 def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
-    told = surface.metadata["simplification"]
+    told = notes.provenance_of(surface).simplification
     if as_json:
         cloud = surface.to_cloud()
         terminal.as_json(
             {
                 **outputs.as_values(written),
-                "triangles": len(surface.faces),
+                "n_triangles": len(surface.faces),
                 **told,
                 "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),

@@ -66,7 +66,7 @@ def run(
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         solid = surface.solid(
-            base=base_height,
+            base_height=base_height,
             thickness=thickness,
             longest=longest,
             z_factor=z_factor,

@@ -208,7 +208,9 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(tiled.folder), **counts, "classes": classes}
+        named = {f"n_{name}": count for name, count in counts.items()}
+        named["n_hull_edges"] = named.pop("n_hull")
+        said = {"folder": str(tiled.folder), **named, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
     merges = tiled.manifest["merges"]

@@ -24,7 +24,6 @@ VALUE = "value"
 
 _OTHERS: dict[str | Option, str] = {
     VARIABLE: VARIABLE,
-    "distance": "--min-distance",
     "format": "--input-format",
     "header": "--no-header",
     "length": "--min-length",

@@ -267,7 +267,7 @@ def dropped(
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
-    return (*names, *named, *metadata.not_read(cloud.metadata))
+    return (*names, *named, *metadata.Provenance(cloud.metadata).lost)
 
 
 def _has(cloud: Cloud, word: str) -> bool:

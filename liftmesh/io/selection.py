@@ -25,7 +25,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.metadata import noted
+from liftmesh.io.metadata import Provenance, noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -274,21 +274,12 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
     """Select the rows of a cloud that meet the conditions; faces are left out and named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
-    skipped: tuple[str, ...] = ()
+    not_read: tuple[str, ...] = ()
     if cloud.faces is not None:
-        before = cloud.metadata.get("skipped")
-        faces = f"{len(cloud.faces):,} faces (rows were selected)"
-        skipped = (*(before if isinstance(before, tuple) else ()), faces)
-    metadata = noted(cloud.metadata, selection=selector.counts(), skipped=skipped)
+        before = Provenance(cloud.metadata).not_read
+        not_read = (*before, f"{len(cloud.faces):,} faces (rows were selected)")
+    metadata = noted(cloud.metadata, selection=selector.counts(), not_read=not_read)
     return replace(cloud.select(rows), metadata=metadata)
-
-
-def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
-    """Return how many rows of a cloud were selected and left out when it was read."""
-    entry = metadata.get("selection")  # a caller may say anything of that name
-    if not isinstance(entry, Mapping) or not {"rows", "selected"} <= entry.keys():
-        return {}
-    return {**entry} if all(isinstance(each, int) for each in entry.values()) else {}
 
 
 def selection_sentence(counts: Mapping[str, int]) -> str:

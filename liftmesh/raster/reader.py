@@ -274,7 +274,7 @@ class _OpenRaster:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")
         if unit := file.units[self._band - 1]:
             layout["unit"] = unit
-        return noted({"raster": layout}, skipped=tuple(skipped), notes=self._notes(unit))
+        return noted({"raster": layout}, not_read=tuple(skipped), notes=self._notes(unit))
 
     def _notes(self, unit: str | None) -> tuple[str, ...]:
         """Say what the file does not, or only of the band."""

@@ -25,7 +25,7 @@ from numpy.typing import DTypeLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
+from liftmesh.base.options import Interpolation, RasterQuantity, as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
@@ -56,7 +56,7 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -66,7 +66,9 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     """Compute a raster in memory."""
     check_progress(progress)
     layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    windows, wanted = _windows(
+        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
+    )
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     for (down, across), block in windows.values(progress):
         values[down.start : down.stop, across.start : across.stop] = block
@@ -82,7 +84,7 @@ def save_raster(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -97,7 +99,9 @@ def save_raster(  # noqa: PLR0913 - options are keywords
     check_name(target)
     is_cog = as_switch("cog", cog)
     layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    windows, wanted = _windows(
+        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
+    )
     writer.write_windows(
         target,
         (layout.rows, layout.columns),
@@ -122,16 +126,16 @@ def _windows(
     tiled: TiledSurfaceData,
     layout: Layout,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     dtype: DTypeLike,
     light: tuple[float, float],
     z_factor: float | None,
     threads: int | None,
 ) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
+    wanted = Wanted.validated(tiled, quantity, interpolation, dtype, light, z_factor)
     if quantity == "height":
         wanted.check_range(np.array(tiled.box)[[2, 5]])
-    return _Windows(tiled, layout, wanted, method, threads), wanted
+    return _Windows(tiled, layout, wanted, interpolation, threads), wanted
 
 
 class _Windows:
@@ -142,15 +146,15 @@ class _Windows:
         tiled: TiledSurfaceData,
         layout: Layout,
         wanted: Wanted,
-        method: SampleMethod,
+        interpolation: Interpolation,
         threads: int | None,
     ) -> None:
         self._tiled = tiled
         self._layout = layout
         self._wanted = wanted
-        self._method: SampleMethod = method
+        self._interpolation: Interpolation = interpolation
         self._threads = threads
-        is_linear = method == "linear"
+        is_linear = interpolation == "linear"
         self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
         self._fewest = 1 if is_linear else _FEWEST
         largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
@@ -188,7 +192,7 @@ class _Windows:
         if self._wanted.quantity == "height":
             values[...] = np.nan
             if surface is not None:
-                values[...] = surface.sample(centres, self._method, threads=self._threads)
+                values[...] = surface.sample(centres, self._interpolation, threads=self._threads)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:

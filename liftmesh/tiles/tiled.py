@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from liftmesh._typing import Array, Integers, Progress, Rows
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_folder
+from liftmesh.base.options import Interpolation, RasterQuantity, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
 from liftmesh.tiles.manifest import manifest_of
@@ -451,7 +451,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
+        interpolation: Interpolation = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float64,
@@ -464,7 +464,9 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        resolution, bounds, transform, shape, quantity, method, light, z_factor, dtype, threads
+        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor, dtype
+            As for `Surface.raster`.
+        threads : int, optional
             As for `Surface.raster`.
         progress : callable, optional
             Called with the fraction of the pixels done.
@@ -499,7 +501,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
             transform=transform,
             shape=shape,
             quantity=quantity,
-            method=method,
+            interpolation=interpolation,
             light=light,
             z_factor=z_factor,
             dtype=dtype,
@@ -516,7 +518,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
+        interpolation: Interpolation = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float32,
@@ -531,7 +533,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ----------
         path : path
             Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, method, light, z_factor
+        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor
             As for `Surface.raster`.
         dtype : {"float32", "float64"}
             Type of the values; heights are rounded once.
@@ -577,7 +579,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
             transform=transform,
             shape=shape,
             quantity=quantity,
-            method=method,
+            interpolation=interpolation,
             light=light,
             z_factor=z_factor,
             dtype=dtype,
@@ -592,7 +594,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         levels: ArrayLike | None = None,
         *,
         interval: float | None = None,
-        base: float = 0.0,
+        contour_base: float = 0.0,
         index_every: int = 5,
     ) -> Contours:
         """Compute lines of equal height, reading one shard after the other.
@@ -601,7 +603,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, base, index_every
+        levels, interval, contour_base, index_every
             As for `Surface.contours`.
 
         Returns
@@ -626,7 +628,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> slope.contours([2])[0].points.tolist()
         [[1.0, 3.0], [1.0, 0.0]]
         """
-        return surface_lines.contour_lines(self, levels, interval, base, index_every)
+        return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
 
 
 def open_tiled(folder: str | os.PathLike[str]) -> Tiled:
@@ -660,7 +662,7 @@ def open_tiled(folder: str | os.PathLike[str]) -> Tiled:
     >>> liftmesh.tile([[0, 0], [1, 0], [0, 1]], folder)
     <Tiled: 1 triangles over 3 rows in 1 shards>
     >>> open_tiled(folder).convex_hull.tolist()
-    [[0, 1], [1, 2], [2, 0]]
+    [0, 1, 2]
     """
     folder = Path(as_folder("folder", folder))
     manifest = manifest_of(folder)

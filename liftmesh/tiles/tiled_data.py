@@ -66,9 +66,8 @@ class TiledData(FrozenResult):
 
     @property
     def convex_hull(self) -> Integers:
-        """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
-        hull = array_of(self, "hull.npy", np.int64, self.manifest["hull"])
-        return np.stack([hull, np.roll(hull, -1)], axis=1)
+        """The rows on the convex hull, (h,) int64, as of a `Triangulation`; mapped."""
+        return array_of(self, "hull.npy", np.int64, self.manifest["hull"])
 
     @cached_property
     def _digests(self) -> dict[str, str]:
@@ -215,12 +214,12 @@ def report_of(tiled: TiledData) -> Report:
     order = np.argsort(left_out, kind="stable")
     representatives = np.concatenate([pairs[:, 1], np.full_like(skipped, -1)])
     return Report(
-        rows=tiled.npoints,
-        used=tiled.npoints - len(left_out),
-        duplicates=len(pairs),
-        overhangs=0,
-        skipped=len(skipped),
-        triangles=tiled.nsimplex,
+        n_rows=tiled.npoints,
+        n_used=tiled.npoints - len(left_out),
+        n_duplicates=len(pairs),
+        n_overhangs=0,
+        n_skipped=len(skipped),
+        n_triangles=tiled.nsimplex,
         policy="first",
         seconds={},
         left_out=left_out[order],
@@ -234,8 +233,8 @@ def surface_report(tiled: TiledSurfaceData) -> Report:
     overhangs = int(said["overhangs"])
     return replace(
         report,
-        duplicates=report.duplicates - overhangs,
-        overhangs=overhangs,
+        n_duplicates=report.n_duplicates - overhangs,
+        n_overhangs=overhangs,
         policy=said["on_duplicate"],
         columns=tiled.schema.columns,
         color_depth=tiled.schema.color_depth,

@@ -12,11 +12,11 @@ from math import isqrt
 from typing import Any
 
 import numpy as np
-
-import liftmesh
 from growth.cells import CELLS
 from growth.counting import Work
 from growth.families import FEW, named, random
+
+import liftmesh
 
 Disks = np.ndarray
 
@@ -143,10 +143,10 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",), FEW
     yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far"), FEW
-    for name in CELLS:
+    for name in (*CELLS, "sides"):
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
-    for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
+    for method in (kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
     yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)

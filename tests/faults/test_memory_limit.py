@@ -79,7 +79,7 @@ SWEEP = """
     run = runs[verb]
 
     def small():
-        return liftmesh.triangulate(few).report.triangles
+        return liftmesh.triangulate(few).report.n_triangles
 
     small()
     expected, before = run().copy(), None

@@ -38,7 +38,8 @@ def check(tiled: TiledSurface, expected: Surface) -> None:
     ours, theirs = (ordered(_turned(each)) for each in (tiled.to_array(), expected.faces))
     assert np.array_equal(ours, theirs)
     one, other = tiled.report, expected.report
-    for name in ("rows", "used", "duplicates", "overhangs", "skipped", "triangles", "policy"):
+    counts = ("rows", "used", "duplicates", "overhangs", "skipped", "triangles")
+    for name in (*(f"n_{each}" for each in counts), "policy"):
         assert getattr(one, name) == getattr(other, name), name
     assert (one.columns, one.color_depth) == (other.columns, other.color_depth)
     assert one.left_out.dtype == one.representatives.dtype == np.int64

@@ -118,7 +118,7 @@ def test_files_without_classes_and_empty_ones_go_with_ground(folder: Path) -> No
     (folder / "none.las").write_bytes(tile(150, []))
     words = ("a.las", "marks.csv", "none.las", "t.ply", "--json")
     report = json.loads(command("triangulate", *words, cwd=folder).stdout)
-    assert (report["rows"], "ground" in report["selection"]) == (40, False)
+    assert (report["n_rows"], "ground" in report["selection"]) == (40, False)
 
 
 def test_commands_say_the_classes(folder: Path) -> None:

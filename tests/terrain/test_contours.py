@@ -235,8 +235,8 @@ class TestLevels:
     def test_multiples_are_decimal(self) -> None:
         lines = liftmesh.triangulate(self.SLOPE).contours(interval=0.1)
         assert lines.levels.tolist() == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
-        assert lines.index.tolist() == [level in {0.5, 1.0} for level in lines.levels]
-        assert all(each.index == (each.level in {0.5, 1.0}) for each in lines)
+        assert lines.is_index.tolist() == [level in {0.5, 1.0} for level in lines.levels]
+        assert all(each.is_index == (each.level in {0.5, 1.0}) for each in lines)
 
     def test_heights_of_no_face_make_no_level(self) -> None:
         points = meadow()
@@ -272,14 +272,16 @@ class TestLevels:
             np.testing.assert_array_equal(surface.contours(interval=1.25).levels, expected.levels)
 
     def test_multiples_are_counted_from_the_base(self) -> None:
-        lines = liftmesh.triangulate(self.SLOPE).contours(interval=0.3, base=0.05, index_every=2)
+        lines = liftmesh.triangulate(self.SLOPE).contours(
+            interval=0.3, contour_base=0.05, index_every=2
+        )
         assert lines.levels.tolist() == [0.35, 0.65, 0.95]
-        assert lines.index.tolist() == [False, True, False]
+        assert lines.is_index.tolist() == [False, True, False]
 
     def test_levels_ascend_each_once(self) -> None:
         lines = liftmesh.triangulate(self.SLOPE).contours([0.5, 0.2, 0.5, 7.0])
         assert lines.levels.tolist() == [0.2, 0.5]
-        assert not lines.index.any()
+        assert not lines.is_index.any()
 
     def test_short_lines_are_left_out(self) -> None:
         lines = rolling().contours(interval=5)
@@ -302,7 +304,11 @@ class TestLevels:
         assert len(found) == len(expected)
         np.testing.assert_array_equal(found.lengths, lines.lengths[taken])
         for one, other in zip(found, expected, strict=True):
-            assert (one.level, one.closed, one.index) == (other.level, other.closed, other.index)
+            assert (one.level, one.closed, one.is_index) == (
+                other.level,
+                other.closed,
+                other.is_index,
+            )
             np.testing.assert_array_equal(one.points, other.points)
 
     @pytest.mark.parametrize("height", [1.7e308, 5e-324, 1e-300])
@@ -321,7 +327,7 @@ class TestLevels:
             ({"interval": 0}, "interval is 0: give a positive height"),
             ({"interval": -1}, "positive"),
             ({"interval": np.nan}, "interval is nan: give a finite"),
-            ({"interval": 1, "base": "sea"}, "base is 'sea'"),
+            ({"interval": 1, "contour_base": "sea"}, "contour_base is 'sea'"),
             ({"interval": 1e-9}, "levels: give a larger one"),
             ({"interval": 1, "index_every": 0}, "index_every"),
             ({"levels": [np.inf]}, "finite heights"),
@@ -362,7 +368,7 @@ class TestResult:
         for feature, line in zip(tree["features"], lines, strict=True):
             assert feature["properties"] == {
                 "height": line.level,
-                "index": line.index,
+                "index": line.is_index,
                 "closed": line.closed,
             }
             assert feature["geometry"]["type"] == "LineString"
@@ -401,7 +407,7 @@ class TestResult:
         assert (kind, size) == ("geopackage", path.stat().st_size)
         frame = geopandas.read_file(path, layer="contours")
         assert frame["height"].tolist() == lines.levels.tolist()
-        assert frame["index"].tolist() == lines.index.tolist()
+        assert frame["index"].tolist() == lines.is_index.tolist()
         for shape, line in zip(frame.geometry, lines, strict=True):
             assert [*map(list, shape.coords)] == line.points.tolist()
         assert (None if crs is None else frame.crs.to_epsg()) == (crs and 25832)

@@ -145,7 +145,7 @@ def test_large_offsets_leave_no_gap() -> None:
     surface = liftmesh.triangulate(with_heights(planar))
     found = surface.raster(0.001)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers()))
-    corners = surface.triangulation.points[surface.triangulation.convex_hull[:, 0]]
+    corners = surface.triangulation.points[surface.triangulation.convex_hull]
     inside = np.prod(found.values.shape) * 0.5
     assert np.isfinite(found.values).sum() > inside
     assert len(corners) >= 3
@@ -358,10 +358,10 @@ def test_the_layout_covers_the_surface() -> None:
 def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 50)  # several blocks of rows
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
-    found = surface.raster(0.05, method=method)
+    found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
     with pytest.raises(liftmesh.InputError, match="leave out method"):
-        surface.raster(0.05, method=method, quantity="slope")
+        surface.raster(0.05, interpolation=method, quantity="slope")
 
 
 def test_a_transform_of_rasterio_is_taken() -> None:

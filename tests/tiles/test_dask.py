@@ -102,7 +102,7 @@ def test_the_bytes_are_those_of_one_process(
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
-    assert found.report.used == len(POINTS)
+    assert found.report.n_used == len(POINTS)
     again = liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)  # the current client
     assert again.manifest == found.manifest
 

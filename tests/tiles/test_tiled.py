@@ -51,8 +51,8 @@ def check(tiled: Tiled, points: Points = POINTS) -> None:
 def check_report(tiled: Tiled) -> None:
     """Every row is a vertex, a duplicate of one, or skipped."""
     report, used = tiled.report, np.unique(tiled.to_array())
-    assert report.rows == report.used + report.duplicates + report.skipped
-    assert (report.used, report.triangles, report.overhangs) == (len(used), tiled.nsimplex, 0)
+    assert report.n_rows == report.n_used + report.n_duplicates + report.n_skipped
+    assert (report.n_used, report.n_triangles, report.n_overhangs) == (len(used), tiled.nsimplex, 0)
     assert np.array_equal(np.sort(np.r_[used, report.left_out]), np.arange(tiled.npoints))
     assert np.array_equal(report.left_out, np.sort(report.left_out))
     is_skipped = report.representatives < 0

@@ -53,7 +53,7 @@ READINGS: dict[str, tuple[str, Callable[[Any], Any]]] = {
     "meshes": ("-vertices", lambda tiled: [*tiled.iter_meshes()]),
     "raster": ("-vertices", lambda tiled: tiled.raster(0.1)),
     "raster of faces": ("-faces", lambda tiled: tiled.raster(0.1)),
-    "sibson": ("-vertices", lambda tiled: tiled.raster(0.3, method="sibson")),
+    "sibson": ("-vertices", lambda tiled: tiled.raster(0.3, interpolation="sibson")),
     "contours": ("-vertices", lambda tiled: tiled.contours([0.5])),
     "contours of faces": ("-faces", lambda tiled: tiled.contours([0.5])),
     "hull": ("hull", lambda tiled: tiled.convex_hull),
@@ -139,11 +139,14 @@ def everything(folder: Path) -> None:
     """Ask a folder for all that it has; what is wrong with it may only be told as such."""
     with suppress(LiftmeshError, OSError, MemoryError):
         tiled = liftmesh.open_tiled(folder)
-        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.compute]
+        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.to_array]
         calls += [tiled.neighbors_to_array, lambda: tiled.verify(POINTS, threads=1)]
         if isinstance(tiled, TiledSurface):
             calls += [lambda: tiled.raster(0.25), lambda: [*tiled.iter_meshes()]]
-            calls += [lambda: tiled.contours([0.5]), lambda: tiled.raster(0.5, method="sibson")]
+            calls += [
+                lambda: tiled.contours([0.5]),
+                lambda: tiled.raster(0.5, interpolation="sibson"),
+            ]
         for call in calls:
             with suppress(LiftmeshError, OSError, MemoryError):
                 call()
