@@ -63,7 +63,7 @@ def apollonius(
     nonfinite : {"error", "skip"}, default "error"
         Rows whose centre or radius is NaN or infinite raise, or are skipped and listed.
     progress : callable, optional
-        As for `delaunay`; called with 0.0 to 1.0.
+        As for `delaunay`.
 
     Returns
     -------
@@ -115,6 +115,8 @@ def apollonius(
         }
         skipped = np.flatnonzero(~are_finite(disks)).astype(np.int32)
         arrays |= of_rows | {"skipped": skipped}
+    if progress is not None:
+        progress(1.0)
     return ApolloniusGraph(disks[:, :2], disks[:, 2], **arrays)
 
 
