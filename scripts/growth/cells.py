@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 from distributions import Points, polar
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.functions import EXACT, PLAIN, on_points
 from growth.planar import PLANAR
 from growth.weighted import FEW, weights_of
+
+import liftmesh
 from liftmesh.optional import load
 
 CELLS = ("areas", "centroids", "corner_kinds", "corner_sources", "empty", "neighbors", "not_simple",
