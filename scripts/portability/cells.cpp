@@ -1,5 +1,3 @@
-#include "cells.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
@@ -9,6 +7,7 @@
 #include "cells/regions.hpp"
 #include "cells/spokes.hpp"
 #include "delaunay/delaunay.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "rows.hpp"
 

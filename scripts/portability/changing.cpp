@@ -1,9 +1,8 @@
-#include "changing.hpp"
-
 #include <algorithm>
 #include <vector>
 
 #include "dynamic/triangulation.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "simplification/simplify.hpp"
 

@@ -1,10 +1,9 @@
-#include "disk_graphs.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "disk_arrays.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "rows.hpp"
 #include "stars.hpp"

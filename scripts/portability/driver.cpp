@@ -14,17 +14,9 @@
 #include <vector>
 
 #include "base/floating_point.hpp"
-#include "cells.hpp"
-#include "changing.hpp"
 #include "digest.hpp"
-#include "disk_graphs.hpp"
-#include "family.hpp"
-#include "meshes.hpp"
+#include "kinds.hpp"
 #include "rows.hpp"
-#include "signs.hpp"
-#include "surfaces.hpp"
-#include "text.hpp"
-#include "tiles.hpp"
 
 namespace portability {
 

@@ -1,5 +1,3 @@
-#include "family.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -8,6 +6,7 @@
 #include "delaunay/farthest.hpp"
 #include "delaunay/locate.hpp"
 #include "delaunay/regular.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "rows.hpp"
 #include "verify/verify.hpp"

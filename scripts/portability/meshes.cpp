@@ -1,5 +1,3 @@
-#include "meshes.hpp"
-
 #include <cmath>
 #include <vector>
 
@@ -7,6 +5,7 @@
 #include "delaunay/locate.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "paper/counts.hpp"
 #include "rows.hpp"

@@ -1,7 +1,6 @@
-#include "signs.hpp"
-
 #include <algorithm>
 
+#include "kinds.hpp"
 #include "predicates/compare_heights.hpp"
 #include "predicates/edge_incircle.hpp"
 #include "predicates/incircle.hpp"

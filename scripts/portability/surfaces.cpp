@@ -1,5 +1,3 @@
-#include "surfaces.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -7,6 +5,7 @@
 
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
+#include "kinds.hpp"
 #include "never.hpp"
 #include "rows.hpp"
 #include "surface/contours.hpp"

@@ -1,5 +1,3 @@
-#include "text.hpp"
-
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -7,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "kinds.hpp"
 #include "never.hpp"
 #include "text/lines.hpp"
 #include "text/parsing.hpp"

@@ -1,10 +1,9 @@
-#include "tiles.hpp"
-
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "kinds.hpp"
 #include "never.hpp"
 #include "rows.hpp"
 #include "tiles/frontier.hpp"

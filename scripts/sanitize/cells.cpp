@@ -1,8 +1,6 @@
 // Rows that change between the triangulation and the clipping may be anything but finite numbers:
 // the kernel may refuse them, but must not read beyond its arrays.
 
-#include "cells.hpp"
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -13,6 +11,8 @@
 #include "cells/diagram.hpp"
 #include "cells/regions.hpp"
 #include "cells/spokes.hpp"
+#include "checks.hpp"
+#include "patient.hpp"
 
 namespace parallel {
 
@@ -20,15 +20,6 @@ namespace {
 
 using liftmesh::Dual;
 using liftmesh::Point;
-
-class Patient final : public liftmesh::Interrupt {
- public:
-    explicit Patient(std::size_t polls) : left_(polls) {}
-    bool requested() override { return left_ == 0 || --left_ == 0; }
-
- private:
-    std::size_t left_;
-};
 
 Dual dual_of(const std::vector<Point>& points, const liftmesh::Result& mesh) {
     return {points.data(),        nullptr,

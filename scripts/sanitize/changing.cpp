@@ -1,12 +1,12 @@
-#include "changing.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <thread>
 
+#include "checks.hpp"
 #include "dynamic/triangulation.hpp"
+#include "never.hpp"
 #include "patient.hpp"
 #include "simplification/simplify.hpp"
 
@@ -17,36 +17,17 @@ namespace {
 using liftmesh::Point;
 using liftmesh::Vertex;
 
-class Never final : public liftmesh::Interrupt {
- public:
-    bool requested() override { return false; }
-};
-
-void demand(bool condition, const Cloud& cloud, const char* what) {
-    if (condition) return;
-    std::fprintf(stderr, "%s: %s\n", cloud.name.c_str(), what);
-    std::exit(1);
-}
-
-std::vector<Point> finite(const Cloud& cloud, std::size_t most) {
-    std::vector<Point> points;
-    for (Point p : cloud.points)
-        if (liftmesh::is_finite(p) && points.size() < most)
-            points.push_back({p.x + 0.0, p.y + 0.0});
-    return points;
-}
-
 std::size_t fresh_triangles(const liftmesh::dynamic::Triangulation& mesh) {
     std::vector<Point> present;
     for (Vertex v = 0; v < mesh.vertex_end(); ++v)
         if (mesh.is_present(v)) present.push_back(mesh.point(v));
-    Never never;
+    native::Never never;
     const auto input = liftmesh::dynamic::input_of(present);
     return liftmesh::delaunay(input, false, {}, never).result.triangle_count;
 }
 
 void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
-    Never never;
+    native::Never never;
     liftmesh::dynamic::Triangulation mesh;
     std::vector<Vertex> found(points.size());
     const std::size_t half = points.size() / 2;
@@ -64,7 +45,7 @@ void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
 
 // Few triangles within a bound: to the end and interrupted; not of points on a line.
 void simplified(const Cloud& cloud, const std::vector<Point>& points) {
-    Never never;
+    native::Never never;
     const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
     if (whole.status != liftmesh::Status::ok) return;
     std::vector<double> heights;

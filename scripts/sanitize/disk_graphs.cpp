@@ -1,11 +1,10 @@
-#include "disk_graphs.hpp"
-
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <thread>
 #include <vector>
 
+#include "checks.hpp"
 #include "disk_arrays.hpp"
 #include "patient.hpp"
 #include "stars.hpp"
@@ -19,20 +18,6 @@ using liftmesh::Status;
 using liftmesh::anisotropic::Metric;
 using native::Disk;
 using native::DiskArrays;
-
-void demand(bool condition, const Cloud& cloud, const char* what) {
-    if (condition) return;
-    std::fprintf(stderr, "FIND: %s: %s\n", cloud.name.c_str(), what);
-    std::exit(1);
-}
-
-std::vector<Point> finite(const Cloud& cloud, std::size_t most) {
-    std::vector<Point> points;
-    for (const Point p : cloud.points)
-        if (liftmesh::is_finite(p) && points.size() < most)
-            points.push_back({p.x + 0.0, p.y + 0.0});
-    return points;
-}
 
 // Every third radius is 0; of the others, some disks are within others.
 std::vector<Disk> disks_around(const std::vector<Point>& points) {

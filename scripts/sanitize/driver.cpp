@@ -16,19 +16,13 @@
 #include <thread>
 #include <vector>
 
-#include "cells.hpp"
-#include "changing.hpp"
+#include "checks.hpp"
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "disk_graphs.hpp"
-#include "family.hpp"
 #include "hull/gift_wrapping.hpp"
 #include "paper/counts.hpp"
-#include "spoilt.hpp"
-#include "surfaces.hpp"
-#include "text.hpp"
-#include "tiles.hpp"
+#include "patient.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {
@@ -39,27 +33,8 @@ using liftmesh::Delaunay;
 using liftmesh::Status;
 using liftmesh::Threads;
 
-// Ends a run when it is asked for the n-th time, and is told how far the run has come.
-class Watched final : public liftmesh::Interrupt {
- public:
-    explicit Watched(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
-    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
-    void expect(std::size_t work) override { expected_ = work; }
-    void advance(std::size_t work) override { done_ += work; }
-
- private:
-    std::size_t patience_, asked_ = 0, expected_ = 0;
-    std::atomic<std::size_t> done_ = 0;
-};
-
-void demand(bool condition, const Cloud& cloud, const char* what) {
-    if (condition) return;
-    std::fprintf(stderr, "FIND: %s: %s\n", cloud.name.c_str(), what);
-    std::exit(1);
-}
-
 Delaunay run(const Cloud& cloud, Threads threads, std::size_t patience = ~std::size_t{0}) {
-    Watched interrupt(patience);
+    Patient interrupt(patience);
     return liftmesh::delaunay(cloud.input(), true, threads, interrupt);
 }
 
@@ -98,7 +73,7 @@ void at_the_same_time(const Cloud& cloud, const Delaunay& alone) {
 
 void verified(const Cloud& cloud, const std::vector<std::int32_t>& corners, std::size_t vertices) {
     const auto verdict = [&](unsigned threads, std::size_t patience) {
-        Watched interrupt(patience);
+        Patient interrupt(patience);
         return liftmesh::verify(cloud.input(), corners.data(), corners.size() / 3, true,
                                 {threads, false}, interrupt);
     };
@@ -142,7 +117,7 @@ void located(const Cloud& cloud, const Delaunay& found) {
                               count);
     const auto answers = [&](unsigned threads, std::size_t patience) {
         std::vector<std::int32_t> at(count);
-        Watched interrupt(patience);
+        Patient interrupt(patience);
         if (!locator.find({asked.data(), count}, at.data(), {threads, false}, interrupt)) at = {};
         return at;
     };
@@ -158,7 +133,7 @@ void located(const Cloud& cloud, const Delaunay& found) {
 
 // The other engines arrange their points on several threads.
 void arranged(const Cloud& cloud) {
-    Watched interrupt(40);  // not the wrapping
+    Patient interrupt(40);  // not the wrapping
     liftmesh::paper::Counts counts;
     liftmesh::wrap_delaunay(cloud.input(), true, liftmesh::Procedure::lfres_indexed, {0, 0},
                             {4, false}, interrupt, counts);

@@ -1,5 +1,3 @@
-#include "family.hpp"
-
 #include <atomic>
 #include <cmath>
 #include <cstdio>
@@ -8,9 +6,11 @@
 #include <functional>
 #include <random>
 
+#include "checks.hpp"
 #include "delaunay/farthest.hpp"
 #include "delaunay/locate.hpp"
 #include "delaunay/regular.hpp"
+#include "patient.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {
@@ -22,21 +22,9 @@ using liftmesh::Regular;
 using liftmesh::Status;
 using liftmesh::Threads;
 
-class Limited final : public liftmesh::Interrupt {
- public:
-    explicit Limited(std::size_t patience = ~std::size_t{0}) : patience_(patience) {}
-    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
-    void advance(std::size_t work) override { done_ += work; }
-
- private:
-    std::size_t patience_, asked_ = 0;
-    std::atomic<std::size_t> done_ = 0;
-};
-
 void demand(bool condition, const Cloud& cloud, const char* member, const char* what) {
-    if (condition) return;
-    std::fprintf(stderr, "FIND: %s, %s: %s\n", cloud.name.c_str(), member, what);
-    std::exit(1);
+    if (!condition) std::fprintf(stderr, "FIND: %s: ", member);
+    parallel::demand(condition, cloud, what);
 }
 
 bool same(const Regular& a, const Regular& b) {
@@ -56,7 +44,7 @@ bool locate(const liftmesh::Question& question, Threads threads) {
                                  sizeof(liftmesh::Point), sizeof(double), false};
     liftmesh::Locator locator({points, question.simplices, question.neighbors, question.count},
                               question.queried);
-    Limited interrupt;
+    Patient interrupt;
     return locator.find({reinterpret_cast<const double*>(question.queries), question.queried},
                         question.found, threads, interrupt);
 }
@@ -64,7 +52,7 @@ bool locate(const liftmesh::Question& question, Threads threads) {
 void verified(const Cloud& cloud, const char* name, const Member& member, const Regular& found) {
     for (const unsigned limit : {1u, 4u}) {
         const Threads threads{limit, false};
-        Limited interrupt;
+        Patient interrupt;
         const auto ask = [&](const liftmesh::Question& question) {
             return locate(question, threads);
         };
@@ -82,7 +70,7 @@ using Run = std::function<Regular(Threads, liftmesh::Interrupt&)>;
 
 void check(const Cloud& cloud, const char* name, const Member& member, const Run& run) {
     const auto with = [&](unsigned threads, std::size_t patience) {
-        Limited interrupt(patience);
+        Patient interrupt(patience);
         return run({threads, false}, interrupt);
     };
     const Regular alone = with(1, ~std::size_t{0});

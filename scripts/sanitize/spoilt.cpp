@@ -1,8 +1,6 @@
 // Triangulations of rows that are written meanwhile: what comes out need not be the triangulation
 // of either state, but is one of points that each were one reading of a row.
 
-#include "spoilt.hpp"
-
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "checks.hpp"
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
 #include "spoiler.hpp"

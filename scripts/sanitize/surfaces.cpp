@@ -1,8 +1,6 @@
 // Heights, gradients, rasters, contours, rings and volumes of one surface, by one thread and by
 // many.
 
-#include "surfaces.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "checks.hpp"
 #include "delaunay/locate.hpp"
 #include "patient.hpp"
 #include "spoiler.hpp"

@@ -1,8 +1,6 @@
 // Random rows are printed and parsed again, on one thread and on several; runs are left in their
 // middle. Each text stands in memory of its own size: a read beyond its end is seen.
 
-#include "text.hpp"
-
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +13,7 @@
 #include <string_view>
 #include <vector>
 
+#include "checks.hpp"
 #include "never.hpp"
 #include "text/lines.hpp"
 #include "text/number.hpp"

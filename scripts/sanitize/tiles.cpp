@@ -1,5 +1,3 @@
-#include "tiles.hpp"
-
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
@@ -8,6 +6,8 @@
 #include <span>
 #include <vector>
 
+#include "checks.hpp"
+#include "patient.hpp"
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
 #include "tiles/reach.hpp"
@@ -28,21 +28,6 @@ using liftmesh::Territory;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr Box everywhere = {{-infinity, -infinity}, {infinity, infinity}};
-
-class Patient final : public liftmesh::Interrupt {
- public:
-    explicit Patient(std::size_t patience) : patience_(patience) {}
-    bool requested() override { return asked_ >= patience_ || ++asked_ >= patience_; }
-
- private:
-    std::size_t patience_, asked_ = 0;
-};
-
-void demand(bool condition, const Cloud& cloud, const char* what) {
-    if (condition) return;
-    std::fprintf(stderr, "FIND: %s, tiles: %s\n", cloud.name.c_str(), what);
-    std::exit(1);
-}
 
 Node merged(std::span<const Record> records, std::span<const RimEdge> rim,
             const Territory& territory, unsigned threads, std::size_t patience) {
