@@ -48,3 +48,13 @@ def run_kinds(
         worst = f", {max(errors):.1e} at worst" if errors else ""
         seconds = time.process_time() - began
         print(f"{kind:10} {options.count:,} {cases}{worst}, {seconds:.0f} s", flush=True)
+
+
+def with_part(page: str, name: str, part: str) -> str:
+    """Replace what stands between the two markers of a name on a page."""
+    begin, end = (f"<!-- {name}: {word} -->" for word in ("begin", "end"))
+    head, found, rest = page.partition(begin)
+    _, closed, tail = rest.partition(end)
+    if not (found and closed):
+        raise SystemExit(f"the page lacks the markers {begin} and {end}")
+    return f"{head}{begin}\n{part}\n{end}{tail}"

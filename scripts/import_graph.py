@@ -22,6 +22,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import grimp
+from campaign import with_part
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "ARCHITECTURE.md"
@@ -147,12 +148,7 @@ def mermaid(graph: Graph) -> str:
 
 def with_graph(text: str, name: str, graph: Graph) -> str:
     """Replace what stands between the two markers of a name."""
-    begin, end = (f"<!-- {name}: {word} -->" for word in ("begin", "end"))
-    head, found, rest = text.partition(begin)
-    _, closed, tail = rest.partition(end)
-    if not (found and closed):
-        raise SystemExit(f"the page lacks the markers {begin} and {end}")
-    return f"{head}{begin}\n{mermaid(reduced(graph))}\n{end}{tail}"
+    return with_part(text, name, mermaid(reduced(graph)))
 
 
 def main(words: list[str] | None = None, page: Path = PAGE, package: Path = PACKAGE) -> int:

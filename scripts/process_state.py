@@ -5,6 +5,7 @@ from __future__ import annotations
 import gc
 import os
 import re
+import resource
 import signal
 import subprocess
 import time
@@ -93,3 +94,9 @@ def memory(field: str) -> int:
         if line.startswith(field):
             return int(line.split()[1]) * 1024
     raise OSError(f"/proc/self/status has no {field}: memory can be measured on Linux only")
+
+
+def limit_memory(room: int) -> None:
+    """Limit the address space to what is in use and some room."""
+    most = memory("VmSize") + room
+    resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))

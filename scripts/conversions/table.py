@@ -7,11 +7,13 @@ from itertools import groupby
 from pathlib import Path
 from typing import Any
 
+from campaign import with_part
 from conversions.comparing import CRS, FACES, PRECISION, ROWS
 from conversions.objects import objects
 from conversions.passages import Passage, files
 from conversions.probing import BY_VALUE, COLORS, NAMES, OWN, ROUNDED_TYPE, Kept, kept_by
 from conversions.read_only import read_only
+
 from liftmesh.io.registry import FORMATS
 
 PAGE = Path(__file__).resolve().parents[2] / "FORMATS.md"
@@ -45,12 +47,7 @@ def page(text: str) -> str:
         The page lacks a marker.
     """
     for name, table in tables().items():
-        begin, end = (f"<!-- {name}: {word} -->" for word in ("begin", "end"))
-        head, found, rest = text.partition(begin)
-        _, closed, tail = rest.partition(end)
-        if not (found and closed):
-            raise SystemExit(f"the page lacks the markers {begin} and {end}")
-        text = f"{head}{begin}\n{table}\n{end}{tail}"
+        text = with_part(text, name, table)
     return text
 
 

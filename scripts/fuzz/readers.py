@@ -11,11 +11,9 @@ from __future__ import annotations
 
 import gc
 import random
-import resource
 import shlex
 import sys
 import warnings
-from pathlib import Path
 from types import FunctionType
 from typing import Any
 
@@ -23,6 +21,7 @@ from fuzz import text_numbers
 from fuzz.mutator import LineMutator, vocabulary
 from fuzz.round_trip import outcome
 from fuzz.targets import KINDS
+from process_state import limit_memory
 
 try:
     import atheris
@@ -47,7 +46,7 @@ def main() -> None:
     )  # NumPy's, about values that do not fit the types of a broken header
     instrument()
     atheris.Setup(sys.argv, lambda data: tried(data, kind), **mutator_options(kind))
-    limit_memory()
+    limit_memory(ROOM)
     atheris.Fuzz()
 
 
@@ -85,13 +84,6 @@ def instrument() -> None:
     for each in gc.get_objects():
         if isinstance(each, FunctionType) and (each.__module__ or "").startswith(COUNTED):
             atheris.instrument_func(each)
-
-
-def limit_memory() -> None:
-    """Limit the address space to what is in use plus `ROOM`."""
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    most = pages * resource.getpagesize() + ROOM
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 if __name__ == "__main__":

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import subprocess
 import sys
 from collections.abc import Callable
@@ -23,6 +22,7 @@ from pathlib import Path
 from files import stream_of
 from growth.counting import ALONE
 from growth.subjects import FILES, content
+from process_state import limit_memory, memory
 
 MOST_PER_BYTE = 20
 FIXED = 16_000_000
@@ -90,7 +90,7 @@ def _size(data: bytes) -> float:
 
 def measured(kind: str, families: list[str], *, chunks: bool, size: int = SIZE) -> list[Held]:
     """Read files of the families of a format, each in a process of its own."""
-    words = [sys.executable, str(HERE / "reads.py"), json.dumps([kind, families, chunks, size])]
+    words = [sys.executable, str(HERE / "worker.py"), json.dumps([kind, families, chunks, size])]
     done = subprocess.run(
         words, capture_output=True, text=True, env=os.environ | ALONE, check=False
     )
@@ -153,15 +153,8 @@ def forked(call: Callable[[], str], limit: int | None) -> tuple[int, str]:
 
 def limited(call: Callable[[], str], limit: int | None) -> tuple[int, str]:
     """Make a call with a limit on what it may add to the address space."""
-    before = status("VmRSS")
+    before = memory("VmRSS")
     if limit is not None:
-        most = status("VmSize") + limit
-        resource.setrlimit(resource.RLIMIT_AS, (most, resource.RLIM_INFINITY))
+        limit_memory(limit)
     outcome = call()
-    return status("VmHWM") - before, outcome
-
-
-def status(key: str) -> int:
-    """Return one of the sizes of this process that the system knows, in bytes."""
-    with Path("/proc/self/status").open() as lines:
-        return next(int(line.split()[1]) * 1024 for line in lines if line.startswith(f"{key}:"))
+    return memory("VmHWM") - before, outcome

@@ -19,6 +19,7 @@ import numpy as np
 from files import stream_of
 from fuzz.round_trip import READ_BACK, FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
+from process_state import memory
 
 from liftmesh import Cloud, DataWarning, FormatError, InputError, read, read_chunks, write
 from liftmesh.io.registry import find_format
@@ -74,7 +75,7 @@ def _measured(case: Case) -> tuple[float, int, str]:
         pass
     except Exception as error:  # noqa: BLE001 - this is what is looked for
         fault = _described(error)
-    return time.process_time() - began, max(_status("VmHWM") - before, 0), fault
+    return time.process_time() - began, max(memory("VmHWM") - before, 0), fault
 
 
 def _broken(case: Case) -> str:
@@ -173,10 +174,4 @@ def _start_of_peak() -> int:
     """Let the peak of resident memory begin anew; return the present value."""
     with open("/proc/self/clear_refs", "w") as file:  # noqa: PTH123 - not a file
         file.write("5")
-    return _status("VmRSS")
-
-
-def _status(key: str) -> int:
-    with open("/proc/self/status", "rb") as lines:  # noqa: PTH123 - not a file
-        found = next(line for line in lines if line.startswith(key.encode()))
-    return int(found.split()[1]) * 1024
+    return memory("VmRSS")

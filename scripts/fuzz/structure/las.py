@@ -9,7 +9,7 @@ import laspy
 import numpy as np
 from files.las import encoded, records
 from fuzz.structure.case import Case, Points, in_order, quarters, told
-from fuzz.structure.parts import Chance, Part
+from fuzz.structure.parts import Chance, Part, damaged
 from growth.files.lidar import nodes_of_one_point
 
 LAS_WORDS = [b"LASF", b"LASF_Spec", b"LASF_Projection", b"laszip encoded", b"copc", b"x", b"red"]
@@ -88,15 +88,9 @@ def laz(chance: Chance) -> Case:
     data = _compressed(points, chance.randrange(11))
     if chance.one_in(4):
         return Case("laz", data, in_order(points))
-    damaged = bytearray(data)
-    for _ in range(chance.randint(1, 4)):
-        form = chance.choice(_COUNT_FORMS)
-        value = chance.whole() if form != "<d" else chance.real()
-        part = Part(value, form).encode()
-        place = chance.randrange(len(damaged) - len(part))
-        damaged[place : place + len(part)] = part
-    end = chance.randrange(len(damaged)) if chance.one_in(6) else len(damaged)
-    return Case("laz", bytes(damaged[:end]), content=TRACED)
+    spoilt = damaged(data, chance, _COUNT_FORMS)
+    end = chance.randrange(len(spoilt)) if chance.one_in(6) else len(spoilt)
+    return Case("laz", spoilt[:end], content=TRACED)
 
 
 def copc(chance: Chance) -> Case:

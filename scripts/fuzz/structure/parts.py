@@ -84,6 +84,18 @@ def encoded(parts: Sequence[Part]) -> bytes:
     return b"".join(part.encode() for part in parts)
 
 
+def damaged(data: bytes, chance: Chance, forms: Sequence[str]) -> bytes:
+    """Replace one to four numbers of a file, at any places."""
+    found = bytearray(data)
+    for _ in range(chance.randint(1, 4)):
+        form = chance.choice(forms)
+        value = chance.whole() if form != "<d" else chance.real()
+        part = Part(value, form).encode()
+        place = chance.randrange(len(found) - len(part))
+        found[place : place + len(part)] = part
+    return bytes(found)
+
+
 def words(text: str | bytes) -> list[Part]:
     """Split a line at its blanks into parts, the blanks between them included."""
     line = text.encode() if isinstance(text, str) else text

@@ -6,7 +6,7 @@ import numpy as np
 import rasterio
 from files.geotiff import geotiff as made
 from fuzz.structure.case import Case, Points, in_order, told
-from fuzz.structure.parts import Chance, Part
+from fuzz.structure.parts import Chance, damaged
 from fuzz.structure.text import line
 
 GRID_WORDS = [b"ncols", b"nrows", b"xllcenter", b"yllcenter", b"dx", b"dy", b"NODATA_value", b"nan"]
@@ -36,15 +36,9 @@ def geotiff(chance: Chance) -> Case:
     data = _written(heights, chance)
     if chance.one_in(4):
         return Case("tif", data, in_order(_points(heights)))
-    damaged = bytearray(data)
-    for _ in range(chance.randint(1, 4)):
-        form = chance.choice(_FORMS)
-        value = chance.whole() if form != "<d" else chance.real()
-        part = Part(value, form).encode()
-        place = chance.randrange(len(damaged) - len(part))
-        damaged[place : place + len(part)] = part
-    end = chance.randrange(len(damaged)) if chance.one_in(6) else len(damaged)
-    return Case("tif", bytes(damaged[:end]), content=EXPANDED)
+    spoilt = damaged(data, chance, _FORMS)
+    end = chance.randrange(len(spoilt)) if chance.one_in(6) else len(spoilt)
+    return Case("tif", spoilt[:end], content=EXPANDED)
 
 
 def _written(heights: Points, chance: Chance) -> bytes:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import json
 import os
 import re
-import resource
 import sys
 import tempfile
 import time
@@ -22,6 +21,7 @@ from fuzz.shrink import shrunk
 from fuzz.structure.case import Case
 from fuzz.structure.checks import check
 from fuzz.structure.generators import generated
+from process_state import limit_memory
 
 ROOM = 1 << 30
 SHRINKING = 10.0
@@ -105,16 +105,9 @@ def without_numbers(fault: str) -> str:
     return re.sub(r"'[^']*'|\[.*\]|_?[\da-f]{6}|[\d.]+", "", fault)[:120]
 
 
-def limit_memory() -> None:
-    """Limit the address space to what is in use plus `ROOM`."""
-    pages = int(Path("/proc/self/statm").read_text().split()[0])
-    most = pages * resource.getpagesize() + ROOM
-    resource.setrlimit(resource.RLIMIT_AS, (most, most))
-
-
 def run_file(path: Path) -> int:
     """Read one file, and print what is wrong with it."""
-    limit_memory()
+    limit_memory(ROOM)
     with tempfile.TemporaryFile() as printed:
         report = os.fdopen(os.dup(1), "w")
         for stream in (1, 2):
@@ -132,7 +125,7 @@ def main() -> None:
     report = os.fdopen(os.dup(1), "w")
     worker = Worker(Path(folder), report)
     worker.warm_up(names)
-    limit_memory()
+    limit_memory(ROOM)
     first = int(seed)
     worker.run(range(first, first + int(cases) * int(step), int(step)), names, float(seconds))
 
