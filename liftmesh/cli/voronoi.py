@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
 
-import typer
+import click
 
 from liftmesh.cli import inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream, option
-from liftmesh.cli.places import is_table
+from liftmesh.cli.options import argument, is_stream, option
+from liftmesh.cli.surfaces import is_table
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -33,9 +33,7 @@ def run(
     source: options.Source,
     target: Annotated[
         Path,
-        typer.Argument(
-            metavar="OUT", help="Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."
-        ),
+        argument("OUT", "Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."),
     ],
     domain: Annotated[
         str | None,
@@ -66,13 +64,12 @@ def run(
             float,
         ),
     ] = None,
-    input_format: options.InputFormat = None,
     output_format: Annotated[
-        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.")
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", panel="Output")
     ] = None,
     *,
     table: inputs.Table,
-    max_bytes: options.MaxBytes = None,
+    file: inputs.File,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
@@ -81,9 +78,8 @@ def run(
     _check_one(weights, radii, disks, max_deviation)
     kind = _kind(target, output_format)
     outputs.check_place(target)
-    planar = {"flat": None} if is_table(source, input_format) else {}
-    reading = {**planar, **table, "format": input_format, "max_bytes": max_bytes}
-    cloud = inputs.read(source, reading)
+    planar = {"flat": None} if is_table(source, file.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **table, **file})
     area, crs = _domain(domain, cloud)
     with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
         cells = _cells(cloud, area, weights, radii, disks, max_deviation)
@@ -97,9 +93,9 @@ def _check_one(
     weights: str | None, radii: str | None, disks: str | None, max_deviation: float | None
 ) -> None:
     if disks is not None and (weights is not None or radii is not None):
-        raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
+        raise click.BadParameter("--disks makes other cells than --weights and --radii: give one")
     if disks is None and max_deviation is not None:
-        raise typer.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
+        raise click.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:
@@ -108,7 +104,7 @@ def _kind(target: Path, name: str | None) -> str:
     if name is not None:
         return check_format(name)
     if is_stream(target):
-        raise typer.BadParameter(
+        raise click.BadParameter(
             "stdout has no suffix: give the format with --output-format geojson"
         )
     return format_of(target)
@@ -122,7 +118,7 @@ def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
         return box, cloud.crs
     path = Path(text).expanduser()
     if not path.exists():
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
     from liftmesh.cells.files import read_domain

@@ -1,8 +1,7 @@
 """Messages in the words of the command line: of wrong usage, and of what the library raises.
 
-*Wrong usage.* The words of typer, and of the libraries that it uses, change from version to
-version: here, the type of an exception and what it concerns decide; its text serves only to find
-what was typed.
+*Wrong usage.* The words of click change from version to version: here, the type of an exception
+and what it concerns decide; its text serves only to find what was typed.
 
 *Options.* The library names its own options in what it raises: ``band=`` becomes ``--band``. A name
 counts where it begins a word, so that folders such as ``tiles/band=2`` stay as they are.
@@ -109,10 +108,11 @@ def _about_words(text: str, context: Any) -> str:
     extra = re.search(r"argument.*? \((.*)\)", text)
     if extra:
         return f"unexpected {extra[1]!r}: {_usage(context)}"
-    typed, known = _quoted(text), getattr(context.command, "commands", None)
-    if typed is None or known is None:
+    typed = _quoted(text)
+    if typed is None or not hasattr(context.command, "list_commands"):
         return text
-    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), [*known])}"
+    known = context.command.list_commands(context)
+    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), known)}"
 
 
 def _about_value(error: Any) -> str:
@@ -136,8 +136,7 @@ def _quoted(text: str) -> str | None:
 
 
 def _choices(param: Any) -> Sequence[str]:
-    holder = getattr(param, "type_descriptor", None) or getattr(param, "type", None)
-    return [str(each) for each in getattr(holder, "choices", None) or ()]
+    return [str(each) for each in getattr(getattr(param, "type", None), "choices", None) or ()]
 
 
 def _name(param: Any) -> str:

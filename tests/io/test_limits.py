@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
 
+import click
 import numpy as np
 import pytest
-import typer
 
 import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError
@@ -88,7 +88,7 @@ def test_sizes(text: str, size: int) -> None:
 
 @pytest.mark.parametrize("text", ["", "0", "0G", "-1", "1.5G", "1_0", "٣", "G", "4Gi", "9" * 30])
 def test_texts_that_are_no_size(text: str) -> None:
-    with pytest.raises(typer.BadParameter, match="is not a size: give one as 500M or 4G"):
+    with pytest.raises(click.BadParameter, match="is not a size: give one as 500M or 4G"):
         options.size(text)
 
 
