@@ -33,6 +33,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "interrupt",
     "sweep",
     "soak",
+    "mutants.py",
 )
 
 

@@ -36,7 +36,7 @@ from .errors import (
 from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.write import Written as Written, write as write
+from .io.write import WriteResult as WriteResult, write as write
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
@@ -60,7 +60,7 @@ from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
-from .terrain.measures import Earthwork as Earthwork, Volume as Volume
+from .terrain.measures import CutFillResult as CutFillResult, VolumeResult as VolumeResult
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile

@@ -64,7 +64,6 @@ def main() -> None:
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--seconds", type=float, default=60)
@@ -121,7 +120,7 @@ def mark_in_tiles(points: Points, tiles: int, make: Make, options: Namespace) ->
         found = make(Path(folder) / "points.npy", Path(folder) / "out", tile_rows=rows)
         if options.verify and not found.verify().canonical:
             raise AssertionError(f"{len(points):,} rows in {tiles} tiles: not proved")
-        return mark_of_places(points, found.blocks())
+        return mark_of_places(points, found.iter_blocks())
 
 
 def mark_of_places(points: Points, blocks: Iterator[NDArray[Any]]) -> str:

@@ -113,7 +113,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "thin": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "every": 2}),
     "thin random": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "random": 2}),
     "thin cell": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "cell": 0.5}),
-    "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "distance": 0.5}),
+    "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "min_distance": 0.5}),
     "simplify": (liftmesh.simplify, liftmesh.simplify, {"cloud": ROWS, "max_error": 0.5}),
     "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
     "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),

@@ -11,6 +11,7 @@ from itertools import groupby
 from pathlib import Path
 
 import pytest
+from counts import code_lines
 from public_names import EXCEPTIONS, METHODS, NAMES
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -89,18 +90,6 @@ def project_files() -> list[Path]:
 def test_no_doctest_is_left_out() -> None:
     switch = re.compile(r"doctest:.*" + "SKIP")
     assert [p for p in PACKAGE.rglob("*.py") if switch.search(p.read_text("utf-8"))] == []
-
-
-def code_lines(path: Path) -> int:
-    text = path.read_text("utf-8")
-    prose = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and ast.get_docstring(
-            node
-        ):
-            prose |= {*range(node.body[0].lineno, node.body[0].end_lineno + 1)}
-    numbered = enumerate(map(str.strip, text.splitlines()), 1)
-    return sum(1 for k, line in numbered if line and line[0] != "#" and k not in prose)
 
 
 @pytest.mark.slow

@@ -329,6 +329,16 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
     )
 
 
+def planar_bounds(points: Reals) -> tuple[float, float, float, float]:
+    """Return xmin, ymin, xmax, ymax of the rows that are finite; NaN if there are none."""
+    finite = np.isfinite(points)
+    rows = points if finite.all() else points[finite.all(axis=1)]
+    if not len(rows):
+        return math.nan, math.nan, math.nan, math.nan
+    (left, low), (right, high) = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
+    return left, low, right, high
+
+
 def used_rows(length: int, triangles: Rows) -> Rows:
     """List the rows that are corners of triangles."""
     used = np.zeros(length, dtype=np.bool_)

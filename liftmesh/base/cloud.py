@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_rows3
+from liftmesh.base.arrays import as_rows3, planar_bounds
 from liftmesh.base.colors import check_depth, judged, with_depth
 from liftmesh.base.frozen import FrozenDict, FrozenResult
 from liftmesh.base.options import counted, shown
@@ -125,6 +125,14 @@ class Cloud(FrozenResult):
 
     def __len__(self) -> int:
         return len(self.points)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest rectangle of all rows whose x and y are finite: xmin, ymin, xmax, ymax.
+
+        Four NaN if there is no such row.
+        """
+        return planar_bounds(self.points[:, :2])
 
     def _decide_depth(self) -> None:
         """Convert integer colours to the type of their depth; 8-bit ones have it already."""

@@ -33,7 +33,7 @@ _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
 def apollonius_diagram(
-    points: ArrayLike,
+    points: object,
     radii: ArrayLike | str,
     *,
     domain: Any = None,

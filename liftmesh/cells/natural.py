@@ -9,6 +9,7 @@ the new cell takes of the row's.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -97,7 +98,7 @@ class NaturalNeighbors:
 
 
 def natural_neighbors(
-    points: ArrayLike | Triangulation, queries: ArrayLike, *, threads: int | None = None
+    points: object, queries: Any, *, threads: int | None = None
 ) -> NaturalNeighbors:
     """Find the natural neighbours of points, and Sibson's weights.
 

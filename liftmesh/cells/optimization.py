@@ -85,7 +85,7 @@ class LloydResult:
 
 
 def lloyd(
-    points: ArrayLike,
+    points: object,
     *,
     domain: Any = None,
     density: Any = None,
@@ -218,7 +218,7 @@ class TransportResult:
 
 
 def transport(  # noqa: PLR0913 - options are keywords
-    points: ArrayLike,
+    points: object,
     masses: ArrayLike,
     *,
     domain: Any = None,

@@ -30,7 +30,7 @@ _DUAL, _CLIPPED = 0.2, 0.5  # of the progress: of all, and of what follows the t
 
 
 def voronoi(
-    points: ArrayLike,
+    points: object,
     *,
     domain: Any = None,
     threads: int | None = None,
@@ -95,7 +95,7 @@ def voronoi(
 
 
 def power_diagram(
-    points: ArrayLike,
+    points: object,
     *,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,

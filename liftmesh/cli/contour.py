@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import click
-
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, number, numbers, option, positive, whole
@@ -48,9 +46,8 @@ def run(
     check_name(target)
     if (interval is None) == (levels is None):
         raise click.BadParameter("give either --interval or --levels")
-    wanted = (
-        {"levels": levels} if levels is not None else {"interval": interval, "base": contour_base}
-    )
+    multiples = {"interval": interval, "contour_base": contour_base}
+    wanted = multiples if levels is None else {"levels": levels}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
@@ -72,15 +69,15 @@ def run(
         )
     lines = lines.longer_than(least)
     with terminal.stage(f"writing {target.name}"):
-        path = lines.save(target)
+        lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
         counts = {"lines": len(lines), "levels": heights, "length": length}
         rows_of = {} if source.is_dir() else notes.provenance(surface)
-        terminal.as_json({"path": str(path), **counts, **rows_of})
+        terminal.as_json({"path": str(target), **counts, **rows_of})
     else:
         terminal.sentence(
-            f"{path}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
+            f"{target}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
             f"{length:,.2f} long",
             "good",
         )
@@ -88,7 +85,7 @@ def run(
 
 def _heights(surface: Any) -> tuple[float, float]:
     """Return the least and the greatest height of a surface, or of one in tiles."""
-    if hasattr(surface, "extent"):
-        return surface.extent[2], surface.extent[5]
+    if hasattr(surface, "box"):
+        return surface.box[2], surface.box[5]
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

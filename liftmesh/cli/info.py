@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -94,7 +93,7 @@ class Summary:
 
 def summarise(cloud: Cloud) -> Summary:
     """Compute the statistics of a cloud."""
-    from liftmesh.io.metadata import found_columns
+    from liftmesh.io.metadata import Provenance
     from liftmesh.planar.points import find_positions
 
     points = _finite_rows(cloud.points)
@@ -109,7 +108,7 @@ def summarise(cloud: Cloud) -> Summary:
         units=_units(cloud),
         holds=_holds(cloud),
         not_read=notes.parts_not_read(cloud),
-        columns=found_columns(cloud.metadata),
+        columns=Provenance(cloud.metadata).columns,
         notes=notes.cloud_notes(cloud),
         lidar=notes.lidar_counts(cloud),
         raster=_raster(cloud),
@@ -126,8 +125,10 @@ def summarise(cloud: Cloud) -> Summary:
 
 
 def _raster(cloud: Cloud) -> dict[str, Any]:
-    raster = cloud.metadata.get("raster")
-    return dict(raster) if isinstance(raster, Mapping) and "transform" in raster else {}
+    from liftmesh.io.metadata import Provenance
+
+    raster = Provenance(cloud.metadata).raster
+    return raster if "transform" in raster else {}
 
 
 def _units(cloud: Cloud) -> tuple[str | None, ...]:

@@ -94,7 +94,8 @@ def _selection(
         flag("Rows of the last or the first return, or of those that are both."),
     ] = None,
     bounds: Annotated[
-        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
+        Any,
+        option("XMIN,YMIN,XMAX,YMAX", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
@@ -129,9 +130,9 @@ def _selection(
     if classes is not None and all_classes:
         raise click.BadParameter("--classes and --all-classes exclude each other: leave one out")
     chosen = "all" if all_classes else classes
-    conditions = options.given(classes=chosen, returns=returns, bbox=bounds, z_range=z_range)
+    conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=copc_resolution
+        every=every if every > 1 else None, withheld=withheld, copc_resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection
@@ -321,20 +322,18 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of
-
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
         "different ones; --src-crs says which"
     )
-    for each in parts_of(cloud):
+    for each in notes.provenance_of(cloud).merged:
         inside = f", {each['overlap']:,} of them where an earlier file has some"
         note(
             f"{each['source']}: {counted(each['rows'], 'row')}"
             + (inside if each["overlap"] else "")
             + (far.format(each["distance"]) if "distance" in each else "")
         )
-    flown = cloud.metadata.get("flight_lines")
+    flown = notes.provenance_of(cloud).flight_lines
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"
         note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
@@ -378,13 +377,11 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of
-
-    starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
+    starts = [(each["source"], each["rows"]) for each in notes.provenance_of(cloud).merged]
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and "thinning" not in cloud.metadata:
+        if _is_about_rows(error) and not notes.provenance_of(cloud).thinning:
             error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
         raise
 

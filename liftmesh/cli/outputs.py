@@ -31,7 +31,7 @@ from liftmesh.errors import FormatError
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import Format
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
 
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _BESIDE = {
@@ -187,7 +187,7 @@ class Target:
             )
         return find_written(self.file_format or suffix_of(self.path.name), str(self.path))
 
-    def write(self, mesh: Any) -> Written:
+    def write(self, mesh: Any) -> WriteResult:
         """Write a mesh."""
         from liftmesh.io import streams, write as io
 
@@ -254,7 +254,7 @@ def opened(path: Path) -> Iterator[BinaryIO]:
             yield stream
 
 
-def headline(written: Written, content: str) -> str:
+def headline(written: WriteResult, content: str) -> str:
     """Say in a line what was written, and how the file differs from the mesh."""
     line = f"{written.path or '-'}: {content}, {terminal.bytes_text(written.bytes)}"
     if written.dropped:
@@ -267,7 +267,7 @@ def headline(written: Written, content: str) -> str:
     return f"{line}; float32, so the origin ({moved}) was subtracted"
 
 
-def as_values(written: Written) -> dict[str, Any]:
+def as_values(written: WriteResult) -> dict[str, Any]:
     """Return what `--json` prints of a file that was written."""
     return {
         "path": str(written.path or "-"),

@@ -74,7 +74,7 @@ def run(
         draped = _draped(surface, lines, along)
     if is_shapes:
         with terminal.stage(f"writing {target.path.name}"):
-            written: Path | None = draped.save(target.path)
+            written = draped.save(target.path).path
     else:
         name = target.write(draped.as_cloud()).path
         written = None if name is None else Path(name)

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from liftmesh.base.options import SampleMethod
+from liftmesh.base.options import Interpolation
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import flag, is_stream, option
 
@@ -43,7 +43,7 @@ def run(
     ],
     *,
     points: Points,
-    interpolation: Annotated[SampleMethod, flag("How heights are interpolated.")] = "linear",
+    interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
     reading: surfaces.Horizontal,
     json: options.Json = False,
 ) -> None:
@@ -81,7 +81,7 @@ def _asked(
 
 
 def _sampled(
-    surface: Any, asked: Any, interpolation: SampleMethod, threads: int | None
+    surface: Any, asked: Any, interpolation: Interpolation, threads: int | None
 ) -> tuple[Any, int]:
     """Return the points with heights as z, and how many have one."""
     from dataclasses import replace

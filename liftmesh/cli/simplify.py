@@ -12,7 +12,7 @@ from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import argument, flag, option, whole
 
 if TYPE_CHECKING:
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
@@ -85,14 +85,14 @@ def run(
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 
-def _print_report(written: Written, surface: Surface, seconds: float, *, as_json: bool) -> None:
-    told = surface.metadata["simplification"]
+def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
+    told = notes.provenance_of(surface).simplification
     if as_json:
         cloud = surface.to_cloud()
         terminal.as_json(
             {
                 **outputs.as_values(written),
-                "triangles": len(surface.faces),
+                "n_triangles": len(surface.faces),
                 **told,
                 "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),

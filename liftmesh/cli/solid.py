@@ -12,7 +12,7 @@ from liftmesh.cli.options import flag, number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
@@ -65,7 +65,7 @@ def run(
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         solid = surface.solid(
-            base=base_height,
+            base_height=base_height,
             thickness=thickness,
             longest=longest,
             z_factor=z_factor,
@@ -84,7 +84,7 @@ def _left_out(surface: Surface, solid: Cloud) -> list[str]:
 
 
 def _say(
-    written: Written,
+    written: WriteResult,
     solid: Cloud,
     left_out: list[str],
     rows_of: dict[str, Any],

@@ -115,7 +115,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
                 made = liftmesh.triangulate(cloud, nonfinite=reading.nonfinite, **choices)
-            _note_overhangs(source, made.report.overhangs)
+            _note_overhangs(source, made.report.n_overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
             try:

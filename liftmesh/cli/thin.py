@@ -47,7 +47,7 @@ def _thinning(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    thinning = options.given(random=random, cell=cell, distance=min_distance, adaptive=adaptive)
+    thinning = options.given(random=random, cell=cell, min_distance=min_distance, adaptive=adaptive)
     if len(thinning) > 1:
         raise click.BadParameter(_WAYS)
     if seed is not None and random is None:
@@ -87,7 +87,7 @@ def run(
     written = target.write(kept)
     told = {
         **outputs.as_values(written),
-        "thinning": kept.metadata.get("thinning"),
+        "thinning": notes.provenance_of(kept).thinning or None,
         "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
@@ -106,7 +106,7 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)
-    told = kept.metadata["thinning"].items()
+    told = notes.provenance_of(kept).thinning.items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
     return kept

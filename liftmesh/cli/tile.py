@@ -200,7 +200,9 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        named = {f"n_{name}": count for name, count in counts.items()}
+        named["n_hull_edges"] = named.pop("n_hull")
+        said = {"folder": str(tiled.folder), **named, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
     merges = tiled.manifest["merges"]
@@ -210,6 +212,6 @@ def _say(tiled: Tiled, *, json: bool) -> None:
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.folder}"),
         ]
     )

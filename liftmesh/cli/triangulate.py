@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Algorithm, GroundMethod
+from liftmesh.base.options import Algorithm, GroundAlgorithm
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, flag, option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -17,7 +17,7 @@ from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 
@@ -35,6 +35,7 @@ EXAMPLES = [
 ]
 
 
+_COUNTED = {"n_skipped": "not finite"}  # others without n_
 _GROUND = 2  # not "ground", which takes all rows where there is none
 _NO_UNIT = "; the unit is not known, and taken to be metres"
 _UNITS = {  # what is said where that of the plane and that of heights are known
@@ -51,7 +52,7 @@ def _rigidness(text: str) -> int:
 
 def _ground(
     ground: Annotated[
-        GroundMethod | None,
+        GroundAlgorithm | None,
         flag("Find the ground of an unclassified cloud, by the cloth simulation CSF."),
     ] = None,
     cloth_resolution: Annotated[
@@ -74,11 +75,13 @@ def _ground(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
-    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
-    choices |= options.given(rigidness=cloth_rigidness)
+    choices = options.given(cloth_resolution=cloth_resolution, cloth_threshold=cloth_threshold)
+    choices |= options.given(cloth_rigidness=cloth_rigidness)
     if choices and ground is None:
-        raise click.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
-    return {} if ground is None else {"method": ground, **choices}
+        raise click.BadParameter(
+            f"--{next(iter(choices)).replace('_', '-')} is an option of --ground csf"
+        )
+    return {} if ground is None else {"algorithm": ground, **choices}
 
 
 Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground, "Selection")]
@@ -160,20 +163,20 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
             with inputs.without_warnings():
                 classified = classify_ground(cloud, **ground)
         except InputError as error:
-            said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
+            said = str(error).replace("cloth_resolution= to classify_ground", "--cloth-resolution")
             error.args = (said,)
             raise
-    counts = classified.metadata["ground"]
+    counts = notes.provenance_of(classified).ground
     if not counts["ground"]:
-        raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
+        raise InputError(f"{counts['algorithm']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
     terminal.note(
-        f"ground by {counts['method']}: {counts['ground']:,} of {counts['rows']:,} rows (cloth of "
-        f"{counts['resolution']:g} m, rigidness {counts['rigidness']}{unit}); where ground is "
-        "sparse, it may hold low vegetation and roofs"
+        f"ground by {counts['algorithm']}: {counts['ground']:,} of {counts['rows']:,} rows "
+        f"(cloth of {counts['cloth_resolution']:g} m, rigidness {counts['cloth_rigidness']}{unit})"
+        "; where ground is sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
-        remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
+        remedy = ("a smaller cloth_resolution= to classify_ground, or cloth_rigidness=1",)
         terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
     chosen = validate_selection(classes=classes)
     classified = (
@@ -201,7 +204,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def _print_report(
-    written: Written,
+    written: WriteResult,
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
@@ -211,16 +214,17 @@ def _print_report(
     report = surface.report
     if as_json:
         cloud = surface.to_cloud()
+        known = notes.provenance_of(cloud)
         about = {
             "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
-            "triangulated_by": cloud.metadata.get("triangulated_by"),
+            "triangulated_by": known.lifted_by or None,
             "selection": notes.counts_of(cloud),
-            "merged": cloud.metadata.get("merged"),
-            "ground": cloud.metadata.get("ground"),
-            "thinning": cloud.metadata.get("thinning"),
+            "merged": known.merged or None,
+            "ground": known.ground or None,
+            "thinning": known.thinning or None,
             **notes.provenance(cloud),
-            "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
+            "n_trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
         terminal.as_json(_values(written, report, seconds) | about)
         return
@@ -229,36 +233,36 @@ def _print_report(
     terminal.sentence(_headline(written, report, len(surface.faces)), "good")
     counts = _counts(report)
     if not hasattr(surface.triangulation, "hidden"):
-        del counts["hidden"]
+        del counts["n_hidden"]
     if surface.mask is not None:
-        counts["trimmed"] = int(surface.mask.sum())
-    rows = [(name, f"{count:,}") for name, count in counts.items()]
+        counts["n_trimmed"] = int(surface.mask.sum())
+    rows = [(_COUNTED.get(name, name[2:]), f"{count:,}") for name, count in counts.items()]
     rows += notes.lidar_lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report, faces: int) -> str:
+def _headline(written: WriteResult, report: Report, faces: int) -> str:
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
-    return outputs.headline(written, f"{report.rows:,} vertices, {triangles}")
+    return outputs.headline(written, f"{report.n_rows:,} vertices, {triangles}")
 
 
 def _counts(report: Report) -> dict[str, int]:
     return {
-        "rows": report.rows,
-        "used": report.used,
-        "duplicates": report.duplicates,
-        "overhangs": report.overhangs,
-        "not finite": report.skipped,
-        "hidden": report.hidden,
-        "triangles": report.triangles,
+        "n_rows": report.n_rows,
+        "n_used": report.n_used,
+        "n_duplicates": report.n_duplicates,
+        "n_overhangs": report.n_overhangs,
+        "n_skipped": report.n_skipped,
+        "n_hidden": report.n_hidden,
+        "n_triangles": report.n_triangles,
     }
 
 
-def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
         **outputs.as_values(written),
-        **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
+        **_counts(report),
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
         "columns": dict(report.columns),

@@ -93,7 +93,7 @@ def _verify_tiles(
     from liftmesh.tiles.tiled import open_tiled
 
     tiled = open_tiled(source)
-    tiled_files = [tiled.directory / each.get("path", "") for each in tiled.manifest["source"]]
+    tiled_files = [tiled.folder / each.get("path", "") for each in tiled.manifest["source"]]
     outputs.check_lost([] if certificate is None else [certificate], tiled_files)
     with terminal.share_bar(f"verifying {tiled.nsimplex:,} triangles") as progress:
         return tiled.verify(points, threads=threads, progress=progress)

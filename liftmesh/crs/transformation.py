@@ -67,13 +67,6 @@ def transform(
     return moved, operation.told
 
 
-def transformation_of(metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """Return how coordinates were transformed as they were read."""
-    entry = metadata.get("transformation")  # a caller may say anything of that name
-    is_told = isinstance(entry, Mapping) and {"operation", "accuracy"} <= entry.keys()
-    return {**entry} if is_told else {}  # type: ignore[dict-item]
-
-
 def transformation_text(told: Mapping[str, Any]) -> str:
     """Say how coordinates were transformed."""
     accuracy = told["accuracy"]

@@ -41,7 +41,7 @@ class ChunkOptions(FormatOptions, total=False):
     color_depth: int | None
     classes: ClassChoice
     returns: Returns | None
-    bbox: Iterable[float] | None
+    bounds: Iterable[float] | None
     z_range: Iterable[float] | None
     every: int
     withheld: bool
@@ -52,4 +52,4 @@ class ChunkOptions(FormatOptions, total=False):
 class ReadOptions(ChunkOptions, total=False):
     """The options of `read`."""
 
-    resolution: float | None
+    copc_resolution: float | None

@@ -26,7 +26,7 @@ from liftmesh.crs.units import height_factors, steps_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
-from liftmesh.io.metadata import Label, noted
+from liftmesh.io.metadata import Label, Provenance, noted
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
@@ -53,11 +53,11 @@ def read(  # noqa: PLR0913 - options are keywords
     color_depth: int | None = None,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    resolution: float | None = None,
+    copc_resolution: float | None = None,
     src_crs: str | None = None,
     dst_crs: str | None = None,
     **options: Unpack[FormatOptions],
@@ -90,17 +90,17 @@ def read(  # noqa: PLR0913 - options are keywords
     returns : {"last", "first", "only"}, optional
         The returns to read: the last ones, whose ``return_number`` is their ``number_of_returns``;
         the first ones; or those that are both.
-    bbox : (4,) iterable of float, optional
-        x0, y0, x1, y1 of the rectangle to read, in the units of the file, with its border.
+    bounds : (4,) iterable of float, optional
+        xmin, ymin, xmax, ymax of the rectangle to read, in the units of the file, with its border.
     z_range : (2,) iterable of float, optional
         Lowest and highest z to read.
     every : int, default 1
         Read every k-th of the rows that meet all other conditions, the first one among them.
     withheld : bool, default True
         Whether to read rows that the file flags as withheld.
-    resolution : float, optional
+    copc_resolution : float, optional
         Of a COPC file, read no more points than it takes for this distance between them. Of COPC,
-        `bbox` and `z_range` read the parts of the file that may have any.
+        `bounds` and `z_range` read the parts of the file that may have any.
     src_crs : str, optional
         The coordinate system of the file, WKT or ``EPSG:n``, in place of what it states.
     dst_crs : str, optional
@@ -169,11 +169,11 @@ def read(  # noqa: PLR0913 - options are keywords
     chosen = validate_selection(
         classes=classes,
         returns=returns,
-        bbox=bbox,
+        bounds=bounds,
         z_range=z_range,
         every=every,
         withheld=withheld,
-        resolution=resolution,
+        copc_resolution=copc_resolution,
     )
     if src_crs is not None:
         check_system(src_crs)
@@ -198,7 +198,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     color_depth: int | None = None,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
@@ -224,7 +224,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
-    color_depth, classes, returns, bbox, z_range, every, withheld, src_crs, dst_crs, **options
+    color_depth, classes, returns, bounds, z_range, every, withheld, src_crs, dst_crs, **options
         As for `read`, but `classes` cannot be "ground".
 
     Yields
@@ -255,7 +255,12 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
     chosen = validate_selection(
-        classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
+        classes=classes,
+        returns=returns,
+        bounds=bounds,
+        z_range=z_range,
+        every=every,
+        withheld=withheld,
     )
     if chosen is not None and chosen.classes == "ground":
         raise InputError("classes is 'ground', which the whole file decides: give classes=2")
@@ -353,7 +358,12 @@ def _selecting(reader: Reader, file_format: Format, chosen: Selection | None) ->
         return reader
     if file_format.selects:
         return partial(reader, selection=chosen)
-    return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
+
+    def read_selected(stream: BinaryIO, name: str) -> Cloud:
+        whole = _labelled(reader(stream, name), file_format, name)
+        return selected(whole, Selector(chosen, name))
+
+    return read_selected
 
 
 def _reader(
@@ -422,14 +432,15 @@ def _raised(points: Floats, factor: float) -> Floats:
 def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
     """Return what still holds of coordinates in another system."""
     entries = dict(cloud.metadata)
-    if isinstance(las := entries.get("las"), Mapping):
+    known = Provenance(entries)
+    if las := known.las:
         kept = {key: each for key, each in las.items() if key not in ("scale", "offset")}
         scale = steps_in(las.get("scale"), cloud.crs, target)
         entries["las"] = kept | ({} if scale is None else {"scale": scale})
-    if isinstance(notes := entries.get("notes"), tuple):
+    if notes := known.notes:
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
     system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
-    if has_unit and isinstance(raster := entries.get("raster"), Mapping):
+    if has_unit and (raster := known.raster):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
     return entries

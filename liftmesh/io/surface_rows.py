@@ -17,6 +17,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.errors import InputError
 from liftmesh.io.columns import POSITION
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read, read_chunks
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import (
@@ -25,7 +26,6 @@ from liftmesh.io.selection import (
     Selection,
     Selector,
     class_column,
-    found_selection,
     validate_selection,
 )
 from liftmesh.io.streams import suffix_of
@@ -111,7 +111,7 @@ def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
 
 def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
     """Return a cloud; raise if conditions on rows have left none."""
-    rows = found_selection(cloud.metadata).get("rows")
+    rows = Provenance(cloud.metadata).selection.get("rows")
     if rows and not len(cloud):
         raise InputError(f"{os.fspath(name)}: none of {rows:,} rows meets the conditions")
     return cloud

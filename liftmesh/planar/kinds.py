@@ -140,11 +140,11 @@ def options_of(triangulation: Any) -> dict[str, Any]:
 
 def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     """What the metadata of a mesh say, which files keep."""
-    from liftmesh.io.metadata import lifted_by  # noqa: PLC0415 - a first triangulation does without
+    from liftmesh.io.metadata import Provenance  # noqa: PLC0415 - a first triangulation does without
 
     return {
         kind: value if kind == "metric" else _held(cloud, kind, value)
-        for kind, value in lifted_by(metadata).items()
+        for kind, value in Provenance(metadata).lifted_by.items()
     }
 
 

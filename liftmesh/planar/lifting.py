@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
     from liftmesh import _kernel
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
 
 
 def lift(points: ArrayLike, apex: Apex = "median") -> Floats:
@@ -291,7 +291,7 @@ class LowerHull(FrozenResult):
 
         return to_mesh(self.to_cloud())
 
-    def save(self, path: Any, **options: Any) -> Written:
+    def save(self, path: Any, **options: Any) -> WriteResult:
         """Write the hull to a mesh file.
 
         Parameters
@@ -303,7 +303,7 @@ class LowerHull(FrozenResult):
 
         Returns
         -------
-        Written
+        WriteResult
             Summary of what was written.
 
         Raises

@@ -58,11 +58,11 @@ def steps_of(resolution: object) -> tuple[float, ...]:
     return steps
 
 
-def bounds_of(bounds: object) -> tuple[float, float, float, float]:
+def bounds_of(bounds: object, name: str = "bounds") -> tuple[float, float, float, float]:
     """Convert bounds to numbers."""
-    left, low, right, high = _numbers("bounds", bounds, 4)
+    left, low, right, high = _numbers(name, bounds, 4)
     if not (left < right and low < high):
-        raise InputError(f"bounds are {shown(bounds)}: give xmin, ymin, xmax, ymax")
+        raise InputError(f"{name} are {shown(bounds)}: give xmin, ymin, xmax, ymax")
     return left, low, right, high
 
 

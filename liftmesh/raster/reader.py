@@ -180,7 +180,7 @@ class _OpenRaster:
         builder.shorten(filled)
         entries = self._entries(window.samples)
         if selector is not None:
-            selector.leave_out({"bbox": window.outside, "every": window.between})
+            selector.leave_out({"bounds": window.outside, "every": window.between})
             entries = noted(entries, selection=selector.counts())
         return builder.cloud(metadata=entries, crs=self._crs(data))
 
@@ -272,7 +272,7 @@ class _OpenRaster:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")
         if unit := file.units[self._band - 1]:
             layout["unit"] = unit
-        return noted({"raster": layout}, skipped=tuple(skipped), notes=self._notes(unit))
+        return noted({"raster": layout}, not_read=tuple(skipped), notes=self._notes(unit))
 
     def _notes(self, unit: str | None) -> tuple[str, ...]:
         """Say what the file does not, or only of the band."""

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.base.options import Algorithm
 from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.metadata import LIFTED, lifted_by
+from liftmesh.io.metadata import LIFTED, Provenance
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
 from liftmesh.planar.kinds import (
@@ -117,7 +117,7 @@ def _check_hidden(cloud: Cloud, kind: str) -> None:
 
 def replaced_flags(cloud: Cloud) -> str:
     """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if HIDDEN not in cloud.attributes or (former and "metric" not in former):
         return ""
     ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
@@ -130,7 +130,7 @@ def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
 
 def _without_former(cloud: Cloud) -> Cloud:
     """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if not former:
         return cloud
     noted = () if "metric" in former else (HIDDEN,)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_threads, check_option, shown
+from liftmesh.base.options import Interpolation, RasterQuantity, as_threads, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
@@ -39,7 +39,7 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -47,18 +47,18 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels."""
     layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(surface))
-    wanted = Wanted.validated(surface, quantity, method, dtype, light, z_factor)
+    wanted = Wanted.validated(surface, quantity, interpolation, dtype, light, z_factor)
     scan = scanner(surface, layout, threads)
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     if quantity == "height":
         _check_range(surface, wanted)
-    if quantity == "height" and method == "linear":
+    if quantity == "height" and interpolation == "linear":
         scan(values[:, :, None], 0)
     elif quantity == "height":
         for first, block in _blocks_of_rows(values):
             rows = range(first, first + len(block))
             centres = centres_of(layout.transform, rows, layout.columns)
-            block[...] = heights_at(surface, centres, method, threads=threads)
+            block[...] = heights_at(surface, centres, interpolation, threads=threads)
     else:
         for first, block in _blocks_of_rows(values):
             gradients = np.empty((*block.shape, 2))
@@ -72,8 +72,8 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 def _extent(surface: SurfaceData) -> list[float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
-    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
-    return [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
+    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces.ravel()]
+    return [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
 
 
 def unit_of(surface: OverPlane, quantity: str) -> str | None:
@@ -126,15 +126,15 @@ class Wanted:
         cls,
         surface: OverPlane,
         quantity: RasterQuantity,
-        method: SampleMethod,
+        interpolation: Interpolation,
         dtype: DTypeLike,
         light: tuple[float, float],
         z_factor: float | None,
     ) -> Wanted:
         """Check the options."""
         check_option("quantity", quantity, RasterQuantity)
-        check_option("method", method, SampleMethod)
-        check_method(quantity, method)
+        check_option("interpolation", interpolation, Interpolation)
+        check_interpolation(quantity, interpolation)
         scale = slope_scale if quantity == "height" else steepness
         return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
 
@@ -158,10 +158,10 @@ class Wanted:
             values[values == 360] = 0  # which is north, too
 
 
-def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
-    """Raise unless a quantity has a method of interpolation."""
-    if quantity != "height" and method != "linear":
-        raise InputError(f"{quantity} is that of faces: leave out method={method!r}")
+def check_interpolation(quantity: RasterQuantity, interpolation: Interpolation) -> None:
+    """Raise unless a quantity has an interpolation."""
+    if quantity != "height" and interpolation != "linear":
+        raise InputError(f"{quantity} is that of faces: leave out interpolation={interpolation!r}")
 
 
 def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:

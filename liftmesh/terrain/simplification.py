@@ -43,7 +43,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import NonFinite, OnDuplicate, as_count, as_switch, check_progress, shown
 from liftmesh.errors import InputError
-from liftmesh.io.metadata import lifted_by
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
@@ -209,7 +209,7 @@ def _check_faces(mesh: Cloud, plane: Any) -> None:
         as_surface(mesh, plane=plane)
     except InputError:  # the faces are others: the points count alone, as those of a cloud
         return
-    if not lifted_by(mesh.metadata):
+    if not Provenance(mesh.metadata).lifted_by:
         raise InputError(
             f"the faces of the mesh are not the whole triangulation of its points, {_WHOLE}"
         )
@@ -252,11 +252,11 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,
-        used=len(kept),
-        duplicates=0,
-        overhangs=0,
-        skipped=0,
-        triangles=triangulation.nsimplex,
+        n_used=len(kept),
+        n_duplicates=0,
+        n_overhangs=0,
+        n_skipped=0,
+        n_triangles=triangulation.nsimplex,
         policy=whole.report.policy,
         seconds={**whole.report.seconds, "simplify": time.perf_counter() - start},
         left_out=nothing,

@@ -52,7 +52,7 @@ def thin(
     seed: int | None = None,
     cell: float | None = None,
     keep: CellRow | None = None,
-    distance: float | None = None,
+    min_distance: float | None = None,
     adaptive: int | None = None,
 ) -> Cloud:
     """Thin a cloud by one of five ways.
@@ -72,7 +72,7 @@ def thin(
     keep : {"lowest", "highest", "center"}, optional
         Which row of a cell: by its height, or the nearest to the centre of the cell; the lowest by
         default.
-    distance : float, optional
+    min_distance : float, optional
         Keep rows so that no two are nearer to each other in the plane, and no other fits between.
     adaptive : int, optional
         Keep so many rows: those without which a surface would lose most (adaptive thinning, L.
@@ -103,7 +103,7 @@ def thin(
     >>> found.points[:, 2].tolist(), found.metadata["thinning"]
     ([4.0, 6.0], {'rows': 3, 'kept': 2, 'cell': 1.0, 'keep': 'lowest'})
     """
-    given = {"every": every, "random": random, "cell": cell, "distance": distance}
+    given = {"every": every, "random": random, "cell": cell, "min_distance": min_distance}
     given["adaptive"] = adaptive
     way, value = _one_of(given)
     for name, owner, option in (("seed", "random", seed), ("keep", "cell", keep)):
@@ -126,7 +126,7 @@ def thin(
     elif way == "adaptive":
         rows = _most_significant(source, as_count("adaptive", value, 3))
     else:
-        rows = _apart(source.points, as_positive("distance", value, _LENGTH))
+        rows = _apart(source.points, as_positive("min_distance", value, _LENGTH))
     counts = {"rows": len(source), "kept": len(rows), **how}
     return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
 
@@ -136,7 +136,7 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     if len(ways) != 1:
         several = " and ".join(ways) or "none"
         raise InputError(
-            f"{several} of every, random, cell, distance and adaptive are given: give one"
+            f"{several} of every, random, cell, min_distance and adaptive are given: give one"
         )
     return next(iter(ways.items()))
 
@@ -192,7 +192,7 @@ def _apart(points: Floats, distance: float) -> Array:
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
     plane = points[rows, :2].astype(np.float64) + 0.0  # -0.0 becomes 0.0
-    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), f"distance is {distance:g}")
+    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), f"min_distance is {distance:g}")
     grid = _Grid(cells)
     bits = plane.view(np.uint64)
     order = _mixed(bits[:, 0] ^ _mixed(bits[:, 1], 1), 0)

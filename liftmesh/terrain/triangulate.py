@@ -22,7 +22,7 @@ from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_optio
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
-from liftmesh.io.metadata import found_columns
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
@@ -173,7 +173,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> surface = triangulate([[0, 0, 5], [4, 0, 6], [0, 3, 7], [4, 3, 9], [4, 3, 8]])
     >>> surface.faces.shape
     (2, 3)
-    >>> surface.report.overhangs, surface.report.left_out
+    >>> surface.report.n_overhangs, surface.report.left_out
     (1, array([4], dtype=int32))
     >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
     >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
@@ -371,15 +371,15 @@ def _report(
     order = np.argsort(left_out)
     return report_on(
         cloud,
-        used=triangulation.npoints - len(left_out),
-        duplicates=len(choice.left_out) - overhangs,
-        overhangs=overhangs,
-        skipped=len(skipped),
-        triangles=triangulation.nsimplex,
+        n_used=triangulation.npoints - len(left_out),
+        n_duplicates=len(choice.left_out) - overhangs,
+        n_overhangs=overhangs,
+        n_skipped=len(skipped),
+        n_triangles=triangulation.nsimplex,
         policy=policy,
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
-        columns=found_columns(cloud.metadata),
-        hidden=len(hidden),
+        columns=Provenance(cloud.metadata).columns,
+        n_hidden=len(hidden),
     )

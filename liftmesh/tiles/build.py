@@ -23,7 +23,7 @@ _MANY = 1 << 30  # rows: enough for any number of threads
 
 
 def tile(  # noqa: PLR0913 - options are keywords
-    source: object,
+    points: object,
     out: str | os.PathLike[str],
     *,
     tile_rows: int | Literal["auto"] = "auto",
@@ -42,7 +42,7 @@ def tile(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, or iterator of arrays
+    points : path, list of paths, array_like, or iterator of arrays
         Planar points; a third column is ignored. NPY files, mapped arrays, LAS files and
         Parquet files with columns x and y are read by ranges, other files that `read_chunks` reads,
         LAZ among them, and iterators, once. Rows are numbered through all files.
@@ -112,20 +112,20 @@ def tile(  # noqa: PLR0913 - options are keywords
     >>> tiled = tile(points, tempfile.mkdtemp(), tile_rows=300)
     >>> from liftmesh import delaunay
     >>> expected = delaunay(points, order="canonical").simplices
-    >>> {*map(tuple, tiled.compute().tolist())} == {*map(tuple, expected.tolist())}
+    >>> {*map(tuple, tiled.to_array().tolist())} == {*map(tuple, expected.tolist())}
     True
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
     options = Options.validated(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(points, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return tiled
 
 
 def tile_surface(  # noqa: PLR0913 - options are keywords
-    source: object,
+    cloud: object,
     out: str | os.PathLike[str],
     *,
     crs: str | None = None,
@@ -148,7 +148,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, cloud, table, or iterator of these
+    cloud : path, list of paths, array_like, cloud, table, or iterator of these
         Points in space, as for `triangulate`; also Parquet. Rows are numbered through all files,
         which must have the same values and coordinate system. NPY files and mapped arrays are read
         by ranges; what else is read is written to the scratch folder first.
@@ -174,11 +174,11 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         As for `tile`.
     shards : "npy"
         The format of the triangles; surfaces know no other, as vertices and faces stand beside
-        them. `TiledSurface.meshes` gives each shard for a file of any format.
+        them. `TiledSurface.iter_meshes` gives each shard for a file of any format.
     neighbors, threads, progress
         As for `tile`.
     **reading
-        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
+        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bounds``,
         ``dst_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and
         COPC, the ground (class 2) is taken, or all rows if no file has any, and no withheld rows,
         as by `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were
@@ -222,7 +222,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     >>> points = np.random.default_rng(0).integers(0, 30, (1000, 3))
     >>> tiled = tile_surface(points, tempfile.mkdtemp(), on_duplicate="highest", tile_rows=300)
     >>> faces = triangulate(points, on_duplicate="highest").faces
-    >>> {frozenset(face) for face in tiled.compute().tolist()} == {*map(frozenset, faces.tolist())}
+    >>> {frozenset(face) for face in tiled.to_array().tolist()} == {*map(frozenset, faces.tolist())}
     True
     >>> print(tiled.report)
     1,000 rows, 602 of them used in 1,127 triangles. Left out: 11 duplicates, 387 overhangs ...
@@ -233,7 +233,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(cloud, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", tiled)

@@ -150,7 +150,7 @@ _READING: dict[str, Check] = {
     "columns": lambda value: isinstance(value, dict) and all(map(_is_text, value.values())),
 }
 _is_read_surface = _is_entry(_READING, {"unit": _is_text})
-_is_surface = _is_entry({**_READING, "overhangs": _is_count, "extent": _is_box}, {"unit": _is_text})
+_is_surface = _is_entry({**_READING, "overhangs": _is_count, "box": _is_box}, {"unit": _is_text})
 _OF_JOBS = {"version", "tile_rows", "nonfinite", "shard_format", "neighbors", "chunks"}
 _PARTS: dict[str, Check] = {
     **dict.fromkeys(_COUNTS, _is_count),
@@ -170,7 +170,7 @@ _PARTS: dict[str, Check] = {
     "shards": _is_list(
         _is_entry(
             {**_FILE, "file": _is_text, "triangles": _is_count},
-            {"vertices": _is_count, "extent": _is_box},
+            {"vertices": _is_count, "box": _is_box},
         )
     ),
     "source": _is_list(
@@ -196,8 +196,8 @@ _ALWAYS = {"duplicates.npy", "hull.npy", "skipped.npy", "plan.json"}
 
 def _are_extents_there(manifest: Mapping[str, Any]) -> bool:
     has = "surface" in manifest
-    is_right = all({"vertices", "extent"} <= {*shard} for shard in manifest["shards"])
-    return is_right if has else not any({"vertices", "extent"} & {*s} for s in manifest["shards"])
+    is_right = all({"vertices", "box"} <= {*shard} for shard in manifest["shards"])
+    return is_right if has else not any({"vertices", "box"} & {*s} for s in manifest["shards"])
 
 
 def _is_counted(manifest: Mapping[str, Any]) -> bool:

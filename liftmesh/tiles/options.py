@@ -115,7 +115,7 @@ class SurfaceOptions:
         if shards != "npy":
             raise InputError(
                 f"shards is {shown(shards)}: a surface has NPY, with vertices and faces beside the "
-                "triangles; TiledSurface.meshes() gives each shard for a file of any format"
+                "triangles; TiledSurface.iter_meshes() gives each shard for a file of any format"
             )
 
     def as_dict(self, schema: Schema) -> dict[str, Any]:

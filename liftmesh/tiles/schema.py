@@ -21,7 +21,7 @@ from liftmesh.base.frozen import FrozenDict
 from liftmesh.base.options import shown
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import InputError
-from liftmesh.io.metadata import found_columns
+from liftmesh.io.metadata import Provenance
 
 POSITION = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
 ROW = ("row", "<i8")  # before the position, in what is written for a shard
@@ -143,7 +143,7 @@ def schema_of(cloud: Cloud) -> Schema:
         if values.dtype.hasobject:
             raise InputError(f"the values {name!r} are objects of Python: convert them to numbers")
         fields.append((name, values.dtype.str, values.shape[1:]))
-    columns = FrozenDict(found_columns(cloud.metadata))
+    columns = FrozenDict(Provenance(cloud.metadata).columns)
     unit = band_unit(cloud)
     said = None if unit is None else unit.name
     return Schema(tuple(fields), cloud.crs, cloud.color_depth, columns, said)

@@ -20,8 +20,8 @@ from liftmesh.tiles.node import (
     Frontier,
     Merged,
     Vertices,
+    box_of,
     choose_vertices,
-    extent_of,
     joined,
     merge,
     numbered_by_place,
@@ -150,7 +150,7 @@ def _with_vertices(done: Done, surface: Vertices) -> Done:
         bytes_up=done.bytes_up + surface.up.nbytes,
         vertices=len(surface.shard),
         overhangs=surface.overhangs,
-        extent=extent_of(surface.shard) if len(surface.shard) else (),
+        box=box_of(surface.shard) if len(surface.shard) else (),
     )
 
 

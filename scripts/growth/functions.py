@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
 from growth.tiled import tiled_functions
+
+import liftmesh
 from liftmesh import Cloud, Triangulation
 
 PLAIN = ("uniform", "lattice", "circle and centre")
@@ -356,8 +356,8 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "Cloud.select", SPATIAL, halves, TERRAIN
     yield "Cloud.with_color_depth", SPATIAL, deepened, TERRAIN
     yield "merge", SPATIAL, halved_and_merged, TERRAIN
-    for way in ("cell", "distance"):
-        yield f"thin by a {way}", SPATIAL, thinned(way), TERRAIN
+    for way in ("cell", "min_distance"):
+        yield f"thin by a {way.removeprefix('min_')}", SPATIAL, thinned(way), TERRAIN
     yield "thin at random", SPATIAL, on_points(lambda points: liftmesh.thin(points, random=9)), ()
     yield "as_cloud of an array", SPATIAL, adapted(np.asfortranarray), TERRAIN
     yield "as_cloud of lists", SPATIAL, adapted(lambda points: points.tolist()), TERRAIN

@@ -101,7 +101,7 @@ def under_roof(polygon) -> Fraction:
     return total
 
 
-def error(found: liftmesh.Earthwork, exact: Exact) -> float:
+def error(found: liftmesh.CutFillResult, exact: Exact) -> float:
     """The largest relative error: of volumes, to the area times the largest distance."""
     errors = [abs(Fraction(found.area) - exact.area) / exact.area]
     for value, true in ((found.cut, exact.cut), (found.fill, exact.fill)):

@@ -62,7 +62,7 @@ def test_a_pipe_takes_the_same_rows_as_a_file(kind: str, folder: Path) -> None:
 def test_options_choose_other_rows(folder: Path) -> None:
     words = ("triangulate", "tile.laz", "tin.ply", "--all-classes", "--withheld", "--json")
     done = liftmesh(*words, cwd=folder)
-    assert json.loads(done.stdout)["rows"] == COUNT
+    assert json.loads(done.stdout)["n_rows"] == COUNT
     words = ("--classes", "2,9", "--returns", "last", "--bounds", "500000,5400000,500900,5400900")
     words += ("--z-range", "5,45", "--every", "2", "--json", "--overwrite")
     done = liftmesh("triangulate", "tile.laz", "tin.ply", *words, cwd=folder)
@@ -71,12 +71,12 @@ def test_options_choose_other_rows(folder: Path) -> None:
         folder / "tile.laz",
         classes=(2, 9),
         returns="last",
-        bbox=(500000, 5400000, 500900, 5400900),
+        bounds=(500000, 5400000, 500900, 5400900),
         z_range=(5, 45),
         every=2,
         withheld=False,
     )
-    assert report["rows"] == len(chosen) > 30
+    assert report["n_rows"] == len(chosen) > 30
     (note, *_) = report["notes"]
     numbers = [int(each.replace(",", "")) for each in re.findall(r"[\d,]*\d", note)]
     assert numbers[0] == len(chosen)
@@ -139,7 +139,7 @@ def test_comparing_takes_the_ground(folder: Path) -> None:
 def test_tables_are_taken_whole(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x,y,z,class\n0,0,1,2\n1,0,1,5\n0,1,1,2\n")
     done = liftmesh("triangulate", "a.csv", "a.ply", "--json", cwd=tmp_path)
-    assert json.loads(done.stdout)["rows"] == 3
+    assert json.loads(done.stdout)["n_rows"] == 3
 
 
 def test_nothing_is_left_of_a_tile(folder: Path) -> None:
@@ -158,7 +158,7 @@ WRONG = {
     ("--classes", "all"): "--classes 'all' is --all-classes",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
-    ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give x0, y0, x1, y1",
+    ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give xmin, ymin, xmax, ymax",
     ("--bounds", "a,b"): "--bounds 'a,b' is no list of numbers",
     ("--z-range", "3,1"): "--z-range is [3.0, 1.0]: give z0, z1 with z0 <= z1",
     ("--every", "0"): "--every is 0: give a whole number from 1",

@@ -11,7 +11,7 @@ from liftmesh import Cloud
 from liftmesh.cli import exit_codes, inputs, notes, outputs, surfaces, terminal, wording
 from liftmesh.cli.info import _decimals
 from liftmesh.errors import InputError
-from liftmesh.io.write import Written
+from liftmesh.io.write import WriteResult
 
 
 @pytest.mark.parametrize(
@@ -75,7 +75,7 @@ def test_rows_without_classes_have_none() -> None:
 
 
 def test_the_headline_says_how_a_file_differs_from_the_mesh() -> None:
-    written = Written(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0))
+    written = WriteResult(None, "stl", 684, origin=(450000.0, 5200000.0, 0.0))
     moved = "float32, so the origin (450000, 5200000, 0) was subtracted"
     assert outputs.headline(written, "12 triangles") == f"-: 12 triangles, 684 B; {moved}"
 

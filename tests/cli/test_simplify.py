@@ -17,7 +17,7 @@ def test_a_terrain_within_a_distance(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     mesh = lm.read(tmp_path / "few.ply")
-    assert (told["kept"], told["triangles"]) == (len(mesh), len(mesh.faces))
+    assert (told["kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
     assert told["error"] <= 40
     assert told["kept"] < told["positions"] / 10
     assert lm.verify(tmp_path / "few.ply").canonical

@@ -41,8 +41,8 @@ def test_a_mesh_is_trimmed_before_it_is_written(tin, tmp_path) -> None:
         "triangulate", tmp_path / "meadow.csv", tin, "--max-edge", "12", "--json", "--overwrite"
     )
     found = json.loads(done.stdout)
-    assert found["trimmed"] == whole.trim(max_edge=12).mask.sum()
-    assert found["triangles"] == len(whole.faces)
+    assert found["n_trimmed"] == whole.trim(max_edge=12).mask.sum()
+    assert found["n_triangles"] == len(whole.faces)
 
 
 def test_a_raster_has_the_heights_of_the_surface(tin, tmp_path) -> None:
@@ -79,7 +79,7 @@ def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
     words = ("--resolution", "5", "--interpolation", "sibson", "--double")
     assert run("raster", tin, tmp_path / "dtm.tif", *words).returncode == 0
     with rasterio.open(tmp_path / "dtm.tif") as file:
-        expected = surface().raster(5, method="sibson").values
+        expected = surface().raster(5, interpolation="sibson").values
         np.testing.assert_array_equal(file.read(1), expected)
 
 
@@ -87,7 +87,7 @@ def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
     words = ("--interval", "2", "--min-length", "5", "--contour-base", "1")
     done = run("contour", tin, tmp_path / "lines.geojson", *words)
     assert done.returncode == 0, done.stderr
-    expected = surface().contours(interval=2, base=1).longer_than(5)
+    expected = surface().contours(interval=2, contour_base=1).longer_than(5)
     tree = json.loads((tmp_path / "lines.geojson").read_text())
     found = [each["geometry"]["coordinates"] for each in tree["features"]]
     assert found == [line.points.tolist() for line in expected]

@@ -39,8 +39,8 @@ def test_counts_as_json(folder: Path) -> None:
     told = json.loads(done.stdout)
     expected = liftmesh.delaunay(POINTS)
     assert told["folder"] == str(folder / "out")
-    assert (told["rows"], told["triangles"]) == (3_000, expected.nsimplex)
-    assert told["duplicates"] == len(expected.duplicates)
+    assert (told["n_rows"], told["n_triangles"]) == (3_000, expected.nsimplex)
+    assert told["n_duplicates"] == len(expected.duplicates)
     assert told["merges"]["tiles"] == 1
     assert liftmesh.open_tiled(folder / "out").manifest["tile_rows"] == 2_500_000
     assert list((folder / "scratch").iterdir()) == []
@@ -52,7 +52,7 @@ def test_shards_in_other_formats_with_neighbors(folder: Path) -> None:
         assert command(*words, cwd=folder).returncode == 0
         found = liftmesh.open_tiled(folder / shards)
         assert {path.suffix for path in found.shards} == {f".{shards}"}
-        assert found.compute_neighbors().shape == (found.nsimplex, 3)
+        assert found.neighbors_to_array().shape == (found.nsimplex, 3)
         assert command("verify", shards, cwd=folder).returncode == 0
 
 
@@ -87,7 +87,7 @@ def test_a_surface_of_a_table_is_read_as_its_options_say(folder: Path) -> None:
     assert command("verify", "out", cwd=folder).returncode == 0
     cloud = np.column_stack((POINTS[:200, 0] + 0.5, POINTS[:200, 1], POINTS[:200].sum(axis=1)))
     expected = liftmesh.tile_surface(cloud, folder / "expected")
-    assert found.compute().tolist() == expected.compute().tolist()
+    assert found.to_array().tolist() == expected.to_array().tolist()
     for name, value in (("--skip-rows", "1"), ("--src-crs", "EPSG:25832")):
         done = command("tile", "survey.csv", "other", name, value, cwd=folder)
         assert (done.returncode, f"error: {name} is for surfaces" in done.stderr) == (2, True)

@@ -59,7 +59,7 @@ def test_every_row_is_accounted_for(tmp_path):
     told = dict(re.findall(r"^(\S.*?)  +(.*)$", out, flags=re.MULTILINE))
     report = lm.triangulate(OVERHANG, on_duplicate="highest").report
     for name in ("rows", "used", "duplicates", "overhangs", "triangles"):
-        assert told[name] == str(getattr(report, name))
+        assert told[name] == str(getattr(report, f"n_{name}"))
     assert told["not finite"] == "0"
     assert re.fullmatch(r"read \d+\.\d\d  triangulate \d+\.\d\d  write \d+\.\d\d", told["seconds"])
 
@@ -201,7 +201,11 @@ def test_json(tmp_path):
     report = lm.triangulate(OVERHANG).report
     assert told["path"] == "mesh.ply"
     assert told["bytes"] == (tmp_path / "mesh.ply").stat().st_size
-    assert (told["rows"], told["used"], told["overhangs"]) == (25, report.used, report.overhangs)
+    assert (told["n_rows"], told["n_used"], told["n_overhangs"]) == (
+        25,
+        report.n_used,
+        report.n_overhangs,
+    )
     assert told["left_out"] == report.left_out.tolist()
     assert set(told["seconds"]) == {"read", "triangulate", "write"}
 

@@ -30,7 +30,7 @@ def test_the_command_takes_columns(table: Path) -> None:
     done = command("triangulate", table, "mesh.ply", "--radii", "size", cwd=table.parent)
     assert done.returncode == 0, done.stderr
     expected = liftmesh.triangulate(CLOUD, radii="size")
-    assert f"\nhidden      {expected.report.hidden}\n" in done.stdout
+    assert f"\nhidden      {expected.report.n_hidden}\n" in done.stdout
     mesh = liftmesh.read(table.parent / "mesh.ply")
     np.testing.assert_array_equal(mesh.faces, expected.faces)
     np.testing.assert_array_equal(mesh.attributes["hidden"], expected.attributes["hidden"])
@@ -38,7 +38,7 @@ def test_the_command_takes_columns(table: Path) -> None:
     done = command(*words, cwd=table.parent)
     told = json.loads(done.stdout)
     assert told["triangulated_by"] == {"weights": "size"}
-    assert told["hidden"] == len(told["left_out"]) > 20
+    assert told["n_hidden"] == len(told["left_out"]) > 20
     done = command("triangulate", table, "mesh.obj", "--weights", "size", cwd=table.parent)
     assert "obj does not keep class, hidden, size" in done.stdout
     done = command("verify", "mesh.ply", cwd=table.parent)

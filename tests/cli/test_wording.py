@@ -99,7 +99,7 @@ def test_wrong_usage_is_told_in_our_words(words: list[str], said: str) -> None:
         ("(as liftmesh.triangulate(cloud, plane='fit'))", "(as --plane fit)"),
         ("give plane='xy', a normal", "give --plane xy, a normal"),
         ("point_format is 11: give 6", "--point-format is 11: give 6"),
-        ("a.las: distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
+        ("a.las: min_distance is 0.1, too small", "a.las: --min-distance is 0.1, too small"),
         ("max_points is 3, and the hull has 4", "--max-points is 3, and the hull has 4"),
         ("replace them with resume=False", "replace them with --restart"),
         ("tile again with neighbors=True, resume=False", "tile again with --neighbors --restart"),

@@ -55,7 +55,7 @@ SWEEP = """
 
     def tiles():
         with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).compute()
+            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).to_array()
 
     verb, _, kind = name.partition(" ")
     made = {"xyz": text, "raster": grid}.get(kind, lambda: wrote(kind).tobytes())
@@ -79,7 +79,7 @@ SWEEP = """
     run = runs[verb]
 
     def small():
-        return liftmesh.triangulate(few).report.triangles
+        return liftmesh.triangulate(few).report.n_triangles
 
     small()
     expected, before = run().copy(), None

@@ -39,17 +39,19 @@ def planar_groups(points):
 
 def assert_accounted(surface):
     report = surface.report
-    assert report.rows == len(surface.vertices)
-    assert report.rows == report.used + report.duplicates + report.overhangs + report.skipped
-    assert report.triangles == len(surface.faces)
+    assert report.n_rows == len(surface.vertices)
+    assert (
+        report.n_rows == report.n_used + report.n_duplicates + report.n_overhangs + report.n_skipped
+    )
+    assert report.n_triangles == len(surface.faces)
     used = np.unique(surface.faces)
-    assert len(used) == report.used
-    assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.rows))
+    assert len(used) == report.n_used
+    assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.n_rows))
     assert (np.diff(report.left_out) > 0).all()
-    assert len(report.left_out) == len(report.representatives) == report.rows - report.used
+    assert len(report.left_out) == len(report.representatives) == report.n_rows - report.n_used
     representatives = report.representatives[report.representatives >= 0]
     assert np.isin(representatives, used).all()
-    assert report.skipped == np.count_nonzero(report.representatives < 0)
+    assert report.n_skipped == np.count_nonzero(report.representatives < 0)
 
 
 SMALL = st.integers(0, 5).map(float)

@@ -59,7 +59,7 @@ def test_other_planes_and_rows_in_no_face() -> None:
     mesh = liftmesh.triangulate(points[:-1], plane="xz").to_cloud()
     mesh = liftmesh.Cloud(points, faces=mesh.faces)
     found = liftmesh.as_surface(mesh, plane="xz")
-    assert found.report.unused == 1
+    assert found.report.n_unused == 1
     assert found.report.left_out.tolist() == [len(points) - 1]
     assert "1 row in no face" in str(found.report)
     assert liftmesh.as_surface(found) is found

@@ -118,7 +118,7 @@ def test_files_without_classes_and_empty_ones_go_with_ground(folder: Path) -> No
     (folder / "none.las").write_bytes(tile(150, []))
     words = ("a.las", "marks.csv", "none.las", "t.ply", "--json")
     report = json.loads(command("triangulate", *words, cwd=folder).stdout)
-    assert (report["rows"], "ground" in report["selection"]) == (40, False)
+    assert (report["n_rows"], "ground" in report["selection"]) == (40, False)
 
 
 def test_commands_say_the_classes(folder: Path) -> None:
@@ -143,7 +143,7 @@ def test_conditions_of_files_that_are_read_in_chunks(folder: Path) -> None:
     assert found == [{"classes": GROUND, "withheld": False, "every": 2}, {"every": 2}]
     assert for_chunks(names, {"classes": (2, 9)})[1]["classes"] == (2, 9)
     assert for_chunks(names[1:2], {})[0]["classes"] == "all"
-    assert for_chunks(names, {"bbox": (0, 0, 50, 50)})[1]["classes"] == "all"
+    assert for_chunks(names, {"bounds": (0, 0, 50, 50)})[1]["classes"] == "all"
     with pytest.raises(InputError, match=r"b.las: no ground \(class 2\), while other files"):
         for_chunks(names, {"dst_crs": "EPSG:25832"})
 

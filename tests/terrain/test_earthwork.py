@@ -94,7 +94,7 @@ def test_a_volume_beyond_the_largest_double_is_refused() -> None:
     )
     with pytest.raises(liftmesh.InputError, match="volume is beyond the largest double"):
         low.cut_and_fill(high)
-    assert np.isfinite(low.cut_and_fill(high, polygon=[[0, 0], [0.5, 0], [0.5, 0.5]]).fill)
+    assert np.isfinite(low.cut_and_fill(high, within=[[0, 0], [0.5, 0], [0.5, 0.5]]).fill)
 
 
 ON_A_GRID = st.lists(
@@ -134,7 +134,7 @@ def test_a_polygon_beyond_both_hulls_is_cut_alike_whichever_comes_first(seed: in
     rng = np.random.default_rng(seed)
     one, two = map(liftmesh.triangulate, rng.integers(0, 2**20, (2, 12, 3)) / 2**10)
     skew = [[11, -70], [901, 203], [701, 1103], [-90, 511]]
-    found, turned = one.cut_and_fill(two, polygon=skew), two.cut_and_fill(one, polygon=skew)
+    found, turned = one.cut_and_fill(two, within=skew), two.cut_and_fill(one, within=skew)
     assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
 
 

@@ -225,5 +225,5 @@ def test_other_members_of_the_family_are_refused() -> None:
     for options in ({"weights": np.zeros(20)}, {"metric": [[2, 0], [0, 1]]}):
         surface = liftmesh.triangulate(points, **options)
         assert np.isfinite(surface.sample([0.5, 0.5]))
-        with pytest.raises(liftmesh.InputError, match="method 'sibson' needs a Delaunay"):
+        with pytest.raises(liftmesh.InputError, match="interpolation 'sibson' needs a Delaunay"):
             surface.sample([0.5, 0.5], "sibson")

@@ -203,8 +203,10 @@ class TestForms:
                 call(points)
 
     def test_options_are_checked(self, square) -> None:
-        with pytest.raises(liftmesh.InputError, match="method is 'cubic': give one of 'linear'"):
-            square.sample([1, 1], method="cubic")
+        with pytest.raises(
+            liftmesh.InputError, match="interpolation is 'cubic': give one of 'linear'"
+        ):
+            square.sample([1, 1], interpolation="cubic")
         with pytest.raises(liftmesh.InputError, match="threads is 0"):
             square.sample([1, 1], threads=0)
 

@@ -165,18 +165,21 @@ def model_of(block: liftmesh.Cloud) -> str:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "either a base or a thickness"),
-        ({"base": 0, "thickness": 1}, "either a base or a thickness"),
-        ({"base": 3}, r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0"),
-        ({"base": np.nan}, "base is nan: give a finite height"),
-        ({"base": "low"}, "base is 'low'"),
+        ({}, "either base_height or thickness"),
+        ({"base_height": 0, "thickness": 1}, "either base_height or thickness"),
+        (
+            {"base_height": 3},
+            r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0",
+        ),
+        ({"base_height": np.nan}, "base_height is nan: give a finite height"),
+        ({"base_height": "low"}, "base_height is 'low'"),
         ({"thickness": 0}, "thickness is 0: give a positive length"),
         ({"thickness": 1e-300}, "reaches its base"),
-        ({"base": -1, "longest": -3}, "longest is -3"),
-        ({"base": -1, "z_factor": 2}, "z_factor goes with longest"),
-        ({"base": -1, "longest": 10, "z_factor": 0}, "z_factor is 0"),
-        ({"base": -1e308, "longest": 1e308}, "beyond the largest double"),
-        ({"base": -1, "pinched": "keep"}, "pinched"),
+        ({"base_height": -1, "longest": -3}, "longest is -3"),
+        ({"base_height": -1, "z_factor": 2}, "z_factor goes with longest"),
+        ({"base_height": -1, "longest": 10, "z_factor": 0}, "z_factor is 0"),
+        ({"base_height": -1e308, "longest": 1e308}, "beyond the largest double"),
+        ({"base_height": -1, "pinched": "keep"}, "pinched"),
     ],
 )
 def test_what_makes_no_solid_is_refused(given, said: str) -> None:

@@ -161,7 +161,7 @@ def test_it_cannot_be_changed(surface):
     with pytest.raises(AttributeError):
         surface.faces = None
     with pytest.raises(AttributeError):
-        surface.report.used = 0
+        surface.report.n_used = 0
     with pytest.raises(TypeError):
         surface.report.seconds["read"] = 0.0
     with pytest.raises(TypeError):

@@ -183,7 +183,7 @@ class TestPlanes:
         for plane in ("fit", (2, 0, 0)):
             surface = triangulate(wall, plane=plane)
             assert surface.frame.normal.tolist() == [1, 0, 0]
-            assert surface.report.used == 200
+            assert surface.report.n_used == 200
             assert triangles_of(wall[:, 1:], surface.faces) == triangles_of(
                 wall[:, 1:], triangulate(wall[:, 1:]).faces
             )
@@ -198,7 +198,7 @@ class TestPlanes:
         points = np.vstack([terrain(), terrain()[:50]])
         for plane in ("fit", (1, 2, 3), np.eye(4)):
             report = triangulate(points, plane=plane, on_duplicate="error").report
-            assert (report.duplicates, report.overhangs) == (50, 0)
+            assert (report.n_duplicates, report.n_overhangs) == (50, 0)
 
     def test_a_line_in_space_has_no_surface(self):
         line = np.outer(np.arange(20.0), (1, 2, 3))
@@ -279,7 +279,7 @@ class TestReport:
         )
         report = triangulate(points, nonfinite="skip").report
         assert str(report).startswith(
-            f"304 rows, 300 of them used in {report.triangles} triangles. Left out: 1 duplicate, "
+            f"304 rows, 300 of them used in {report.n_triangles} triangles. Left out: 1 duplicate, "
             "2 overhangs (policy 'first'), 1 row not finite. "
         )
         assert str(report).endswith(f"heights {report.seconds['heights']:.3f}.")

@@ -178,7 +178,7 @@ def test_rasters_end_where_the_faces_do(turned: bool) -> None:
     for each in (layout, covering(surface, 30, 30, turned=False)):
         for quantity, method in (("height", "sample"), ("aspect", "aspect")):
             found = raster(surface, each, quantity=quantity)
-            expected = getattr(surface, method)(found.centres())
+            expected = getattr(surface, method)(found.centers())
             np.testing.assert_array_equal(found.values, expected)
     on_vertices = surface.raster(transform=(1, 0, -0.5, 0, 1, -0.5), shape=(30, 30)).values
     used = np.unique(surface.faces)

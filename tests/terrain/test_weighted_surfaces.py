@@ -38,11 +38,11 @@ def test_the_faces_are_those_of_the_regular_triangulation(kind: str, values: Any
     np.testing.assert_array_equal(surface.attributes[name], SIZES)
     assert surface.metadata["triangulated_by"] == {kind: name}
     report = surface.report
-    assert report.hidden == len(expected.hidden) > 20
-    assert report.rows == report.used + report.hidden == 200
+    assert report.n_hidden == len(expected.hidden) > 20
+    assert report.n_rows == report.n_used + report.n_hidden == 200
     np.testing.assert_array_equal(report.left_out, expected.hidden)
     assert set(report.representatives.tolist()) == {-1}
-    assert f"{report.hidden} rows hidden" in str(report)
+    assert f"{report.n_hidden} rows hidden" in str(report)
 
 
 def test_a_metric_is_that_of_the_plane_coordinates() -> None:
@@ -74,8 +74,8 @@ def test_the_policy_chooses_among_the_heaviest_rows(policy: Any, used: int) -> N
     other = 5 - used
     assert report.left_out.tolist() == sorted([other, 4, 6, 7])
     assert report.representatives.tolist()[report.left_out.tolist().index(other)] == used
-    assert (report.duplicates, report.overhangs, report.hidden) == (0, 1, 3)
-    assert report.rows == report.used + report.overhangs + report.hidden
+    assert (report.n_duplicates, report.n_overhangs, report.n_hidden) == (0, 1, 3)
+    assert report.n_rows == report.n_used + report.n_overhangs + report.n_hidden
     assert surface.attributes["hidden"].tolist() == [0, 0, 0, 0, 1, 0, 1, 1]
     assert used in surface.faces
     tri = surface.triangulation
@@ -104,12 +104,18 @@ def test_each_row_is_used_or_accounted_for(
     )
     report, tri = surface.report, surface.triangulation
     assert isinstance(tri, RegularTriangulation)
-    counts = (report.used, report.duplicates, report.overhangs, report.skipped, report.hidden)
-    assert report.rows == len(rows) == sum(counts)
+    counts = (
+        report.n_used,
+        report.n_duplicates,
+        report.n_overhangs,
+        report.n_skipped,
+        report.n_hidden,
+    )
+    assert report.n_rows == len(rows) == sum(counts)
     used = np.unique(surface.faces)
-    assert report.used == len(used)
+    assert report.n_used == len(used)
     assert sorted([*used, *report.left_out]) == list(range(len(rows)))
-    assert report.skipped == (2 if skips else 0)
+    assert report.n_skipped == (2 if skips else 0)
     flagged = np.flatnonzero(surface.attributes["hidden"]).tolist()
     assert flagged == tri.hidden.tolist()
     for row, other in zip(report.left_out, report.representatives, strict=True):
@@ -146,7 +152,7 @@ def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
         liftmesh.triangulate(points, radii=SIZES)
     surface = liftmesh.triangulate(points, radii=values, nonfinite="skip")
     assert surface.triangulation.skipped.tolist() == [3, 7, 9]
-    assert surface.report.skipped == 3
+    assert surface.report.n_skipped == 3
 
 
 @pytest.mark.parametrize(

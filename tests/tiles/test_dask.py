@@ -102,7 +102,7 @@ def test_the_bytes_are_those_of_one_process(
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
-    assert found.report.used == len(POINTS)
+    assert found.report.n_used == len(POINTS)
     again = liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)  # the current client
     assert again.manifest == found.manifest
 
@@ -135,7 +135,7 @@ def test_objects_of_dask_and_of_memory(
     for name, each in sources.items():
         out = tmp_path / name
         liftmesh.dask.delaunay(each, out, tile_rows=TILE_ROWS * 6, client=client)
-        triangles = np.sort(liftmesh.open_tiled(out).compute().view("i8,i8,i8").ravel())
+        triangles = np.sort(liftmesh.open_tiled(out).to_array().view("i8,i8,i8").ravel())
         if name == "memory":
             first = triangles
         assert np.array_equal(triangles, first), name

@@ -31,7 +31,7 @@ RAISED = POINTS + np.array([0, 0, 1])
 @pytest.mark.parametrize("policy", POLICIES)
 def test_every_policy_is_that_of_one_call(policy: Any, tmp_path: Path) -> None:
     expected = liftmesh.triangulate(CLOUD, on_duplicate=policy)
-    assert expected.report.overhangs > 300 < expected.report.used
+    assert expected.report.n_overhangs > 300 < expected.report.n_used
     for tile_rows in (60, 5_000):
         out = tmp_path / str(tile_rows)
         found = liftmesh.tile_surface(CLOUD, out, on_duplicate=policy, tile_rows=tile_rows)
@@ -121,7 +121,7 @@ def test_whole_numbers_of_parquet_that_are_missing_in_one_batch(tmp_path: Path) 
     numbers.to_parquet(tmp_path / "points.parquet")
     found = liftmesh.tile_surface(tmp_path / "points.parquet", tmp_path / "out", tile_rows=200)
     expected = numbers["number"].to_numpy(np.float64, na_value=np.nan)
-    column = np.concatenate([each.attributes["number"] for each in found.meshes()])
+    column = np.concatenate([each.attributes["number"] for each in found.iter_meshes()])
     assert np.isnan(column).any()
     assert column.dtype == np.float64
     assert {*column[~np.isnan(column)]} == {*expected[~np.isnan(expected)]}
@@ -134,7 +134,7 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
     for name, rows in zip(names, (slice(0, 500), slice(500, None)), strict=True):
         liftmesh.write(tmp_path / name, plain.select(rows))
     paths = [tmp_path / name for name in names]
-    options: dict[str, Any] = {"classes": (1, 3), "bbox": [0, 0, 18, 21]}
+    options: dict[str, Any] = {"classes": (1, 3), "bounds": [0, 0, 18, 21]}
     clouds = [liftmesh.read(path, **options) for path in paths]
     whole = Cloud(
         np.concatenate([each.points for each in clouds]),
@@ -148,7 +148,7 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
         paths, tmp_path / "out", on_duplicate="highest", tile_rows=100, **options
     )
     check(found, liftmesh.triangulate(whole, on_duplicate="highest"))
-    assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bbox": [0, 0, 18, 21]}
+    assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bounds": [0, 0, 18, 21]}
     assert [each["rows"] for each in found.manifest["source"]] == [len(each) for each in clouds]
     assert found.verify().canonical
 
@@ -183,7 +183,7 @@ def test_the_ground_of_lidar_files_is_taken_as_by_triangulate(tmp_path: Path) ->
     assert not (tmp_path / "mixed").exists()
     done = command("tile", one, tmp_path / "cli", "--surface", "--tile-rows", 100)
     assert "2 ground 167" in done.stdout
-    assert liftmesh.open_tiled(tmp_path / "cli").compute().tolist() == found.compute().tolist()
+    assert liftmesh.open_tiled(tmp_path / "cli").to_array().tolist() == found.to_array().tolist()
 
 
 @pytest.mark.slow
@@ -194,7 +194,7 @@ def test_neighbors_are_those_of_one_call(policy: Any, tmp_path: Path) -> None:
         CLOUD, tmp_path, on_duplicate=policy, tile_rows=60, neighbors=True
     )
     check(found, liftmesh.triangulate(CLOUD, on_duplicate=policy))
-    triangles, neighbors = found.compute(), found.compute_neighbors()
+    triangles, neighbors = found.to_array(), found.neighbors_to_array()
     edges = {(t[k - 2], t[k - 1]): i for i, t in enumerate(triangles.tolist()) for k in range(3)}
     beyond = [[edges.get((t[k - 1], t[k - 2]), -1) for k in range(3)] for t in triangles.tolist()]
     assert neighbors.tolist() == beyond
@@ -215,7 +215,7 @@ def test_values_may_have_any_names(tmp_path: Path) -> None:
 
 def test_a_shard_is_a_mesh_by_itself(tmp_path: Path) -> None:
     found = liftmesh.tile_surface(CLOUD, tmp_path, tile_rows=150)
-    for mesh, triangles in zip(found.meshes(), found.blocks(), strict=True):
+    for mesh, triangles in zip(found.iter_meshes(), found.iter_blocks(), strict=True):
         assert mesh.faces is not None
         assert np.array_equal(mesh.attributes["row"][mesh.faces], triangles)
         assert mesh.colors is not None
@@ -278,7 +278,7 @@ def test_heights_that_are_not_finite(tmp_path: Path) -> None:
         ({"crs": ""}, "crs is ''"),
         ({"crs": "EPSG:4978"}, "geocentric"),
         ({"classes": 2}, "classes: options of files, and there is no file"),
-        ({"bbox": object()}, "bbox is <object"),
+        ({"bounds": object()}, "bounds is <object"),
         ({"tile_rows": 3}, "tile_rows"),
         ({"shards": "parquet"}, "shards is 'parquet': a surface has NPY, with vertices"),
         ({"shards": "ply"}, "shards is 'ply': a surface has NPY"),
@@ -322,7 +322,7 @@ def test_files_that_do_not_go_together(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"b.ply has the values class .*a.ply has no names"):
         liftmesh.tile_surface([tmp_path / "a.ply", tmp_path / "b.ply"], tmp_path / "out")
     with pytest.raises(DegenerateInputError, match="the source has no rows"):
-        liftmesh.tile_surface(tmp_path / "a.ply", tmp_path / "none", bbox=[900, 900, 901, 901])
+        liftmesh.tile_surface(tmp_path / "a.ply", tmp_path / "none", bounds=[900, 900, 901, 901])
 
 
 def test_warnings_and_systems_are_those_of_one_call(tmp_path: Path) -> None:
@@ -389,7 +389,7 @@ def test_what_has_changed_before_a_run_goes_on(tmp_path: Path) -> None:
 
 def broken(tiled: TiledSurface, change: Callable[[Any], None]) -> set[str]:
     """Change the vertices of a shard, and say what the proof finds."""
-    path = tiled.directory / f"{tiled.shards[1].stem}-vertices.npy"
+    path = tiled.folder / f"{tiled.shards[1].stem}-vertices.npy"
     vertices = np.load(path)
     change(vertices)
     np.save(path, vertices)

@@ -118,7 +118,7 @@ def _from_tensors(rows: Mapping[str, Any], triangles: Mapping[str, Any]) -> Clou
 
 def _unread(names: Iterable[str]) -> dict[str, Any]:
     """The metadata that name what a cloud does not hold."""
-    return noted({}, skipped=Unread(names))
+    return noted({}, not_read=Unread(names))
 
 
 def _tensor_shades(named: dict[str, Array]) -> Array | None:

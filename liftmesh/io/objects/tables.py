@@ -146,7 +146,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
         normals=taken_together(columns_read, NORMAL),
         attributes={k: _without_nodata(each, options) for k, each in columns_read.items()},
         metadata=noted(
-            {}, columns=NotedColumns(columns.mapping()), notes=notes, skipped=Unread(unread)
+            {}, columns=NotedColumns(columns.mapping()), notes=notes, not_read=Unread(unread)
         ),
         crs=described.get("crs"),
     )

@@ -7,10 +7,9 @@ import struct
 
 import laspy
 import numpy as np
-from growth.files.lidar import nodes_of_one_point
-
 from fuzz.structure.case import Case, Points, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
+from growth.files.lidar import nodes_of_one_point
 
 LAS_WORDS = [b"LASF", b"LASF_Spec", b"LASF_Projection", b"laszip encoded", b"copc", b"x", b"red"]
 _STEP = 0.25
@@ -105,7 +104,9 @@ def copc(chance: Chance) -> Case:
     data = bytearray(nodes_of_one_point(count))
     data[8:24] = bytes(chance.randrange(256) for _ in range(16))  # the GUID of a project
     index = len(data) - 32 * (count + count // 2)
-    options = chance.choice(({"bbox": (0, 0, 400, 400)}, {"resolution": 3.0}, {"z_range": (0, 9)}))
+    options = chance.choice(
+        ({"bounds": (0, 0, 400, 400)}, {"copc_resolution": 3.0}, {"z_range": (0, 9)})
+    )
     if chance.one_in(4):
         points = np.array(laspy.read(io.BytesIO(data)).xyz)
         return Case("laz", bytes(data), in_order(points), options=options)

@@ -24,7 +24,8 @@ from liftmesh.base.options import shown
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
 from liftmesh.io.format import dropped_values
-from liftmesh.io.formats.las.vlrs import DEPTH, LAYOUT
+from liftmesh.io.formats.las.vlrs import DEPTH
+from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -105,8 +106,7 @@ def with_colors(point_format: int, cloud: Cloud) -> int:
 
 def depth_of(cloud: Cloud) -> int | None:
     """Return the depth of colours: also of those that came from LAS by way of something else."""
-    layout = cloud.metadata.get(LAYOUT)
-    depth = layout.get(DEPTH) if isinstance(layout, Mapping) else None
+    depth = Provenance(cloud.metadata).las.get(DEPTH)
     return cloud.color_depth or (depth if isinstance(depth, int) else None)
 
 

@@ -49,6 +49,7 @@ from liftmesh.io.formats.las.vlrs import (
     make_record,
     replace_records,
 )
+from liftmesh.io.metadata import Provenance
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -75,8 +76,8 @@ class Layout:
 
 def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> Layout:
     """Choose a layout."""
-    entry = cloud.metadata.get(LAYOUT)
-    said = entry if isinstance(entry, Mapping) and is_layout(LAYOUT, entry) else {}
+    entry = Provenance(cloud.metadata).las
+    said = entry if is_layout(LAYOUT, entry) else {}
     kept = kept_vlrs(cloud.metadata)
     number = _point_format(cloud, said, point_format)
     known = _known_extras(kept)
