@@ -32,7 +32,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Mask
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import counted, shown
+from liftmesh.base.options import counted, refused, shown
 from liftmesh.cells.domain import Domain, as_domain, following_corners, shapes_of, unite
 from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
@@ -89,7 +89,7 @@ def columns_of(data: Any, rows: int) -> dict[str, Array]:
 
 def _values_of(data: Any, rows: int) -> dict[Any, Any]:
     if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
-        raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
+        raise refused("data", data, "give a mapping of names to values, or a table")
     columns = {}
     for name in getattr(data, "columns", () if data is None else data):
         given = data[name]
@@ -457,5 +457,6 @@ def read_domain(path: Path) -> Domain:
     try:
         shape = unite(shapes)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
+        error.within(path)
+        raise
     return as_domain(shape, np.empty((0, 2)), own_system(tree, shape.bounds))

@@ -83,7 +83,7 @@ class NaturalNeighbors:
         >>> found.interpolate([0, 10, 20])
         array([7.5, nan])
         """
-        held = as_numbers("values are", values, "give a number for each row")
+        held = as_numbers("values", values, "give a number for each row", verb="are")
         if held.ndim == 0 or len(held) != self.rows_in_all:
             raise InputError(
                 f"values have the shape {held.shape}: give one for each of the "

@@ -15,7 +15,7 @@ import click
 from click import shell_completion
 
 from liftmesh.cli import exit_codes
-from liftmesh.cli.options import PANELS, Spec, with_single_options
+from liftmesh.cli.options import PANELS, Spec, as_usage, with_single_options
 
 HELP = (
     "Exact Delaunay meshes of point clouds: planar points are lifted to a paraboloid, and the "
@@ -169,7 +169,8 @@ def _converter(spec: Spec, kind: Any) -> Callable[[Any], Any]:
 
     def convert(value: Any) -> Any:
         try:
-            return parse(value) if isinstance(value, str) else value
+            with as_usage():
+                return parse(value) if isinstance(value, str) else value
         except ValueError as error:
             raise click.BadParameter(f"{value!r} is no such value") from error
 

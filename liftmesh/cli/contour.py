@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
+import click
+
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, number, numbers, option, positive, whole

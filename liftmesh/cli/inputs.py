@@ -16,24 +16,12 @@ from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import (
-    DataWarning,
-    DegenerateInputError,
-    DuplicateHeightError,
-    FormatError,
-    InputError,
-    NonFiniteError,
-)
+from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
-_ABOUT_A_FILE = (
-    *("row ", "the coordinates ", "weights are ", "radii are "),
-    *("the points have ", "the mesh says "),
-)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -73,7 +61,7 @@ def table(
     if given:
         from liftmesh.io.formats.text.options import validate_table_options
 
-        with options.as_option():
+        with options.as_usage():
             validate_table_options(**given)
     return given
 
@@ -137,7 +125,7 @@ def _selection(
     if conditions:
         from liftmesh.io.selection import validate_selection
 
-        with options.as_option():
+        with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
@@ -364,9 +352,8 @@ def about(path: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error):
-            name = "stdin" if is_stream(path) else path
-            error.args = (f"{name}: {error}", *error.args[1:])
+        if _is_about_data(error):
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -381,13 +368,16 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and not notes.provenance_of(cloud).thinning:
-            error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
+        if _is_about_data(error) and not notes.provenance_of(cloud).thinning:
+            placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
+            error.args = (Message(placed),)
         raise
 
 
-def _is_about_rows(error: InputError) -> bool:
-    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
+def _is_about_data(error: InputError) -> bool:
+    """Whether an error is about what a file holds, and not about options."""
+    parts = error.message.parts
+    return not any(isinstance(each, Option) and each.value is None for each in parts)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, TypeAlias
 
 from liftmesh.base.options import Interpolation, RasterQuantity, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, flag, numbers, option, positive
 from liftmesh.errors import InputError
 
+Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
@@ -48,7 +49,7 @@ def run(
     ] = None,
     double: Annotated[bool, flag("Write float64, not float32.")] = False,
     cog: Annotated[bool, flag("Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    compress: Annotated[Compression, flag("Compression of the file.")] = "deflate",
     crs: Annotated[
         str | None, option("CRS", "Coordinate system, as EPSG:25832; IN states no other.")
     ] = None,

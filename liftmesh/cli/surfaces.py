@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import inspect
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
@@ -13,8 +12,8 @@ import click
 from liftmesh.base.options import NonFinite, counted, shown
 from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.options import argument, flag, option, positive
-from liftmesh.cli.wording import as_on_command_line, of_reading
-from liftmesh.errors import FormatError, InputError
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
@@ -118,11 +117,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
             _note_overhangs(source, made.report.n_overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
-            try:
-                return liftmesh.as_surface(cloud, **choices)
-            except InputError as error:
-                error.args = (f"{source}: {error}", *error.args[1:])
-                raise
+            return liftmesh.as_surface(cloud, **choices)
 
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
@@ -138,7 +133,7 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     given += ["plane"] if reading.plane != "xy" else []
     if given:
         raise click.BadParameter(
-            f"{of_reading(given[0])} is for files: {source} is a surface in tiles as it is"
+            f"{spelled(Option(given[0]))} is for files: {source} is a surface in tiles as it is"
         )
     tiled = open_tiled(source)
     if "surface" not in tiled.manifest:
@@ -227,10 +222,8 @@ class Places:
         try:
             limit = options.given(max_bytes=max_bytes)
             cloud = inputs.read(path, {**self.table, **kind, **limit})
-        except click.BadParameter as error:
-            raise click.BadParameter(self._worded(error.message)) from error
         except (FormatError, InputError) as error:
-            error.args = (self._worded(str(error)), *error.args[1:])
+            error.args = (error.message.renamed(_own_names(self.option)),)
             raise
         if are_different(crs, cloud.crs):
             there, here = shown(cloud.crs), shown(crs)
@@ -239,11 +232,12 @@ class Places:
             )
         return cloud
 
-    def _worded(self, message: str) -> str:
-        """Name the options of this table where a message names those of IN."""
-        names = "|".join(each.replace("_", "-") for each in (*_table_options(), "input_format"))
-        mine = rf"--{self.option}-\g<1>"
-        return re.sub(rf"--({names})\b", mine, as_on_command_line(message))
+
+def _own_names(option_name: str) -> dict[str, str]:
+    """Return by option of IN that of the table which an option names."""
+    names = {each: f"--{option_name}-{each.replace('_', '-')}" for each in _table_options()}
+    other = {"format": f"--{option_name}-input-format", "header": f"--{option_name}-no-header"}
+    return names | other
 
 
 def places(option_name: str) -> options.Group:
@@ -259,7 +253,7 @@ def places(option_name: str) -> options.Group:
         try:
             return Places(option_name, file_format, inputs.table(**plain))
         except click.BadParameter as error:
-            message = error.message.replace("--", f"--{option_name}-", 1)
+            message = Message(error.message).renamed(_own_names(option_name))
             raise click.BadParameter(message) from error
 
     text = f"Format of --{option_name}, instead of its suffix."

@@ -14,8 +14,8 @@ import click
 from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import argument, flag, option, whole
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import DegenerateInputError
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import DegenerateInputError, Option
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -82,7 +82,7 @@ def run(
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
     if not surface and (on_duplicate or rows):
-        given = "--on-duplicate" if on_duplicate else of_reading(next(iter(rows)))
+        given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
         raise click.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise click.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -120,7 +120,7 @@ def _named(paths: list[str]) -> Iterator[None]:
     try:
         yield
     except DegenerateInputError as error:
-        error.args = (f"{notes.listed(paths)}: {error}",)
+        error.within(notes.listed(paths))
         raise
 
 

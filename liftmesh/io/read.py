@@ -18,12 +18,12 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count
+from liftmesh.base.options import Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import Label, Provenance, noted
@@ -263,7 +263,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         withheld=withheld,
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+        reason = f"which the whole file decides: give {Option('classes', 2)}"
+        raise refused("classes", classes, reason, mark=", ")
     if src_crs is not None:
         check_system(src_crs)
     source = at_home(source)
@@ -401,7 +402,8 @@ def _changed(
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
         return placed(cloud, crs, target, chosen)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from error
+        error.within(name)
+        raise
 
 
 def placed(

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.colors import judged, with_depth
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
@@ -202,5 +202,5 @@ def _array(name: str, values: Any) -> Array:
     except ValueError as error:
         raise InputError(f"{name} cannot be converted to an array: {error}") from error
     if array.ndim == 0:
-        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
+        raise refused(name, values, "give an array with one row per point")
     return array

@@ -178,7 +178,7 @@ WRONG = [
     (["out.svg", "--domain", "points.gpkg"], 3, "geometry 1 is Point"),
     (["out.svg", "--domain", "0,0,0,1"], 3, "which has no area"),
     (["out.svg", "--weights", "weight"], 3, "the points have no values of that name"),
-    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both weights and radii"),
+    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both --weights and --radii"),
 ]
 
 
