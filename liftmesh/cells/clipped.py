@@ -170,6 +170,11 @@ class ClippedCells:
         MissingDependencyError
             shapely is missing.
 
+        See Also
+        --------
+        Cells.to_geodataframe : The polygons in a table.
+        Cells.save : The polygons in a file.
+
         Examples
         --------
         >>> import liftmesh
@@ -218,6 +223,11 @@ class ClippedCells:
             `crs` differ, or one is unknown.
         MissingDependencyError
             geopandas is missing.
+
+        See Also
+        --------
+        Cells.to_shapely : The polygons alone.
+        Cells.save : The polygons in a file, which needs no geopandas but for GeoPackages.
 
         Examples
         --------
@@ -280,6 +290,11 @@ class ClippedCells:
             geopandas is missing, which writes GeoPackages; or shapely, of PLY with concave cells.
         OSError
             The file cannot be written; the message gives the reason.
+
+        See Also
+        --------
+        Cells.to_geodataframe : The same as a table.
+        write : Write clouds and meshes.
 
         Examples
         --------

@@ -79,6 +79,12 @@ def apollonius_diagram(
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
 
+    See Also
+    --------
+    apollonius : The graph that is dual to the cells.
+    power_diagram : Cells by the power of disks, with straight sides.
+    ApolloniusGraph.cell_sides : The sides alone, within any bounds.
+
     Notes
     -----
     For the graph, see `apollonius`. Seen from a focus, a hyperbola has a simple equation
@@ -156,6 +162,11 @@ class ApolloniusCells(ClippedCells):
         As of `Cells`.
     duplicates, hidden : ndarray of int32
         Those of the graph: disks equal to one before, each with that, and disks within others.
+
+    See Also
+    --------
+    apollonius_diagram : Make cells of disks.
+    Cells : Voronoi and power cells.
 
     Examples
     --------

@@ -40,6 +40,10 @@ class NaturalNeighbors:
     rows_in_all : int
         How many rows there are, neighbours or not.
 
+    See Also
+    --------
+    natural_neighbors : Find natural neighbours.
+
     Examples
     --------
     >>> import liftmesh
@@ -75,6 +79,10 @@ class NaturalNeighbors:
         ------
         InputError
             There are more or fewer values than rows.
+
+        See Also
+        --------
+        Surface.sample : Heights of a surface, also by natural neighbours.
 
         Examples
         --------
@@ -126,6 +134,12 @@ def natural_neighbors(
         A point or a query is not finite.
     DegenerateInputError
         All points lie on one line.
+
+    See Also
+    --------
+    voronoi : The cells that a new point would take from.
+    NaturalNeighbors.interpolate : Means of values by the weights.
+    Surface.sample : Heights of a surface, also by natural neighbours.
 
     Notes
     -----

@@ -62,6 +62,10 @@ class LloydResult:
     converged : bool
         Whether that was within what ``tol`` allows.
 
+    See Also
+    --------
+    lloyd : Relax points.
+
     Examples
     --------
     >>> import liftmesh
@@ -130,6 +134,12 @@ def lloyd(
     NonFiniteError
         A row is not finite.
 
+    See Also
+    --------
+    transport : Weights by which cells have given areas, where points are.
+    voronoi : The cells of points.
+    thin : Fewer rows of a cloud, some distance apart.
+
     Examples
     --------
     >>> found = lloyd(np.random.default_rng(1).random((50, 2)), domain=(0, 0, 1, 1))
@@ -189,6 +199,10 @@ class TransportResult:
     stalled : bool
         Whether it ended above ``tol`` because no step helped, so that a higher limit of steps
         changes nothing. If neither this nor `converged`, the steps are used up.
+
+    See Also
+    --------
+    transport : Find such cells.
 
     Examples
     --------
@@ -265,6 +279,11 @@ def transport(  # noqa: PLR0913 - options are keywords
         so far from the domain that float64 has no weights by which they share it.
     NonFiniteError
         A row is not finite.
+
+    See Also
+    --------
+    power_diagram : The cells by given weights.
+    lloyd : Points whose cells are about even.
 
     Notes
     -----

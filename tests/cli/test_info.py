@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import rasterio
 from commands import COMMAND, PLAIN, ROOT, TERRAIN, failed, liftmesh, process
-from lidar import records
+from files.las import records
 from scipy.spatial.distance import cdist
 
 import liftmesh as lm
