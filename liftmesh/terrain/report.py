@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import transformation_of, transformation_text
+from liftmesh.crs.transformation import transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import classes_of
 
 if TYPE_CHECKING:
@@ -137,6 +138,6 @@ def report_on(cloud: Cloud, **fields: Any) -> Report:
         "n_rows": len(cloud),
         "color_depth": cloud.color_depth,
         "classes": classes_of(cloud.attributes),
-        "transformation": transformation_of(cloud.metadata),
+        "transformation": Provenance(cloud.metadata).transformation,
     }
     return Report(**{**known, **fields})
