@@ -15,7 +15,7 @@ Most options of Qhull control how it deals with its rounding errors, or what it 
 triangulation needs none of them, so they have no effect. The others move, scale, rotate or leave
 out points, or choose other triangles.
 
-SciPy is imported with this module, which is when one of the classes is first asked for.
+SciPy is imported with this module: at the first use of ``liftmesh.scipy``.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Growing:
         Examples
         --------
         >>> import liftmesh
-        >>> tri = liftmesh.Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> tri = liftmesh.scipy.Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
         >>> tri.add_points([[2, 2], [1, 1]])
         >>> tri.npoints, tri.nsimplex
         (5, 4)
@@ -124,7 +124,7 @@ class Growing:
         Examples
         --------
         >>> import liftmesh
-        >>> diagram = liftmesh.Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> diagram = liftmesh.scipy.Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
         >>> diagram.close()
         """
         self._can_grow = False
