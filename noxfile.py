@@ -26,13 +26,14 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "sanitize thread",
     "growth",
     "growth --memory",
-    "neighbors",
-    "domains",
-    "changes",
+    "neighbors.py",
+    "domains.py",
+    "changes.py",
     "earthworks.py",
     "interrupt",
     "sweep",
     "soak",
+    "mutants.py",
 )
 
 

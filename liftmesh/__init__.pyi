@@ -3,12 +3,16 @@ from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,
 )
-from .cells.lloyd import Relaxed as Relaxed, lloyd as lloyd
 from .cells.natural import (
     NaturalNeighbors as NaturalNeighbors,
     natural_neighbors as natural_neighbors,
 )
-from .cells.transport import Transported as Transported, transport as transport
+from .cells.optimization import (
+    LloydResult as LloydResult,
+    TransportResult as TransportResult,
+    lloyd as lloyd,
+    transport as transport,
+)
 from .cells.voronoi import (
     Cells as Cells,
     Unclipped as Unclipped,
@@ -32,12 +36,12 @@ from .errors import (
 from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
-from .io.write import Written as Written, write as write
+from .io.write import WriteResult as WriteResult, write as write
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
 )
-from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Offender as Offender
+from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Violation as Violation
 from .planar.delaunay import delaunay as delaunay
 from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
 from .planar.lifting import (
@@ -56,7 +60,7 @@ from .space.lower_hull import lower_hull as lower_hull
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
-from .terrain.measures import Earthwork as Earthwork, Volume as Volume
+from .terrain.measures import CutFillResult as CutFillResult, VolumeResult as VolumeResult
 from .terrain.merging import merge as merge
 from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile

@@ -16,5 +16,5 @@ Indices: TypeAlias = NDArray[np.intp]  # indices into arrays, as NumPy's sorts a
 Integers: TypeAlias = NDArray[np.int64]
 Mask: TypeAlias = NDArray[np.bool_]
 
-ParaboloidVertex: TypeAlias = Literal["origin", "median"] | ArrayLike
+Apex: TypeAlias = Literal["median", "origin"] | ArrayLike
 Progress: TypeAlias = Callable[[float], None]

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any, Literal, cast
 
 import numpy as np
 
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, check_progress, counted
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, check_progress, counted
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.optional import load
@@ -56,7 +56,10 @@ from liftmesh.tiles.stages import node
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh._typing import Progress
+    from liftmesh.io.options import ChunkOptions
     from liftmesh.tiles.context import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
@@ -78,7 +81,7 @@ _SETTINGS = {
 
 
 def delaunay(  # noqa: PLR0913 - options are keywords
-    source: object,
+    points: object,
     out: str | os.PathLike[str],
     *,
     client: Any = None,
@@ -97,7 +100,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+    points : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
         As for `liftmesh.tile`; also arrays of Dask with two or three columns, and DataFrames with
         columns x and y. Paths must lead to the same files on all workers.
     out : str or path
@@ -146,20 +149,20 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
-        tiled = open_tiled(triangulated(source, options, workers, fitting))
+        tiled = open_tiled(triangulated(points, options, workers, fitting))
     if progress is not None:
         progress(1.0)
     return tiled
 
 
 def triangulate(  # noqa: PLR0913 - options are keywords
-    source: object,
+    cloud: object,
     out: str | os.PathLike[str],
     *,
     client: Any = None,
     crs: str | None = None,
     plane: Literal["xy"] = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     tile_rows: int | Literal["auto"] = "auto",
     scratch: str | os.PathLike[str] | None = None,
@@ -167,7 +170,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     shards: Literal["npy"] = "npy",
     neighbors: bool = False,
     progress: Progress | None = None,
-    **reading: Any,
+    **reading: Unpack[ChunkOptions],
 ) -> TiledSurface:
     """Make a surface of more points than fit in memory, on the workers of Dask.
 
@@ -176,7 +179,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+    cloud : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
         As for `liftmesh.tile_surface`; also arrays of Dask with two or three columns, and
         DataFrames, whose columns are known by their names. Paths must lead to the same files on all
         workers.
@@ -184,7 +187,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         The folder to write to, which all workers see.
     client : distributed.Client, optional
         As for `delaunay`.
-    crs, plane, duplicates, nonfinite
+    crs, plane, on_duplicate, nonfinite
         As for `liftmesh.tile_surface`. An error about duplicates is that of the tile that is done
         first.
     tile_rows : int or "auto", default "auto"
@@ -220,14 +223,14 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used, SURFACE_ROW_BYTES)
-        tiled = open_tiled(triangulated(source, options, workers, fitting))
+        tiled = open_tiled(triangulated(cloud, options, workers, fitting))
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", tiled)

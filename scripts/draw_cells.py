@@ -82,7 +82,7 @@ def schools() -> Figure:
     domain, rng = city(), np.random.default_rng(4)
     drawn = rng.uniform((-5.5, -4.5), (5.5, 4.5), (200, 2))
     sites = drawn[shapely.contains_xy(domain.buffer(-0.15), *drawn.T)][:42]
-    sites = liftmesh.lloyd(sites, domain=domain, steps=1).points  # schools keep some distance
+    sites = liftmesh.lloyd(sites, domain=domain, max_iter=1).points  # schools keep some distance
     figure, [axes] = sheet(1, 3.7, WATER)
     cells = liftmesh.voronoi(sites, domain=domain)
     shade = (cells.areas - cells.areas.min()) / np.ptp(cells.areas)
@@ -143,7 +143,7 @@ def stipples() -> Figure:
     chosen = rng.choice(dark.size, 9000, p=dark.ravel() / dark.sum())
     row, column = np.divmod(chosen, 300)
     start = np.c_[column, 299 - row] + rng.random((9000, 2))
-    found = liftmesh.lloyd(start, domain=domain, density=dark, steps=60)
+    found = liftmesh.lloyd(start, domain=domain, density=dark, max_iter=60)
     figure, (left, right) = sheet(2, 4.4)
     left.imshow(photograph, extent=(0, 300, 0, 300))
     right.scatter(*found.points.T, s=1.7, color=INK, linewidths=0)

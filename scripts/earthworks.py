@@ -12,13 +12,9 @@ from __future__ import annotations
 
 import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
-from pathlib import Path
 
 import numpy as np
-
-sys.path.append(str(Path(__file__).resolve().parents[1] / "tests" / "support"))
-
-from earthwork_oracle import error, exact_earthwork, grid_pair
+from oracles.earthwork import error, exact_earthwork, grid_pair
 
 import liftmesh
 
@@ -26,7 +22,6 @@ MOST_ERROR = 1e-12
 
 
 def main() -> None:
-    """Run the campaign."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)

@@ -7,10 +7,10 @@
 
 Of tiny sets with ties, each case draws a set of points, a plan of tiles, the order of rows, the
 chunks in which they come, and which merges are left to their parents. The triangles have to be
-those of the definition, by Python's integers (`tests/support/oracle.py`), each once, and neighbours
+those of the definition, by `scripts/oracles/planar.py`, each once, and neighbours
 those that share an edge. A set that fails is printed with its seed.
 
-With --rows, the families of `tile_families.py` have so many rows, and come in several orders, are
+With --rows, the families of `tilings.py` have so many rows, and come in several orders, are
 cut into several numbers of tiles, and are triangulated by this process (0 workers) or by workers of
 Dask. The triangles have to be those of one call, by a hash of their coordinates that depends on
 neither the order of rows nor of triangles; with --verify, they are proved, too.
@@ -32,12 +32,8 @@ from benchmark.tasks.tiles import BLOCK, MIXERS, mark_of, turned
 from distributions import Points
 from numpy.random import Generator
 from numpy.typing import NDArray
-from tile_families import FAMILIES
-
-sys.path.insert(0, str(Path(__file__).resolve().parent.parent / "tests" / "support"))
-
-import oracle
-from tilings import Tree
+from oracles import planar as oracle
+from tilings import FAMILIES, Tree
 
 import liftmesh
 from liftmesh.tiles.plan import Plan, planned
@@ -68,7 +64,6 @@ def main() -> None:
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--seconds", type=float, default=60)
@@ -125,7 +120,7 @@ def mark_in_tiles(points: Points, tiles: int, make: Make, options: Namespace) ->
         found = make(Path(folder) / "points.npy", Path(folder) / "out", tile_rows=rows)
         if options.verify and not found.verify().canonical:
             raise AssertionError(f"{len(points):,} rows in {tiles} tiles: not proved")
-        return mark_of_places(points, found.blocks())
+        return mark_of_places(points, found.iter_blocks())
 
 
 def mark_of_places(points: Points, blocks: Iterator[NDArray[Any]]) -> str:

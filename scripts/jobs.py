@@ -72,7 +72,7 @@ def commands() -> list[Command]:
 
 def _lines() -> Iterator[str]:
     yield "--version"
-    targets = [*(f">new.{kind}" for kind in MESHES), f"{STDOUT} --format ply"]
+    targets = [*(f">new.{kind}" for kind in MESHES), f"{STDOUT} --output-format ply"]
     for k, kind in enumerate((*MESHES, *CLOUDS)):
         yield f"info <mesh.{kind}"
         yield f"compare <mesh.{kind} --lower >lower.ply --hull >hull.glb"
@@ -148,7 +148,7 @@ def _triangulate(points: np.ndarray, _: Generator) -> Action:
     some = len(points) // 5  # have the position of another, and another height
     several[:some, :2] = points[len(points) - some :, :2]
     return lambda progress: liftmesh.triangulate(
-        several, plane="fit", duplicates="mean", progress=progress
+        several, plane="fit", on_duplicate="mean", progress=progress
     )
 
 

@@ -67,11 +67,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.NaturalNeighbors.interpolate,
         {"values": PLANAR[:, 0]},
     ),
-    "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "steps": 2}),
+    "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "max_iter": 2}),
     "transport": (
         liftmesh.transport,
         liftmesh.transport,
-        {"points": PLANAR, "masses": np.ones(len(PLANAR)), "steps": 2},
+        {"points": PLANAR, "masses": np.ones(len(PLANAR)), "max_iter": 2},
     ),
     "Voronoi": (liftmesh.Voronoi, liftmesh.Voronoi, {"points": PLANAR}),
     "triangulate": (liftmesh.triangulate, liftmesh.triangulate, {"cloud": ROWS}),
@@ -94,9 +94,13 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "apollonius_diagram": (
         liftmesh.apollonius_diagram,
         liftmesh.apollonius_diagram,
-        {"centers": PLANAR, "radii": PLANAR[:, 0] ** 2},
+        {"points": PLANAR, "radii": PLANAR[:, 0] ** 2},
     ),
-    "cell_sides": (GRAPH.cell_sides, GRAPH.cell_sides, {"box": (0, 0, 1, 1), "tolerance": 0.1}),
+    "cell_sides": (
+        GRAPH.cell_sides,
+        GRAPH.cell_sides,
+        {"bounds": (0, 0, 1, 1), "max_deviation": 0.1},
+    ),
     "neighbors_of": (GRAPH.neighbors_of, GRAPH.neighbors_of, {"row": 0}),
     "lift": (liftmesh.lift, liftmesh.lift, {"points": PLANAR}),
     "project": (liftmesh.project, liftmesh.project, {"points": ROWS}),
@@ -109,7 +113,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "thin": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "every": 2}),
     "thin random": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "random": 2}),
     "thin cell": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "cell": 0.5}),
-    "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "distance": 0.5}),
+    "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "min_distance": 0.5}),
     "simplify": (liftmesh.simplify, liftmesh.simplify, {"cloud": ROWS, "max_error": 0.5}),
     "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
     "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),
@@ -321,8 +325,8 @@ def test_progress_is_a_function(function: Any) -> None:
 
 
 def test_imaginary_parts_are_not_dropped() -> None:
-    with pytest.raises(InputError, match="q is"):
-        liftmesh.lift(PLANAR, q=np.array([1, 2j]))
+    with pytest.raises(InputError, match="apex is"):
+        liftmesh.lift(PLANAR, apex=np.array([1, 2j]))
     with pytest.raises(InputError, match="plane cannot be read as numbers"):
         liftmesh.triangulate(ROWS, plane=np.array([0, 0, 1j]))
 

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import ast
-import builtins
 import inspect
 import re
 import textwrap
-from collections.abc import Iterator
 from functools import cached_property
 from itertools import groupby
 from pathlib import Path
 
 import pytest
-
-import liftmesh
-import liftmesh.dask
-from liftmesh import errors
+from counts import code_lines
+from public_names import EXCEPTIONS, METHODS, NAMES
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "liftmesh"
@@ -25,41 +21,7 @@ MOST_CODE = 400  # lines of a file of Python that are neither blank, nor comment
 SUFFIXES = {".py", ".pyi", ".c", ".h", ".cpp", ".hpp", ".txt", ".md", ".toml", ".yaml", ".sh"}
 MADE_HERE = ("build", "out", "dist")
 
-EXCEPTIONS = {
-    name
-    for name, value in [*vars(errors).items(), *vars(builtins).items()]
-    if isinstance(value, type) and issubclass(value, BaseException)
-}
 
-
-def public_names() -> Iterator[tuple[str, object]]:
-    for name in liftmesh.__all__:
-        if name not in EXCEPTIONS and name != "__version__":
-            yield name, getattr(liftmesh, name)
-    yield "dask.delaunay", liftmesh.dask.delaunay
-
-
-def public_methods() -> Iterator[tuple[str, object]]:
-    for name, value in public_names():
-        if inspect.isclass(value):
-            for key, member in own_members(value).items():
-                if inspect.isfunction(member) and not key.startswith("_"):
-                    yield f"{name}.{key}", member
-
-
-def own_members(kind: type) -> dict[str, object]:
-    """Members of a class and of those private bases that its methods are divided among."""
-    public = {getattr(liftmesh, name) for name in liftmesh.__all__}
-    bases = [
-        base
-        for base in kind.__mro__[1:]
-        if base.__module__.startswith("liftmesh.") and base not in public
-    ]
-    return {k: v for each in (*bases, kind) for k, v in vars(each).items()}
-
-
-NAMES = dict(public_names())
-METHODS = dict(public_methods())
 CALLABLES = {**METHODS, **{n: v for n, v in NAMES.items() if inspect.isfunction(v)}}
 
 
@@ -128,18 +90,6 @@ def project_files() -> list[Path]:
 def test_no_doctest_is_left_out() -> None:
     switch = re.compile(r"doctest:.*" + "SKIP")
     assert [p for p in PACKAGE.rglob("*.py") if switch.search(p.read_text("utf-8"))] == []
-
-
-def code_lines(path: Path) -> int:
-    text = path.read_text("utf-8")
-    prose = set()
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.Module | ast.FunctionDef | ast.ClassDef) and ast.get_docstring(
-            node
-        ):
-            prose |= {*range(node.body[0].lineno, node.body[0].end_lineno + 1)}
-    numbered = enumerate(map(str.strip, text.splitlines()), 1)
-    return sum(1 for k, line in numbered if line and line[0] != "#" and k not in prose)
 
 
 @pytest.mark.slow

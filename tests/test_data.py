@@ -48,20 +48,20 @@ def test_the_terrain_is_a_lattice_in_metres_from_north_to_south() -> None:
 
 def test_the_terrain_triangulates_without_a_row_left_out() -> None:
     report = liftmesh.triangulate(DATA / "jacksboro.ply").report
-    assert (report.rows, report.used) == (344 * 403, 344 * 403)
-    assert report.triangles == 2 * 343 * 402
+    assert (report.n_rows, report.n_used) == (344 * 403, 344 * 403)
+    assert report.n_triangles == 2 * 343 * 402
 
 
 def test_the_overhang_has_a_wall_and_a_repeated_row() -> None:
     report = liftmesh.triangulate(DATA / "overhang.ply").report
-    assert (report.rows, report.overhangs, report.duplicates) == (25, 4, 1)
+    assert (report.n_rows, report.n_overhangs, report.n_duplicates) == (25, 4, 1)
 
 
 def test_the_hill_keeps_its_colours() -> None:
     surface = liftmesh.triangulate(DATA / "hill.csv")
     assert surface.colors is not None
     assert surface.colors.shape == (80, 3)
-    assert surface.report.used == 80
+    assert surface.report.n_used == 80
 
 
 def test_the_quad_is_a_tie_that_the_largest_point_loses() -> None:

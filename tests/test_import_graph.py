@@ -1,10 +1,11 @@
-"""The module graph of ARCHITECTURE.md: what a room is, which arrows are drawn, and the check."""
+"""The module graph of ARCHITECTURE.md, and the counts of the sources, on a small made-up tree."""
 
 from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
 
+import counts
 import import_graph
 import pytest
 from import_graph import Graph, imports_of, includes_of, main, mermaid, reachable, reduced
@@ -141,3 +142,37 @@ def test_a_page_without_markers_is_refused(house: Path, tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_graphs_of_the_architecture_are_up_to_date() -> None:
     assert import_graph.main(["--check"]) == 0
+
+
+COUNTED = {
+    "house/roof/chimney.py": '"""Two lines\nof prose."""\n\nimport house.attic  # why\n# one\n',
+    "house/attic.py": "import typing\nif typing.TYPE_CHECKING:\n    import house.roof.chimney\n",
+    "house/_core/main.cpp": "/* two\nlines */\nint main() {}  // why\n\n// alone\n",
+    "tests/test_house.py": "def test() -> None:\n    '''Prose.'''\n    assert True\n",
+    "scripts/count.py": "",
+}
+
+
+def test_the_counts_of_a_tree(house: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name, text in COUNTED.items():
+        path = house.parent / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    found = {room: counts.counted(files) for room, files in counts.rooms(house.parent, house)}
+    assert found["house/roof"] == (4, 9, 5)
+    assert found["house/_core, C++"] == (5, 9, 4)
+    assert found["tests, Python"] == (1, 3, 2)
+    assert found["house, all"].files == found["house/roof"].files + 6
+    assert counts.circles(house) == [{"house.roof.chimney", "house.attic"}]
+    assert counts.loose(house) == ["attic", "ground", "tools", "walls"]
+    counts.main(["--sources"], house.parent, house)
+    told = capsys.readouterr().out
+    assert "circles of imports: 1 (modules: 2)" in told
+    assert "loose modules: 4 (attic, ground, tools, walls)" in told
+
+
+@pytest.mark.slow
+def test_the_modules_that_a_call_loads(tmp_path: Path) -> None:
+    counts.make_files(tmp_path)
+    found = {name: counts.loaded(call, tmp_path) for name, call in counts.CALLS.items()}
+    assert 1 < found["delaunay(array)"] < min(list(found.values())[1:])

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_coordinates, read_only
 from liftmesh.base.frozen import cached_property
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
@@ -18,7 +19,7 @@ from liftmesh.cells.overlay import overlay_cells
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
 from liftmesh.crs.comparison import crs_of
-from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_chord_tolerance
+from liftmesh.disks.apollonius import ApolloniusGraph, apollonius, as_max_deviation
 from liftmesh.disks.graph import as_disks
 from liftmesh.disks.sides import Traced, trace_sides
 from liftmesh.errors import InputError
@@ -26,38 +27,40 @@ from liftmesh.errors import InputError
 _MARGIN = 0.125  # of the longer side of the domain's box: how far beyond it sides are followed
 _OFF = 2.0**-48  # of the largest number: what rounding may put between two distances
 _FINE = 1e-3  # of the side of a square as large as a cell
+_LEAST = 2.0**-45  # of the largest coordinate
+_GRAPH, _TRACED = 0.1, 0.6  # of the progress: of all, and of what follows the graph
 _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
 def apollonius_diagram(
-    centers: ArrayLike,
+    points: object,
     radii: ArrayLike | str,
     *,
     domain: Any = None,
-    tolerance: float | None = None,
+    max_deviation: float | None = None,
     progress: Progress | None = None,
 ) -> ApolloniusCells:
     """Compute the cells of disks inside a domain: the additively weighted Voronoi diagram.
 
     The cell of a disk is what is nearer to it than to any other: by |x - c| - r, the distance from
-    its boundary, negative inside. Sides are arcs of hyperbolas, here polylines to a tolerance. With
-    equal radii the cells are those of `voronoi`.
+    its boundary, negative inside. Sides are arcs of hyperbolas, here polylines near
+    them. With equal radii the cells are those of `voronoi`.
 
     Parameters
     ----------
-    centers : array_like of shape (n, 2) or (n, 3)
-        The centre of each disk, as the points of `voronoi`. Disks may overlap.
+    points : array_like of shape (n, 2) or (n, 3)
+        The centre of each disk, as for `voronoi`. Disks may overlap.
     radii : (n,) array_like or str
         The radius of each disk, not negative, such as the reach of a transmitter; or the name of
-        such values of the centres.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+        such values of the points.
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         As for `voronoi`: by default the box of the centres, widened by a tenth of its longer side.
-    tolerance : float, optional
+    max_deviation : float, optional
         How far polylines may be from the arcs, in the unit of the coordinates; no more than the
         longer side of the domain's box counts. By default a thousandth of the side of a square that
         has the mean area of a cell.
     progress : callable, optional
-        As for `apollonius`, which takes most of the time.
+        As for `voronoi`.
 
     Returns
     -------
@@ -67,20 +70,27 @@ def apollonius_diagram(
     Raises
     ------
     InputError
-        As for `apollonius`, and of the domain as for `voronoi`; there are no disks; the tolerance
-        is not positive or not finite, near the rounding of coordinates, or so small that there are
-        too many points to hold; or a cell is thinner than float64 can tell apart there.
+        As for `apollonius`, and of the domain as for `voronoi`; there are no disks;
+        `max_deviation` is not positive or not finite, near the rounding of coordinates, or so small
+        that there are too many points to hold; or a cell is thinner than float64 can tell apart
+        there.
     NonFiniteError
         A coordinate or a radius is not finite.
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
 
+    See Also
+    --------
+    apollonius : The graph that is dual to the cells.
+    power_diagram : Cells by the power of disks, with straight sides.
+    ApolloniusGraph.cell_sides : The sides alone, within any bounds.
+
     Notes
     -----
     For the graph, see `apollonius`. Seen from a focus, a hyperbola has a simple equation
     (``liftmesh/disks/arcs.py``), by which arcs are halved until chords are near enough.
-    As every cell is star-shaped about its centre, and stays so for any tolerance, polygons do not
-    overlap.
+    As every cell is star-shaped about its centre, and stays so however coarse polylines are,
+    polygons do not overlap.
 
     Examples
     --------
@@ -88,20 +98,22 @@ def apollonius_diagram(
     >>> cells = apollonius_diagram(disks, [2, 1, 1, 0.5], domain=(-3, -3, 9, 9))
     >>> cells.areas.round(2), cells.hidden
     (array([43.5 , 50.25, 50.25,  0.  ]), array([3], dtype=int32))
-    >>> cells.tolerance
+    >>> cells.max_deviation
     0.006928203230275509
     """
-    rows = as_coordinates(sites_of(centers, domain))
+    check_progress(progress)
+    rows = as_coordinates(sites_of(points, domain))
     if not len(rows):
         raise InputError("there are no disks: give one at least")
-    disks = as_disks(rows[:, :2], values_of(centers, "radii", radii), skippable=False)
-    graph = apollonius(disks[:, :2], disks[:, 2], progress=progress)
-    area = as_domain(domain, graph.centers, crs_of(centers))
-    bounds = np.concatenate([area.corners.min(axis=0), area.corners.max(axis=0)])
-    if tolerance is None:
+    disks = as_disks(rows[:, :2], values_of(points, "radii", radii), skippable=False)
+    graph = apollonius(disks[:, :2], disks[:, 2], progress=part_of(progress, 0.0, _GRAPH))
+    area = as_domain(domain, graph.centers, crs_of(points))
+    if max_deviation is None:
         seen = len(graph.radii) - len(graph.hidden) - len(graph.duplicates)
-        tolerance = max(_FINE * _side_of_cells(area, seen), _least(bounds))
-    return ApolloniusCells(graph, area, as_chord_tolerance(tolerance, bounds))
+        least = float(np.abs(area.bounds).max()) * _LEAST
+        max_deviation = max(_FINE * _side_of_cells(area, seen), least)
+    limit = as_max_deviation(max_deviation, area.bounds)
+    return ApolloniusCells(graph, area, limit, part_of(progress, _GRAPH, 1.0))
 
 
 def _side_of_cells(domain: Domain, count: int) -> float:
@@ -113,10 +125,6 @@ def _side_of_cells(domain: Domain, count: int) -> float:
     return float(np.ldexp(np.sqrt(area / count), scale))
 
 
-def _least(bounds: Floats) -> float:
-    return float(np.abs(bounds).max()) * 2.0**-45
-
-
 class ApolloniusCells(ClippedCells):
     """Cells of disks inside a domain, as returned by `apollonius_diagram`.
 
@@ -126,10 +134,10 @@ class ApolloniusCells(ClippedCells):
     holes. They are read-only.
 
     Sides of cells are arcs of hyperbolas. Here they are polylines, whose points are on the arcs but
-    for rounding, and whose chords are at most `tolerance` off. Cells that meet have these points in
-    common, bit for bit, and which parts cells have inside the domain is exact for the polylines; so
-    cells neither overlap nor leave gaps but for rounding. Areas, centroids and lengths are those of
-    the polygons.
+    for rounding, and whose chords are at most `max_deviation` off. Cells that meet have these
+    points in common, bit for bit, and which parts cells have inside the domain is exact for the
+    polylines; so cells neither overlap nor leave gaps but for rounding. Areas, centroids and
+    lengths are those of the polygons.
 
     Parameters
     ----------
@@ -137,14 +145,16 @@ class ApolloniusCells(ClippedCells):
         The disks and their triangles.
     domain : Domain
         What the cells are clipped to.
-    tolerance : float
+    max_deviation : float
         How far chords may be from the arcs.
+    progress : callable, optional
+        As for `voronoi`.
 
     Attributes
     ----------
     graph : ApolloniusGraph
         The graph that is dual to the cells.
-    tolerance : float
+    max_deviation : float
         How far chords may be from the arcs, in the unit of the coordinates.
     points : (n, 2) ndarray of float64
         The centres.
@@ -152,6 +162,11 @@ class ApolloniusCells(ClippedCells):
         As of `Cells`.
     duplicates, hidden : ndarray of int32
         Those of the graph: disks equal to one before, each with that, and disks within others.
+
+    See Also
+    --------
+    apollonius_diagram : Make cells of disks.
+    Cells : Voronoi and power cells.
 
     Examples
     --------
@@ -163,9 +178,15 @@ class ApolloniusCells(ClippedCells):
     (array([20.045, 27.955]), [[0, 1]])
     """
 
-    def __init__(self, graph: ApolloniusGraph, domain: Domain, tolerance: float) -> None:
+    def __init__(
+        self,
+        graph: ApolloniusGraph,
+        domain: Domain,
+        max_deviation: float,
+        progress: Progress | None = None,
+    ) -> None:
         self.graph = graph
-        self.tolerance: float = tolerance
+        self.max_deviation: float = max_deviation
         self._lines: Traced | None = None
         if len(graph.radii) and (graph.radii == graph.radii[0]).all():
             dual = dual_of(graph.centers)
@@ -173,10 +194,14 @@ class ApolloniusCells(ClippedCells):
             super().__init__(graph.centers, domain, *clip(dual, domain))
         else:
             self._simplices = graph.simplices
-            self._lines = trace_sides(graph, _box_around(domain, tolerance), tolerance)
+            self._lines = trace_sides(graph, _box_around(domain, max_deviation), max_deviation)
+            if progress is not None:
+                progress(_TRACED)
             default = _nearest(graph, domain)
             super().__init__(graph.centers, domain, *overlay_cells(self._lines, domain, default))
         self.duplicates, self.hidden = graph.duplicates, graph.hidden
+        if progress is not None:
+            progress(1.0)
 
     @property
     def radii(self) -> NDArray[np.float64]:
@@ -233,10 +258,10 @@ class ApolloniusCells(ClippedCells):
         return vertex
 
 
-def _box_around(domain: Domain, tolerance: float) -> tuple[float, float, float, float]:
+def _box_around(domain: Domain, max_deviation: float) -> tuple[float, float, float, float]:
     """Return the box of a domain, wider by more than polylines are off."""
-    low, high = domain.corners.min(axis=0), domain.corners.max(axis=0)
-    margin = _MARGIN * float((high / 2 - low / 2).max()) * 2 + 2 * tolerance
+    low, high = np.reshape(domain.bounds, (2, 2))
+    margin = _MARGIN * float((high / 2 - low / 2).max()) * 2 + 2 * max_deviation
     left, lower, right, upper = np.concatenate([low - margin, high + margin]).tolist()
     return left, lower, right, upper
 

@@ -14,6 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, widened
 from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import Part, part_of
 from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.io.objects.plain import is_table
@@ -32,6 +33,7 @@ from liftmesh.planar.points import rows_of
 if TYPE_CHECKING:
     from liftmesh.planar.delaunay import Solution
 
+_TRIANGULATED = 0.75  # of the progress: the vertices are the rest
 _NOTHING = np.empty((0, 3), dtype=np.int32)
 _NO_ROWS = np.empty(0, dtype=np.int32)
 _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
@@ -64,18 +66,18 @@ def values_of(points: Any, kind: str, given: Any) -> Any:
 
 
 def _is_geometric(points: Any) -> bool:
-    """Whether this is a GeoSeries or a GeoDataFrame."""
+    """Whether this is a GeoSeries, a GeoDataFrame or the array of one."""
     return hasattr(type(points), "geom_type") and hasattr(type(points), "union_all")
 
 
 def _coordinates(points: Any) -> Any:
-    shapes = points.geometry
-    other = ~(shapes.geom_type == "Point").to_numpy()
-    if other.any():
+    shapes = getattr(points, "geometry", points)
+    kinds = np.asarray(shapes.geom_type)
+    if (other := kinds != "Point").any():
         row = int(other.argmax())
-        kind = getattr(shapes.iloc[row], "geom_type", "nothing")
+        kind = kinds[row] if isinstance(kinds[row], str) else "nothing"
         raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
-    return np.stack([shapes.x.to_numpy(), shapes.y.to_numpy()], axis=1)
+    return np.stack([np.asarray(shapes.x), np.asarray(shapes.y)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,27 +98,39 @@ class Dual:
     degenerate: Rows = field(default_factory=lambda: _NO_ROWS)  # in no triangle
 
 
-def dual_of(points: Any, kind: str = "plain", given: Any = None) -> Dual:
+def dual_of(
+    points: Any,
+    kind: str = "plain",
+    given: Any = None,
+    threads: int | None = None,
+    progress: Part | None = None,
+) -> Dual:
     """Triangulate sites of any number and position."""
     rows = as_coordinates(rows_of(points))
     planar = _own(rows[:, :2])
     if not len(planar):
         raise InputError("there are no points: give one at least")
     values = _values(kind, given, len(planar))
+    told = part_of(progress, 0.0, _TRIANGULATED)
     try:
-        solution = (
-            delaunay.solve(planar) if kind == "plain" else regular.solve(planar, kind, values)
-        )
-    except DegenerateInputError:
-        return _chained(planar, kind, values)
-    except NonFiniteError as error:  # whose remedy is an option that cells have not
+        if kind == "plain":
+            solution = delaunay.solve(planar, threads=threads, progress=told)
+        else:
+            solution = regular.solve(planar, kind, values, threads=threads, progress=told)
+    except (DegenerateInputError, NonFiniteError) as error:
+        if told is not None and told.has_raised:
+            raise
+        if isinstance(error, DegenerateInputError):
+            return _chained(planar, kind, values)
         raise _unskippable(error, planar, kind, values) from None
     triangles = solution.simplices, solution.neighbors
-    diagram = diagram_of(planar, *triangles, values, kind)
+    diagram = diagram_of(planar, *triangles, values, kind, threads=threads)
     degenerate = _NO_ROWS if kind == "plain" else _without_area(planar, solution, diagram)
     if len(degenerate):
-        triangles = _without(degenerate, planar, kind, values, triangles[0])
-        diagram = diagram_of(planar, *triangles, values, kind)
+        triangles = _without(degenerate, planar, kind, values, triangles[0], threads)
+        diagram = diagram_of(planar, *triangles, values, kind, threads=threads)
+    if progress is not None:
+        progress(1.0)
     return Dual(
         planar,
         kind,
@@ -147,11 +161,16 @@ def _without_area(planar: Floats, solution: Solution, diagram: Diagram) -> Rows:
 
 
 def _without(
-    degenerate: Rows, planar: Floats, kind: str, values: Floats, simplices: Rows
+    degenerate: Rows,
+    planar: Floats,
+    kind: str,
+    values: Floats,
+    simplices: Rows,
+    threads: int | None,
 ) -> tuple[Rows, Rows]:
     """Triangulate the vertices but for some; the cells of the others stay as they are."""
     kept = np.setdiff1d(simplices, degenerate).astype(np.int32)
-    solution = regular.solve(planar[kept], kind, values[kept])
+    solution = regular.solve(planar[kept], kind, values[kept], threads=threads)
     return kept[solution.simplices], solution.neighbors
 
 

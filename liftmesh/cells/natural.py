@@ -9,6 +9,7 @@ the new cell takes of the row's.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +39,10 @@ class NaturalNeighbors:
         The share of each in the point's cell: those of a point add up to 1.
     rows_in_all : int
         How many rows there are, neighbours or not.
+
+    See Also
+    --------
+    natural_neighbors : Find natural neighbours.
 
     Examples
     --------
@@ -75,6 +80,10 @@ class NaturalNeighbors:
         InputError
             There are more or fewer values than rows.
 
+        See Also
+        --------
+        Surface.sample : Heights of a surface, also by natural neighbours.
+
         Examples
         --------
         >>> import liftmesh
@@ -82,7 +91,7 @@ class NaturalNeighbors:
         >>> found.interpolate([0, 10, 20])
         array([7.5, nan])
         """
-        held = as_numbers("values are", values, "give a number for each row")
+        held = as_numbers("values", values, "give a number for each row", verb="are")
         if held.ndim == 0 or len(held) != self.rows_in_all:
             raise InputError(
                 f"values have the shape {held.shape}: give one for each of the "
@@ -96,7 +105,9 @@ class NaturalNeighbors:
         return means
 
 
-def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> NaturalNeighbors:
+def natural_neighbors(
+    points: object, queries: Any, *, threads: int | None = None
+) -> NaturalNeighbors:
     """Find the natural neighbours of points, and Sibson's weights.
 
     Parameters
@@ -105,6 +116,8 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
         Planar points, as for `voronoi`, or what `delaunay` returns of them.
     queries : array_like of shape (m, 2)
         Where neighbours are asked for; or a cloud, a table or points of GeoPandas.
+    threads : int, optional
+        As for `delaunay`; the result is the same for any number.
 
     Returns
     -------
@@ -121,6 +134,12 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
         A point or a query is not finite.
     DegenerateInputError
         All points lie on one line.
+
+    See Also
+    --------
+    voronoi : The cells that a new point would take from.
+    NaturalNeighbors.interpolate : Means of values by the weights.
+    Surface.sample : Heights of a surface, also by natural neighbours.
 
     Notes
     -----
@@ -139,7 +158,7 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
     tri = (
         points
         if isinstance(points, Triangulation)
-        else delaunay(sites_of(points, queries), copy=True)
+        else delaunay(sites_of(points, queries), threads=threads, copy=True)
     )
     if other := options_of(tri):
         raise InputError(
@@ -150,7 +169,7 @@ def natural_neighbors(points: ArrayLike | Triangulation, queries: ArrayLike) -> 
     at = as_pairs(asked if asked is queries else np.asarray(asked)[:, :2]).reshape(-1, 2)
     check_finite(at, skippable=False)
     located = tri._locator  # noqa: SLF001 - made once for all that is asked of it
-    arrays = located.natural_weights(at, *as_threads(None, len(at)))
+    arrays = located.natural_weights(at, *as_threads(threads, len(at)))
     if arrays is None:
         raise InputError(
             "the points are not those that were triangulated: their array has changed since; "

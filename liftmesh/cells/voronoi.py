@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
-from liftmesh.base.options import counted
+from liftmesh.base.options import check_progress, counted, part_of
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
@@ -26,8 +26,16 @@ from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
 from liftmesh.planar.kinds import weights_or_radii
 
+_DUAL, _CLIPPED = 0.2, 0.5  # of the progress: of all, and of what follows the triangulation
 
-def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
+
+def voronoi(
+    points: object,
+    *,
+    domain: Any = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Cells:
     """Compute the Voronoi cells of planar points inside a domain.
 
     The cell of a row is what is nearer to it than to any other row. Which corners and sides it has
@@ -38,12 +46,17 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `delaunay`; also one, two, or on a line. Tables need no heights, and
         points of GeoPandas will do.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
         What to clip to: a box; a polygon or multipolygon with holes, of shapely or anything with a
         ``__geo_interface__``, such as a GeoDataFrame, whose polygons are joined; the corners of a
-        polygon, in either direction; or the ``domain`` of other cells. By default the box of the
-        points, widened by a tenth of its longer side on each side. For the diagram in the whole
-        plane, with rays, see `Cells.unclipped`.
+        polygon, in either direction; or the ``domain`` of other cells. By default, and with
+        "bounds", the box of the points, widened by a tenth of its longer side on each side. For the
+        diagram in the whole plane, with rays, see `Cells.unclipped`.
+    threads : int, optional
+        Number of threads for the triangulation, as for `delaunay`; the cells are the same for any
+        number.
+    progress : callable, optional
+        As for `delaunay`: it is told the fraction of the work done, and 1.0 at the end.
 
     Returns
     -------
@@ -60,6 +73,13 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
         A row is not finite.
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
+
+    See Also
+    --------
+    power_diagram : Cells of weighted points.
+    apollonius_diagram : Cells of disks.
+    delaunay : The triangulation that is dual to the cells.
+    liftmesh.scipy.Voronoi : Diagrams for code that expects SciPy's.
 
     Notes
     -----
@@ -78,16 +98,17 @@ def voronoi(points: ArrayLike, *, domain: Any = None) -> Cells:
            [2., 0.],
            [2., 2.]])
     """
-    dual = dual_of(sites_of(points, domain))
-    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
+    return cells_of(points, domain, threads=threads, progress=progress)
 
 
 def power_diagram(
-    points: ArrayLike,
+    points: object,
     *,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     domain: Any = None,
+    threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Cells:
     """Compute the power cells of weighted points inside a domain.
 
@@ -103,7 +124,9 @@ def power_diagram(
     radii : (n,) array_like or str, optional
         Instead of weights, the radius of a circle around each row: its weight is the square, which
         is never rounded.
-    domain : (xmin, ymin, xmax, ymax), shapely geometry or (k, 2) array_like, optional
+    domain : (xmin, ymin, xmax, ymax), shapely geometry, (k, 2) array_like or "bounds", optional
+        As for `voronoi`.
+    threads, progress
         As for `voronoi`.
 
     Returns
@@ -120,6 +143,13 @@ def power_diagram(
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
 
+    See Also
+    --------
+    voronoi : Cells of points without weights.
+    apollonius_diagram : Cells of disks, by the distance from their boundary.
+    regular : The triangulation that is dual to the cells.
+    transport : The weights by which cells have given areas.
+
     Examples
     --------
     >>> disks = [[0, 0], [3, 0], [1, 0]]
@@ -128,8 +158,24 @@ def power_diagram(
     (array([16.,  8.,  0.]), array([2], dtype=int32))
     """
     kind, given = weights_or_radii(weights, radii)
-    dual = dual_of(sites_of(points, domain), kind, values_of(points, kind, given))
-    return Cells(dual, as_domain(domain, dual.points, crs_of(points)))
+    return cells_of(points, domain, kind, given, threads=threads, progress=progress)
+
+
+def cells_of(
+    points: Any,
+    domain: Any,
+    kind: str = "plain",
+    given: Any = None,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Cells:
+    """Triangulate points and clip their cells."""
+    check_progress(progress)
+    rows, values = sites_of(points, domain), values_of(points, kind, given)
+    dual = dual_of(rows, kind, values, threads, part_of(progress, 0.0, _DUAL))
+    inside = as_domain(domain, dual.points, crs_of(points))
+    return Cells(dual, inside, part_of(progress, _DUAL, 1.0))
 
 
 class Cells(ClippedCells):
@@ -149,13 +195,16 @@ class Cells(ClippedCells):
         The sites.
     domain : Domain
         What the cells are clipped to.
+    progress : callable, optional
+        As for `voronoi`.
 
     Attributes
     ----------
     points : (n, 2) ndarray of float64
         The sites.
     domain : Domain
-        The domain: its ``corners``, the ``starts`` of its rings, and what it is as ``text``.
+        The domain: its ``corners``, the ``starts`` of its rings, its ``bounds``, and what it is as
+        ``text``.
     parts, rings, ring_corners : ndarray of int64
         Where the parts of rows, the rings of parts and the corners of rings start, and the end.
     corners : (k, 2) ndarray of float64
@@ -172,6 +221,12 @@ class Cells(ClippedCells):
         Rows whose cell has no area anywhere, but is a segment, a ray, a line or a point: what is as
         near to them is as near to others.
 
+    See Also
+    --------
+    voronoi : Make Voronoi cells.
+    power_diagram : Make power cells.
+    ApolloniusCells : Cells of disks.
+
     Examples
     --------
     >>> import liftmesh
@@ -186,11 +241,16 @@ class Cells(ClippedCells):
            [1, 2]], dtype=int32)
     """
 
-    def __init__(self, dual: Dual, domain: Domain) -> None:
-        super().__init__(dual.points, domain, *clip(dual, domain))
+    def __init__(self, dual: Dual, domain: Domain, progress: Progress | None = None) -> None:
+        clipped = clip(dual, domain)
+        if progress is not None:
+            progress(_CLIPPED)
+        super().__init__(dual.points, domain, *clipped)
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
         self._dual = dual
+        if progress is not None:
+            progress(1.0)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         super().__setstate__(state)
@@ -328,6 +388,11 @@ class Unclipped:
         The vertex of each.
     npoints, ndim, min_bound, max_bound, furthest_site
         As for `Voronoi`.
+
+    See Also
+    --------
+    Cells.unclipped : The diagram of cells.
+    liftmesh.scipy.Voronoi : Diagrams for code that expects SciPy's.
 
     Examples
     --------

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, numbers, option, positive, whole
+from liftmesh.cli.options import argument, number, numbers, option, positive, whole
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -19,7 +19,7 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh contour tin.ply lines.geojson --interval 1",
-    "liftmesh contour tin.ply shore.gpkg --levels -2,0 --polygon parish.gpkg",
+    "liftmesh contour tin.ply shore.gpkg --levels -2,0 --trim-polygon parish.gpkg",
     "liftmesh contour survey.csv lines.geojson --interval 0.5 --min-length 10 --max-edge 20",
 ]
 
@@ -27,12 +27,14 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
+    target: Annotated[Path, argument("OUT", "GeoJSON or GeoPackage file.")],
     interval: Annotated[
         float | None, option("HEIGHT", "Lines at all multiples of this height.", positive)
     ] = None,
     levels: Annotated[Any, option("HEIGHTS", "Lines at these heights, as 1,2.5.", numbers)] = None,
-    base: Annotated[float, option("HEIGHT", "Height that multiples are counted from.", number)] = 0,
+    contour_base: Annotated[
+        float, option("HEIGHT", "Height that multiples are counted from.", number)
+    ] = 0,
     index_every: Annotated[int, option("N", "Every n-th is an index contour.", whole(1))] = 5,
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
     *,
@@ -45,8 +47,9 @@ def run(
     outputs.check_stdout()
     check_name(target)
     if (interval is None) == (levels is None):
-        raise typer.BadParameter("give either --interval or --levels")
-    wanted = {"levels": levels} if levels is not None else {"interval": interval, "base": base}
+        raise click.BadParameter("give either --interval or --levels")
+    multiples = {"interval": interval, "contour_base": contour_base}
+    wanted = multiples if levels is None else {"levels": levels}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
@@ -68,15 +71,15 @@ def run(
         )
     lines = lines.longer_than(least)
     with terminal.stage(f"writing {target.name}"):
-        path = lines.save(target)
+        lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
         counts = {"lines": len(lines), "levels": heights, "length": length}
         rows_of = {} if source.is_dir() else notes.provenance(surface)
-        terminal.as_json({"path": str(path), **counts, **rows_of})
+        terminal.as_json({"path": str(target), **counts, **rows_of})
     else:
         terminal.sentence(
-            f"{path}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
+            f"{target}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
             f"{length:,.2f} long",
             "good",
         )
@@ -84,7 +87,7 @@ def run(
 
 def _heights(surface: Any) -> tuple[float, float]:
     """Return the least and the greatest height of a surface, or of one in tiles."""
-    if hasattr(surface, "extent"):
-        return surface.extent[2], surface.extent[5]
+    if hasattr(surface, "box"):
+        return surface.box[2], surface.box[5]
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

@@ -10,30 +10,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
-from liftmesh.cli.options import is_stream, option, positive, whole
+from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import (
-    DataWarning,
-    DegenerateInputError,
-    DuplicateHeightError,
-    FormatError,
-    InputError,
-    NonFiniteError,
-)
+from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
-_ABOUT_A_FILE = (
-    *("row ", "the coordinates ", "weights are ", "radii are "),
-    *("the points have ", "the mesh says "),
-)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -46,17 +34,13 @@ def table(
             "of all in order, as id,x,y,z; - leaves one out.",
         ),
     ] = None,
-    flat: Annotated[
-        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
-    ] = False,
+    flat: Annotated[bool, flag("Tables: heights do not matter; z is 0.")] = False,
     delimiter: Annotated[
         str | None, option("MARK", "Tables: what separates values, as ';', tab or space.")
     ] = None,
     decimal: Annotated[str | None, option("MARK", "Tables: the decimal mark, . or ,")] = None,
     skip_rows: Annotated[int, option("N", "Tables: skip the first N lines.", whole(0))] = 0,
-    no_header: Annotated[
-        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
-    ] = False,
+    no_header: Annotated[bool, flag("Tables: the first line is a row.")] = False,
     nodata: Annotated[
         str | None,
         option(
@@ -77,7 +61,7 @@ def table(
     if given:
         from liftmesh.io.formats.text.options import validate_table_options
 
-        with options.as_option():
+        with options.as_usage():
             validate_table_options(**given)
     return given
 
@@ -87,63 +71,121 @@ def _selection(
         Any,
         option(
             "CLASSES",
-            "Rows of these classes, as 2,9; ground (class 2 if there is any); or all.",
+            "Rows of these classes, as 2,9; or ground: class 2 if there is any, as by default "
+            "of a surface.",
             options.classes,
         ),
     ] = None,
+    all_classes: Annotated[bool, flag("Rows of every class.")] = False,
     returns: Annotated[
         Returns | None,
-        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+        flag("Rows of the last or the first return, or of those that are both."),
     ] = None,
-    bbox: Annotated[
-        Any, option("X0,Y0,X1,Y1", "Rows inside a rectangle, or on its border.", options.ends)
+    bounds: Annotated[
+        Any,
+        option("XMIN,YMIN,XMAX,YMAX", "Rows inside a rectangle, or on its border.", options.ends),
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
-    withheld: Annotated[
-        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
-    ] = False,
-    resolution: Annotated[
+    withheld: Annotated[bool, flag("Rows flagged as withheld, too.")] = False,
+    copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
-        option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
+        option(
+            "N",
+            "Rasters: the band that holds the heights; the first is 1.",
+            whole(1),
+            panel="Input",
+        ),
     ] = None,
-    from_crs: Annotated[
+    src_crs: Annotated[
         str | None,
         option(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
+            panel="Input",
         ),
     ] = None,
-    to_crs: Annotated[
-        str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
+    dst_crs: Annotated[
+        str | None,
+        option("CRS", "Transform the coordinates to this system, as EPSG:25832.", panel="Input"),
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
-    conditions = options.given(classes=classes, returns=returns, bbox=bbox, z_range=z_range)
+    if classes is not None and all_classes:
+        raise click.BadParameter("--classes and --all-classes exclude each other: leave one out")
+    chosen = "all" if all_classes else classes
+    conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
-        every=every if every > 1 else None, withheld=withheld, resolution=resolution
+        every=every if every > 1 else None, withheld=withheld, copc_resolution=copc_resolution
     )
     if conditions:
         from liftmesh.io.selection import validate_selection
 
-        with options.as_option():
+        with options.as_usage():
             validate_selection(**conditions)
-    return conditions | options.given(to_crs=to_crs, crs=from_crs, band=band)
+    return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
-Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
-Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+Table: TypeAlias = Annotated[dict[str, Any], options.Group(table, "Input")]
+Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection, "Selection")]
 
 
 def _rows(*, table: Table, selection: Selection) -> dict[str, Any]:
     return {**table, **selection}
 
 
-RowOptions: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+Rows: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+
+
+def _file(
+    input_format: Annotated[
+        str | None, option("FORMAT", "Format of the input, instead of its suffix.", panel="Input")
+    ] = None,
+    max_bytes: Annotated[
+        int | None,
+        option(
+            "SIZE",
+            "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+            "500M or 4G.",
+            options.size,
+            panel="Advanced",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return options.given(format=input_format, max_bytes=max_bytes)
+
+
+File: TypeAlias = Annotated[dict[str, Any], options.Group(_file)]
+
+
+def _reading(*, file: File, rows: Rows) -> dict[str, Any]:
+    return {**file, **rows}
+
+
+Reading: TypeAlias = Annotated[dict[str, Any], options.Group(_reading)]
+
+
+def _colored(
+    *,
+    reading: Reading,
+    color_depth: Annotated[
+        int | None,
+        option(
+            "BITS",
+            "Bits per channel of integer colours, 8 or 16; by default their values decide.",
+            options.color_depth,
+            panel="Input",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return reading | options.given(color_depth=color_depth)
+
+
+ColoredReading: TypeAlias = Annotated[dict[str, Any], options.Group(_colored)]
 
 
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
@@ -151,9 +193,8 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
 
     What a command reads by are options of `liftmesh.read`, here and below.
     """
-    reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
     if is_stream(path) and "format" not in reading:
-        raise typer.BadParameter("stdin has no suffix: give its format with --from")
+        raise click.BadParameter("stdin has no suffix: give its format with --input-format")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress
@@ -162,7 +203,7 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
-    for each in notes.cloud_notes(cloud, is_transformed="to_crs" in reading):
+    for each in notes.cloud_notes(cloud, is_transformed="dst_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
@@ -208,7 +249,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
         if _CRS_OF_OTHERS not in reading:
             return io.read(source, **reading)
         rest = {**reading}
-        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("to_crs", None)
+        crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
         check_system(crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
@@ -240,9 +281,9 @@ def read_rows(
     for path in sources:
         if not is_stream(path):
             path.open("rb").close()  # one that is missing is told before the others are read
-    if "crs" in reading:
-        rest = {key: each for key, each in reading.items() if key != "crs"}
-        reading = {**rest, _CRS_OF_OTHERS: reading["crs"]}
+    if "src_crs" in reading:
+        rest = {key: each for key, each in reading.items() if key != "src_crs"}
+        reading = {**rest, _CRS_OF_OTHERS: reading["src_crs"]}
     with terminal.few_of_a_kind():
         clouds = [read_one(each) for each in sources]
     cloud = _merged(sources, clouds)
@@ -269,20 +310,18 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of
-
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
-        "different ones; --from-crs says which"
+        "different ones; --src-crs says which"
     )
-    for each in parts_of(cloud):
+    for each in notes.provenance_of(cloud).merged:
         inside = f", {each['overlap']:,} of them where an earlier file has some"
         note(
             f"{each['source']}: {counted(each['rows'], 'row')}"
             + (inside if each["overlap"] else "")
             + (far.format(each["distance"]) if "distance" in each else "")
         )
-    flown = cloud.metadata.get("flight_lines")
+    flown = notes.provenance_of(cloud).flight_lines
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"
         note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
@@ -295,7 +334,7 @@ def check_once(sources: Sequence[Path]) -> None:
         before = known.setdefault(_identity(each), each)
         if before is not each:
             other = "" if str(before) == str(each) else f", as {before}"
-            raise typer.BadParameter(f"{each} is given twice{other}")
+            raise click.BadParameter(f"{each} is given twice{other}")
 
 
 def _identity(path: Path) -> object:
@@ -313,9 +352,8 @@ def about(path: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error):
-            name = "stdin" if is_stream(path) else path
-            error.args = (f"{name}: {error}", *error.args[1:])
+        if _is_about_data(error):
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -326,19 +364,20 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of
-
-    starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
+    starts = [(each["source"], each["rows"]) for each in notes.provenance_of(cloud).merged]
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and "thinning" not in cloud.metadata:
-            error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
+        if _is_about_data(error) and not notes.provenance_of(cloud).thinning:
+            placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
+            error.args = (Message(placed),)
         raise
 
 
-def _is_about_rows(error: InputError) -> bool:
-    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
+def _is_about_data(error: InputError) -> bool:
+    """Whether an error is about what a file holds, and not about options."""
+    parts = error.message.parts
+    return not any(isinstance(each, Option) and each.value is None for each in parts)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

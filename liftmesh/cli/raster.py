@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, TypeAlias
 
-import typer
-
-from liftmesh.base.options import RasterQuantity, SampleMethod, shown
+from liftmesh.base.options import Interpolation, RasterQuantity, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import numbers, option, positive
+from liftmesh.cli.options import argument, flag, numbers, option, positive
 from liftmesh.errors import InputError
 
+Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
@@ -30,15 +29,15 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
+    target: Annotated[Path, argument("OUT", "GeoTIFF file.")],
     resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
-    bounds: Annotated[
-        Any, option("X0,Y0,X1,Y1", "What to cover, by default the surface.", numbers)
+    raster_bounds: Annotated[
+        Any, option("XMIN,YMIN,XMAX,YMAX", "What to cover, by default the surface.", numbers)
     ] = None,
     quantity: Annotated[
-        RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
+        RasterQuantity, flag("What a pixel holds; slope and aspect in degrees.")
     ] = "height",
-    method: Annotated[SampleMethod, typer.Option(help="How heights are interpolated.")] = "linear",
+    interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
         option(
@@ -48,9 +47,9 @@ def run(
             positive,
         ),
     ] = None,
-    double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
-    cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    double: Annotated[bool, flag("Write float64, not float32.")] = False,
+    cog: Annotated[bool, flag("Write a cloud optimised GeoTIFF.")] = False,
+    compress: Annotated[Compression, flag("Compression of the file.")] = "deflate",
     crs: Annotated[
         str | None, option("CRS", "Coordinate system, as EPSG:25832; IN states no other.")
     ] = None,
@@ -68,20 +67,23 @@ def run(
     check_name(target)
     steps = resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
-    _check(steps, bounds, quantity, method, crs, packing)
+    _check(steps, raster_bounds, quantity, interpolation, crs, packing)
     outputs.check_place(target)
-    wanted = {"bounds": bounds, "quantity": quantity, "method": method, "z_factor": z_factor}
+    wanted = {
+        "bounds": raster_bounds,
+        "quantity": quantity,
+        "interpolation": interpolation,
+        "z_factor": z_factor,
+    }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
         tiled = surfaces.open_tiles(source, reading, crs=crs)
         if quantity in _ANGLES:
             surfaces.note_units(source, tiled, z_factor)
         with terminal.share_bar(f"writing {target.name}") as progress:
-            path = tiled.save_raster(
-                target, steps, cog=cog, compress=packing, progress=progress, **wanted
-            )
-        with load("rasterio", extra="terrain").open(path) as file:
-            _say(path, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
+            tiled.save_raster(target, steps, cog=cog, compress=packing, progress=progress, **wanted)
+        with load("rasterio", extra="terrain").open(target) as file:
+            _say(target, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
@@ -91,31 +93,31 @@ def run(
     with terminal.stage("scanning faces"):
         raster = surface.raster(steps, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        path = raster.save(target, cog=cog, compress=packing)
+        raster.save(target, cog=cog, compress=packing)
     known = int(np.count_nonzero(~np.isnan(raster.values)))
     counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
     place = raster.transform, raster.crs
-    _say(path, quantity, raster.values.shape, place, counts, as_json=json)
+    _say(target, quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
     steps: float | list[float],
     bounds: list[float] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     crs: str | None,
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
-    from liftmesh.terrain.raster import check_method
+    from liftmesh.terrain.raster import check_interpolation
 
     with options.as_usage():
         steps_of(steps)
         if bounds is not None:
-            bounds_of(bounds)
-        check_method(quantity, method)
+            bounds_of(bounds, "raster_bounds")
+        check_interpolation(quantity, interpolation)
         writer.validate_geotiff_options(crs, compress)
 
 

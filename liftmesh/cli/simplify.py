@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
-import typer
+import click
 
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, whole
+from liftmesh.cli.options import argument, flag, option, whole
 
 if TYPE_CHECKING:
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
@@ -28,89 +28,71 @@ EXAMPLES = [
     "liftmesh simplify ground.laz tin.ply --max-error 0.2",
 ]
 
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
+
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN", help="Rasters or clouds, merged; - reads stdin (see --from)."),
+        list[Path], argument("IN", "Rasters or clouds, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
+    target: Target,
     max_error: Annotated[
         float | None,
         option("Z", "The largest distance along z, in the units of the heights.", options.distance),
-    ] = None,
-    tolerance: Annotated[
-        float | None, option("Z", "Another name of --max-error.", options.distance)
     ] = None,
     max_points: Annotated[
         int | None, option("N", "The most vertices of the mesh.", whole(3))
     ] = None,
     prune: Annotated[
         bool,
-        typer.Option("--prune/--no-prune", help="Remove vertices that the distance does not need."),
+        flag("Remove vertices that the distance does not need."),
     ] = True,
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
-    nonfinite: options.SkipNonFinite = "error",
-    source_format: options.SourceFormat = None,
-    target_format: options.TargetFormat = None,
+    on_duplicate: options.OnDuplicate = "first",
     *,
-    rows: inputs.RowOptions,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
-    writing: outputs.Writing,
+    reading: inputs.ColoredReading,
+    nonfinite: options.SkipNonFinite = "error",
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
     import liftmesh
 
-    limits = _limits(max_error, tolerance, max_points)
+    if max_error is None and max_points is None:
+        raise click.BadParameter("give --max-error or --max-points")
+    limits = options.given(max_points=max_points, max_error=max_error)
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
-    cloud = inputs.read_rows(sources, reading | {"color_depth": color_depth})
+    cloud = inputs.read_rows(sources, reading)
     text = f"simplifying {len(cloud):,} rows"
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        target.check_content(cloud)
         with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
             surface = liftmesh.simplify(
                 cloud,
                 **limits,
                 prune=prune,
                 plane=plane.value,
-                duplicates=duplicates,
+                on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
                 progress=progress,
             )
-    written = outputs.write(target, surface, target_format, writing)
-    with outputs.report_after(target):
+    written = target.write(surface)
+    with outputs.report_after(target.path):
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 
-def _limits(
-    max_error: float | None, tolerance: float | None, max_points: int | None
-) -> dict[str, Any]:
-    """Return the options of which there must be one."""
-    if max_error is not None and tolerance is not None:
-        raise typer.BadParameter("--max-error and --tolerance are the same: give one")
-    error = tolerance if max_error is None else max_error
-    if error is None and max_points is None:
-        raise typer.BadParameter("give --max-error or --max-points")
-    return options.given(max_points=max_points, max_error=error)
-
-
-def _print_report(written: Written, surface: Surface, seconds: float, *, as_json: bool) -> None:
-    told = surface.metadata["simplification"]
+def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
+    told = notes.provenance_of(surface).simplification
     if as_json:
         cloud = surface.to_cloud()
         terminal.as_json(
             {
                 **outputs.as_values(written),
-                "triangles": len(surface.faces),
+                "n_triangles": len(surface.faces),
                 **told,
                 "notes": list(notes.cloud_notes(cloud)),
                 "selection": notes.counts_of(cloud),

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import Pinched
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, option, positive
+from liftmesh.cli.options import flag, number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Close a mesh or cloud to a solid, as for 3D printing."
@@ -22,17 +21,21 @@ HELP = (
     "flat base, or a thickness."
 )
 EXAMPLES = [
-    "liftmesh solid jacksboro.tif fault.stl --base 236",
-    "liftmesh solid dem.tif model.3mf --base 200 --longest 150 --z-factor 2",
+    "liftmesh solid jacksboro.tif fault.stl --base-height 236",
+    "liftmesh solid dem.tif model.3mf --base-height 200 --longest 150 --z-factor 2",
     "liftmesh solid tin.ply shell.stl --thickness 2 --max-edge 20 --pinched trim",
 ]
+
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file, as STL or 3MF.")]
 
 
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
-    base: Annotated[float | None, option("HEIGHT", "The height of a flat base.", number)] = None,
+    target: Target,
+    base_height: Annotated[
+        float | None, option("HEIGHT", "The height of a flat base.", number)
+    ] = None,
     thickness: Annotated[
         float | None, option("HEIGHT", "The base is the surface itself, so much lower.", positive)
     ] = None,
@@ -44,29 +47,31 @@ def run(
         float | None, option("FACTOR", "With --longest: multiply heights by this.", positive)
     ] = None,
     pinched: Annotated[
-        Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
+        Pinched, flag("Faces that touch in a vertex only: refuse, or leave them out.")
     ] = "error",
-    target_format: options.TargetFormat = None,
     *,
     reading: surfaces.Reading,
-    writing: outputs.Writing,
     json: options.Json = False,
 ) -> None:
     """Read a surface, close it, write the solid, and say how large it is."""
     outputs.check_stdout()
-    if (base is None) == (thickness is None):
-        raise typer.BadParameter("give either --base or --thickness")
+    if (base_height is None) == (thickness is None):
+        raise click.BadParameter("give either --base-height or --thickness")
     if longest is None and z_factor is not None:
-        raise typer.BadParameter("--z-factor needs --longest")
-    outputs.check_target(target, target_format, writing)
+        raise click.BadParameter("--z-factor needs --longest")
+    target.check()
     surface = surfaces.read(source, reading)
     if longest is not None:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
         solid = surface.solid(
-            base=base, thickness=thickness, longest=longest, z_factor=z_factor, pinched=pinched
+            base_height=base_height,
+            thickness=thickness,
+            longest=longest,
+            z_factor=z_factor,
+            pinched=pinched,
         )
-    written = outputs.write(target, solid, target_format, writing)
+    written = target.write(solid)
     _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
 
 
@@ -79,7 +84,7 @@ def _left_out(surface: Surface, solid: Cloud) -> list[str]:
 
 
 def _say(
-    written: Written,
+    written: WriteResult,
     solid: Cloud,
     left_out: list[str],
     rows_of: dict[str, Any],

@@ -7,11 +7,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import CellRow
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, positive, whole
+from liftmesh.cli.options import argument, flag, option, positive, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -36,74 +36,62 @@ def _thinning(
     ] = None,
     keep: Annotated[
         CellRow | None,
-        typer.Option(help="Of --cell: by height (lowest by default), or nearest to the centre."),
+        flag("Of --cell: by height (lowest by default), or nearest to the centre."),
     ] = None,
-    distance: Annotated[
+    min_distance: Annotated[
         float | None,
-        option(
-            "D",
-            "Thin: rows of which no two are nearer to each other in the plane.",
-            positive,
-            name="--min-distance",
-        ),
+        option("D", "Thin: rows of which no two are nearer to each other in the plane.", positive),
     ] = None,
     adaptive: Annotated[
         int | None, option("N", "Thin: the n rows without which a surface loses most.", whole(3))
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
-    thinning = options.given(random=random, cell=cell, distance=distance, adaptive=adaptive)
+    thinning = options.given(random=random, cell=cell, min_distance=min_distance, adaptive=adaptive)
     if len(thinning) > 1:
-        raise typer.BadParameter(_WAYS)
+        raise click.BadParameter(_WAYS)
     if seed is not None and random is None:
-        raise typer.BadParameter("--seed is of --random only: give both, or neither")
+        raise click.BadParameter("--seed is of --random only: give both, or neither")
     if keep is not None and cell is None:
-        raise typer.BadParameter("--keep is of --cell only: give both, or neither")
+        raise click.BadParameter("--keep is of --cell only: give both, or neither")
     return thinning | options.given(seed=seed, keep=keep)
 
 
-Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
+Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning, "Selection")]
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Cloud file; - writes stdout.")]
 
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN", help="Clouds or rasters, merged; - reads stdin (see --from)."),
+        list[Path], argument("IN", "Clouds or rasters, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
-    source_format: options.SourceFormat = None,
-    target_format: options.TargetFormat = None,
+    target: Target,
     *,
-    rows: inputs.RowOptions,
-    thin: Thinning,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
-    writing: outputs.Writing,
+    thin: Annotated[dict[str, Any], options.Group(_thinning)],
+    reading: inputs.ColoredReading,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
-    if not thin and "every" not in rows:
-        raise typer.BadParameter(f"{_WAYS}, or --every")
+    if not thin and "every" not in reading:
+        raise click.BadParameter(f"{_WAYS}, or --every")
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
-    reading |= {"color_depth": color_depth}
     cloud = inputs.read_rows(sources, reading, of_surface=False)
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        target.check_content(cloud)
         kept = thinned(cloud, thin)
-    written = outputs.write(target, kept, target_format, writing)
+    written = target.write(kept)
     told = {
         **outputs.as_values(written),
-        "thinning": kept.metadata.get("thinning"),
+        "thinning": notes.provenance_of(kept).thinning or None,
         "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
-    with outputs.report_after(target):
+    with outputs.report_after(target.path):
         if json:
             terminal.as_json(told)
         else:
@@ -118,7 +106,7 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)
-    told = kept.metadata["thinning"].items()
+    told = notes.provenance_of(kept).thinning.items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
     return kept

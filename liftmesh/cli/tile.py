@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
-from liftmesh.base.options import Duplicates, ShardFormat
+from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, whole
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import DegenerateInputError
+from liftmesh.cli.options import argument, flag, option, whole
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import DegenerateInputError, Option
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -29,7 +29,7 @@ HELP = (
 EXAMPLES = [
     "liftmesh tile cloud.npy tiles/",
     "liftmesh tile a.laz b.laz tiles/ --memory 1GB --workers 2",
-    "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --duplicates lowest",
+    "liftmesh tile a.laz b.laz ground/ --surface --classes 2 --on-duplicate lowest",
     "liftmesh tile cloud.npy /shared/tiles/ --scheduler tcp://10.0.0.1:8786",
 ]
 _NO_LEAKS = "ignore:resource_tracker:UserWarning:multiprocessing.resource_tracker"
@@ -37,17 +37,13 @@ SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
 def run(
-    sources: Annotated[
-        list[Path], typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text.")
-    ],
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
-    surface: Annotated[
-        bool, typer.Option("--surface", help="Keep heights, colours and named values, too.")
-    ] = False,
-    duplicates: Annotated[
-        Duplicates | None,
-        typer.Option(
-            help="Of a surface, which of several rows at one planar position is the vertex; by "
+    sources: Annotated[list[Path], argument("IN", "NPY, Parquet, LAS, LAZ, PLY, text.")],
+    out: Annotated[Path, argument("OUT", "Folder to write to.")],
+    surface: Annotated[bool, flag("Keep heights, colours and named values, too.")] = False,
+    on_duplicate: Annotated[
+        OnDuplicate | None,
+        flag(
+            "Of a surface, which of several rows at one planar position is the vertex; by "
             "default the first."
         ),
     ] = None,
@@ -70,30 +66,26 @@ def run(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
-    anew: Annotated[
-        bool, typer.Option("--anew", help="Replace what a former run has written to OUT.")
-    ] = False,
+    restart: Annotated[bool, flag("Replace what a former run has written to OUT.")] = False,
     shards: Annotated[
-        ShardFormat, typer.Option(help="Format of triangles without heights; ply holds meshes.")
+        ShardFormat, flag("Format of triangles without heights; ply holds meshes.")
     ] = "npy",
-    neighbors: Annotated[
-        bool, typer.Option("--neighbors", help="Also write which triangles share an edge.")
-    ] = False,
+    neighbors: Annotated[bool, flag("Also write which triangles share an edge.")] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    rows: inputs.RowOptions,
+    rows: inputs.Rows,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
     outputs.check_stdout()
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
-    if not surface and (duplicates or rows):
-        given = "--duplicates" if duplicates else of_reading(next(iter(rows)))
-        raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
+    if not surface and (on_duplicate or rows):
+        given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
+        raise click.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
-        raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
+        raise click.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
     from liftmesh.tiles.options import (
         ROW_BYTES,
         SURFACE_ROW_BYTES,
@@ -106,9 +98,9 @@ def run(
         with options.as_usage():
             rows_of_tile = rows_within(memory, row_bytes=row_bytes)
     common = {"tile_rows": rows_of_tile, "scratch": scratch, "nonfinite": nonfinite}
-    common |= {"resume": not anew, "shards": shards, "neighbors": neighbors}
+    common |= {"resume": not restart, "shards": shards, "neighbors": neighbors}
     if surface:
-        common |= {"duplicates": duplicates or "first", **rows}
+        common |= {"on_duplicate": on_duplicate or "first", **rows}
     paths = [str(path) for path in sources]
     with _named(paths), terminal.share_bar(f"triangulating into {out}") as progress:
         common |= {"progress": progress}
@@ -128,7 +120,7 @@ def _named(paths: list[str]) -> Iterator[None]:
     try:
         yield
     except DegenerateInputError as error:
-        error.args = (f"{notes.listed(paths)}: {error}",)
+        error.within(notes.listed(paths))
         raise
 
 
@@ -147,7 +139,7 @@ def _check_options(
         ("--scheduler", "--threads", (scheduler, threads)),
     ):
         if None not in given:
-            raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
+            raise click.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
 def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
@@ -196,7 +188,7 @@ def _check_address(text: str) -> None:
     except ValueError:
         protocol, host, port = "", "", 0
     if protocol not in protocols or not host or not 0 < port < 1 << 16:
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--scheduler {text!r} is no address: give one as tcp://10.0.0.1:8786"
         )
 
@@ -208,7 +200,9 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(tiled.directory), **counts, "classes": classes}
+        named = {f"n_{name}": count for name, count in counts.items()}
+        named["n_hull_edges"] = named.pop("n_hull")
+        said = {"folder": str(tiled.folder), **named, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
     merges = tiled.manifest["merges"]
@@ -218,6 +212,6 @@ def _say(tiled: Tiled, *, json: bool) -> None:
             *((name, f"{count:,}") for name, count in counts.items()),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
-            ("shards", f"{len(tiled.shards):,} in {tiled.directory}"),
+            ("shards", f"{len(tiled.shards):,} in {tiled.folder}"),
         ]
     )

@@ -7,17 +7,18 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
-from liftmesh.base.options import GroundMethod, Method
+from liftmesh.base.options import Algorithm, GroundAlgorithm, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import option, positive
+from liftmesh.cli.options import argument, flag, option, positive
 from liftmesh.cli.thin import Thinning, thinned
+from liftmesh.cli.wording import worded
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.terrain.report import Report
     from liftmesh.terrain.surface import Surface
 
@@ -25,16 +26,17 @@ SHORT_HELP = "Triangulate a point cloud and write a mesh file."
 HELP = "Every row becomes a vertex, in its order; faces are counter-clockwise seen from above."
 EXAMPLES = [
     "liftmesh triangulate cloud.ply mesh.ply",
-    "liftmesh triangulate lidar.csv mesh.obj --duplicates highest",
+    "liftmesh triangulate lidar.csv mesh.obj --on-duplicate highest",
     "liftmesh triangulate survey.csv mesh.ply --columns x=East,y=North,z=GroundZ",
     "liftmesh triangulate *.laz tin.ply --cell 0.5",
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate trees.csv mesh.ply --radii crown_radius",
     "liftmesh triangulate ground.laz tin.ply --max-edge 5 --boundary-only",
-    "liftmesh triangulate - - --from xyz --format ply < points.xyz > mesh.ply",
+    "liftmesh triangulate - - --input-format xyz --output-format ply < points.xyz > mesh.ply",
 ]
 
 
+_COUNTED = {"n_skipped": "not finite"}  # others without n_
 _GROUND = 2  # not "ground", which takes all rows where there is none
 _NO_UNIT = "; the unit is not known, and taken to be metres"
 _UNITS = {  # what is said where that of the plane and that of heights are known
@@ -45,14 +47,14 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise refused("cloth_rigidness", text, "give 1, 2 or 3")
     return int(text)
 
 
 def _ground(
     ground: Annotated[
-        GroundMethod | None,
-        typer.Option(help="Find the ground of an unclassified cloud, by the cloth simulation CSF."),
+        GroundAlgorithm | None,
+        flag("Find the ground of an unclassified cloud, by the cloth simulation CSF."),
     ] = None,
     cloth_resolution: Annotated[
         float | None,
@@ -74,51 +76,47 @@ def _ground(
     ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
-    choices = options.given(resolution=cloth_resolution, threshold=cloth_threshold)
-    choices |= options.given(rigidness=cloth_rigidness)
+    choices = options.given(cloth_resolution=cloth_resolution, cloth_threshold=cloth_threshold)
+    choices |= options.given(cloth_rigidness=cloth_rigidness)
     if choices and ground is None:
-        raise typer.BadParameter(f"--cloth-{next(iter(choices))} is an option of --ground csf")
-    return {} if ground is None else {"method": ground, **choices}
+        raise click.BadParameter(
+            f"--{next(iter(choices)).replace('_', '-')} is an option of --ground csf"
+        )
+    return {} if ground is None else {"algorithm": ground, **choices}
 
 
-Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
+Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground, "Selection")]
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
 
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --from)."),
+        list[Path], argument("IN", "Clouds or meshes, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
+    target: Target,
     plane: options.Plane = "xy",
-    duplicates: options.Duplicates = "first",
-    nonfinite: options.SkipNonFinite = "error",
-    method: Annotated[
-        Method, typer.Option(help="Algorithm; all give the same triangles, lf and lfres are slow.")
-    ] = "auto",
-    q: Annotated[
-        Any,
+    on_duplicate: options.OnDuplicate = "first",
+    algorithm: Annotated[
+        Algorithm,
         option(
-            "Q",
-            "Vertex of the paraboloid for lf and lfres: origin, median or QX,QY.",
-            options.vertex,
+            "ALGORITHM",
+            "auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
+            "triangles, lf and lfres are slow.",
+            panel="Advanced",
         ),
-    ] = "origin",
-    source_format: options.SourceFormat = None,
+    ] = "auto",
+    apex: options.Apex = "median",
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
     *,
-    trimming: surfaces.Trimming,
-    target_format: options.TargetFormat = None,
-    threads: options.Threads = None,
-    rows: inputs.RowOptions,
+    reading: inputs.ColoredReading,
+    nonfinite: options.SkipNonFinite = "error",
     ground: Ground,
     thin: Thinning,
-    writing: outputs.Writing,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
+    trimming: surfaces.Trimming,
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report."""
@@ -126,35 +124,33 @@ def run(
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, target_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": source_format, "max_bytes": max_bytes}
-    reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
-        cloud = _classified(cloud, ground, rows.get("classes", _GROUND))
+        cloud = _classified(cloud, ground, reading.get("classes", _GROUND))
     else:
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, target_format, cloud, writing)
+        target.check_content(cloud)
         surface = _triangulate(
             cloud,
             plane=plane.value,
-            duplicates=duplicates,
+            on_duplicate=on_duplicate,
             nonfinite=nonfinite,
-            method=method,
-            q=q,
+            algorithm=algorithm,
+            apex=apex,
             threads=threads,
             **lifted_by,
         )
         surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
-    written = outputs.write(target, surface, target_format, writing)
+    written = target.write(surface)
     seconds["write"] = perf_counter() - start
-    with outputs.report_after(target):
+    with outputs.report_after(target.path):
         _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)
 
 
@@ -163,26 +159,20 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     from liftmesh.io.selection import Selector, selected, validate_selection
     from liftmesh.terrain.ground import bare_warning, classify_ground
 
-    with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
-        try:
-            with inputs.without_warnings():
-                classified = classify_ground(cloud, **ground)
-        except InputError as error:
-            said = str(error).replace("resolution= to classify_ground", "--cloth-resolution")
-            error.args = (said,)
-            raise
-    counts = classified.metadata["ground"]
+    stage = terminal.stage(f"finding the ground among {len(cloud):,} rows")
+    with stage, inputs.without_warnings():
+        classified = classify_ground(cloud, **ground)
+    counts = notes.provenance_of(classified).ground
     if not counts["ground"]:
-        raise InputError(f"{counts['method']} finds no ground among {counts['rows']:,} rows")
+        raise InputError(f"{counts['algorithm']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
     terminal.note(
-        f"ground by {counts['method']}: {counts['ground']:,} of {counts['rows']:,} rows (cloth of "
-        f"{counts['resolution']:g} m, rigidness {counts['rigidness']}{unit}); where ground is "
-        "sparse, it may hold low vegetation and roofs"
+        f"ground by {counts['algorithm']}: {counts['ground']:,} of {counts['rows']:,} rows "
+        f"(cloth of {counts['cloth_resolution']:g} m, rigidness {counts['cloth_rigidness']}{unit})"
+        "; where ground is sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
-        remedy = ("a smaller resolution= to classify_ground, or rigidness=1",)
-        terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
+        terminal.note(worded(lost))
     chosen = validate_selection(classes=classes)
     classified = (
         classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
@@ -209,7 +199,7 @@ def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
 
 
 def _print_report(
-    written: Written,
+    written: WriteResult,
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
@@ -219,16 +209,17 @@ def _print_report(
     report = surface.report
     if as_json:
         cloud = surface.to_cloud()
+        known = notes.provenance_of(cloud)
         about = {
             "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
-            "triangulated_by": cloud.metadata.get("triangulated_by"),
+            "triangulated_by": known.lifted_by or None,
             "selection": notes.counts_of(cloud),
-            "merged": cloud.metadata.get("merged"),
-            "ground": cloud.metadata.get("ground"),
-            "thinning": cloud.metadata.get("thinning"),
+            "merged": known.merged or None,
+            "ground": known.ground or None,
+            "thinning": known.thinning or None,
             **notes.provenance(cloud),
-            "trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
+            "n_trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }
         terminal.as_json(_values(written, report, seconds) | about)
         return
@@ -237,36 +228,36 @@ def _print_report(
     terminal.sentence(_headline(written, report, len(surface.faces)), "good")
     counts = _counts(report)
     if not hasattr(surface.triangulation, "hidden"):
-        del counts["hidden"]
+        del counts["n_hidden"]
     if surface.mask is not None:
-        counts["trimmed"] = int(surface.mask.sum())
-    rows = [(name, f"{count:,}") for name, count in counts.items()]
+        counts["n_trimmed"] = int(surface.mask.sum())
+    rows = [(_COUNTED.get(name, name[2:]), f"{count:,}") for name, count in counts.items()]
     rows += notes.lidar_lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
 
 
-def _headline(written: Written, report: Report, faces: int) -> str:
+def _headline(written: WriteResult, report: Report, faces: int) -> str:
     triangles = f"{faces:,} triangle{'s' if faces > 1 else ''}"
-    return outputs.headline(written, f"{report.rows:,} vertices, {triangles}")
+    return outputs.headline(written, f"{report.n_rows:,} vertices, {triangles}")
 
 
 def _counts(report: Report) -> dict[str, int]:
     return {
-        "rows": report.rows,
-        "used": report.used,
-        "duplicates": report.duplicates,
-        "overhangs": report.overhangs,
-        "not finite": report.skipped,
-        "hidden": report.hidden,
-        "triangles": report.triangles,
+        "n_rows": report.n_rows,
+        "n_used": report.n_used,
+        "n_duplicates": report.n_duplicates,
+        "n_overhangs": report.n_overhangs,
+        "n_skipped": report.n_skipped,
+        "n_hidden": report.n_hidden,
+        "n_triangles": report.n_triangles,
     }
 
 
-def _values(written: Written, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
+def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> dict[str, Any]:
     return {
         **outputs.as_values(written),
-        **{name.replace(" ", "_"): count for name, count in _counts(report).items()},
+        **_counts(report),
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
         "columns": dict(report.columns),

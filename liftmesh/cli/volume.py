@@ -5,13 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, option
+from liftmesh.cli.options import argument, number, option
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.measures import Earthwork, Volume
+    from liftmesh.terrain.measures import CutFillResult, VolumeResult
 
 SHORT_HELP = "Measure volumes above and below a level, or between two surfaces."
 HELP = (
@@ -33,9 +33,7 @@ def run(
     source: surfaces.Source,
     other: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[AFTER]", help="What IN becomes: prints cut and fill.", show_default=False
-        ),
+        argument("[AFTER]", "What IN becomes: prints cut and fill."),
     ] = None,
     level: Annotated[float | None, option("HEIGHT", "The level, 0 by default.", number)] = None,
     within: Annotated[
@@ -54,18 +52,18 @@ def run(
     """Read a surface, measure it, and print what was found."""
     outputs.check_stdout()
     if by is not None and within is None:
-        raise typer.BadParameter("--by goes with --within")
+        raise click.BadParameter("--by goes with --within")
     named = "name" if by is None else by
     if within is not None:
         within.open("rb").close()
     if other is not None and level is not None:
-        raise typer.BadParameter("--level goes with one surface, not with two")
+        raise click.BadParameter("--level goes with one surface, not with two")
 
     surface = surfaces.read(source, reading)
     rows_of = notes.provenance(surface)
     if other is None:
         with terminal.stage(f"measuring {len(surface.faces):,} faces"):
-            measures = _values(surface.volume(level or 0.0, polygon=within))
+            measures = _values(surface.volume(level or 0.0, within=within))
             if within is None:
                 measures["surface_area"] = surface.area()
             else:
@@ -76,7 +74,7 @@ def run(
         _check_grounds({source: surface, other: after})
         rows_of["after"] = notes.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
-            measures = _values(surface.cut_and_fill(after, polygon=within))
+            measures = _values(surface.cut_and_fill(after, within=within))
             if within is not None:
                 works = surface.cut_and_fill_by_polygon(after, within, by=named)
                 measures["polygons"] = _by_name({key: _values(work) for key, work in works.items()})
@@ -85,13 +83,14 @@ def run(
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.selection import found_selection
     from liftmesh.io.surface_rows import check_grounds
 
-    check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
+    check_grounds(
+        (str(path), notes.provenance_of(each).selection) for path, each in surfaces_.items()
+    )
 
 
-def _values(measures: Volume | Earthwork) -> dict[str, Any]:
+def _values(measures: VolumeResult | CutFillResult) -> dict[str, Any]:
     """Return what was measured, by the names that are printed."""
     measured = {name: getattr(measures, name) for name in _MEASURES if hasattr(measures, name)}
     return measured | {

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, ParaboloidVertex
+from liftmesh._typing import Apex, Floats
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.options import NonFinite, as_count, check_option
 from liftmesh.comparison.differences import find_cells, find_differences
@@ -20,7 +20,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
-from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.lifting import resolve_apex
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.surface import Surface
@@ -29,7 +29,7 @@ from liftmesh.terrain.surface import Surface
 def compare(
     source: object,
     *,
-    q: ParaboloidVertex = "median",
+    apex: Apex = "median",
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     nonfinite: NonFinite = "error",
     max_proofs: int = 10,
@@ -40,10 +40,10 @@ def compare(
     ----------
     source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
         The points, or their triangulation; of a file, the rows that `triangulate` takes.
-    q : "median", "origin" or (qx, qy), default "median"
-        Vertex of the paraboloid. With the median, the heights |p - q|^2 are small wherever the
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        Apex of the paraboloid, as for `lift`. With the median, heights are small wherever the
         points lie, which is the best case for Qhull, which rounds; with the origin, the heights of
-        points far away lose digits. liftmesh's triangles do not depend on q.
+        points far away lose digits. liftmesh's triangles do not depend on the apex.
     plane : str, normal or matrix, default "xy"
         Projection plane for 3-D points, as for `triangulate`. Not used for a Triangulation or a
         Surface.
@@ -60,8 +60,8 @@ def compare(
     Raises
     ------
     InputError
-        Points, `q` or an option are invalid, or the triangulation is not a Delaunay triangulation
-        but one by weights, radii, a metric or the farthest site.
+        Points, `apex` or an option are invalid, or the triangulation is one by weights, radii, a
+        metric or the farthest site.
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
     FormatError
@@ -76,32 +76,32 @@ def compare(
     --------
     >>> from liftmesh import compare
     >>> result = compare([[0, 0], [4, 0], [0, 4], [3, 3], [1, 1]])
-    >>> result.verdict, result.identical
+    >>> result.verdict, result.n_identical
     ('identical', 4)
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
     triangulation, seconds = _triangulate(source, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)
-    vertex = resolve_q(q, triangulation.points[rows])
-    hull = trimesh_hull(triangulation.points, rows, vertex)
+    place = resolve_apex(apex, triangulation.points[rows])
+    hull = trimesh_hull(triangulation.points, rows, place)
     cells = find_cells(triangulation.points, triangles, triangulation.neighbors)
     differences = find_differences(triangles, cells, hull.lower)
     evidence = Evidence(triangulation, rows, hull.lower, cells, differences)
     return Comparison(
         triangulation=triangulation,
-        q=vertex,
+        apex=place,
         hull=hull.facets,
         lower=hull.lower,
-        vertical=hull.vertical,
-        identical=differences.identical,
-        cocircular=differences.cocircular,
-        cells=differences.cells,
+        n_vertical=hull.vertical,
+        n_identical=differences.identical,
+        n_cocircular=differences.cocircular,
+        n_cells=differences.cells,
         missing=triangles[differences.missing],
         wrong=hull.lower[differences.wrong],
         lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
-        coincident=hull.coincident,
-        violations=len(cells.violations),
+        n_coincident=hull.coincident,
+        n_violations=len(cells.violations),
         proofs=() if hull.error else tuple(evidence.proofs(most)),
         seconds={"liftmesh": seconds, "trimesh": hull.seconds},
         error=hull.error,

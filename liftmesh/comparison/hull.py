@@ -1,7 +1,7 @@
 """trimesh's convex hull of the lifted points, expressed in the caller's rows.
 
 The planar coordinates passed to Qhull are centred, which makes them as small as possible; z is
-|p - q|^2 of the caller's own coordinates. `trimesh.convex.convex_hull` then drops points that are
+|p - a|^2 of the caller's own coordinates. `trimesh.convex.convex_hull` then drops points that are
 not a vertex, merges vertices closer than 1e-8 and renumbers the rest, but never changes a
 coordinate: so its vertices are identified by exact equality of all three coordinates. Centring
 rounds, and rows may coincide: such rows are counted, and the first represents them all.
@@ -31,7 +31,7 @@ import numpy as np
 from liftmesh._typing import Floats, Indices, Rows
 from liftmesh.base.arrays import starts_of_runs
 from liftmesh.optional import load
-from liftmesh.planar.lifting import lift, resolve_q
+from liftmesh.planar.lifting import lift, resolve_apex
 from liftmesh.predicates import orient2d
 
 Result = TypeVar("Result")
@@ -50,9 +50,9 @@ class HullFacets:
     error: str | None = None  # why there is no hull
 
 
-def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFacets:
+def trimesh_hull(points: Floats, rows: Rows, apex: tuple[float, float]) -> HullFacets:
     """Build trimesh's convex hull of the lifted rows."""
-    lifted = _lifted(points, rows, q)
+    lifted = _lifted(points, rows, apex)
     mesh, seconds, error = _convex_hull(lifted)
     if mesh is None:
         return HullFacets(_NO_FACETS, _NO_FACETS, 0, 0, seconds, error)
@@ -63,11 +63,11 @@ def trimesh_hull(points: Floats, rows: Rows, q: tuple[float, float]) -> HullFace
     return HullFacets(facets, lower, int((n_z == 0).sum()), coincident, seconds)
 
 
-def _lifted(points: Floats, rows: Rows, q: tuple[float, float]) -> Floats:
-    """Return centred x and y with z = |p - q|^2, without negative zeros."""
-    centre = resolve_q("median", points[rows])
+def _lifted(points: Floats, rows: Rows, apex: tuple[float, float]) -> Floats:
+    """Return centred x and y with z = |p - a|^2, without negative zeros."""
+    centre = resolve_apex("median", points[rows])
     with np.errstate(over="ignore", invalid="ignore"):
-        z = lift(points[rows], q=q)[:, 2]
+        z = lift(points[rows], apex=apex)[:, 2]
         lifted = np.column_stack([points[rows] - np.asarray(centre), z])
     return lifted + 0.0
 

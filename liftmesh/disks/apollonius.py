@@ -15,8 +15,16 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_numbers, as_positive, of_one_array
-from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
+from liftmesh.base.arrays import as_numbers, of_one_array
+from liftmesh.base.options import (
+    NonFinite,
+    as_count,
+    as_positive,
+    check_option,
+    check_progress,
+    refused,
+    shown,
+)
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, trace_sides
 from liftmesh.errors import InputError
@@ -55,7 +63,7 @@ def apollonius(
     nonfinite : {"error", "skip"}, default "error"
         Rows whose centre or radius is NaN or infinite raise, or are skipped and listed.
     progress : callable, optional
-        As for `delaunay`; called with 0.0 to 1.0.
+        As for `delaunay`.
 
     Returns
     -------
@@ -100,12 +108,15 @@ def apollonius(
     names = ("simplices", "neighbors", "circles", "convex_hull", "hidden", "duplicates")
     run = _kernel.apollonius(disks[rows], progress)
     arrays: dict[str, Any] = dict(zip(names, run, strict=True))
+    arrays["convex_hull"] = arrays["convex_hull"][:, 0].copy()
     if len(rows) < len(disks):
         of_rows = {
             name: rows[arrays[name]] for name in names if name not in ("neighbors", "circles")
         }
         skipped = np.flatnonzero(~are_finite(disks)).astype(np.int32)
         arrays |= of_rows | {"skipped": skipped}
+    if progress is not None:
+        progress(1.0)
     return ApolloniusGraph(disks[:, :2], disks[:, 2], **arrays)
 
 
@@ -133,10 +144,10 @@ class ApolloniusGraph(DiskGraph):
     circles : (m, 3) ndarray of float64
         Centre and radius of these circles, rounded. The radius is negative if the circle is
         touched from its inside, in the overlap of three disks.
-    convex_hull : (h, 2) ndarray of int32
-        Pairs of disks with a common tangent that no disk crosses, counter-clockwise, each from the
-        second of the one before to the first of the next. A large disk may occur several times. Of
-        disks that touch one such tangent from the same side, each makes a pair with the next.
+    convex_hull : (h,) ndarray of int32
+        The rows on the convex hull of the disks, counter-clockwise: each has a common tangent with
+        the next that no disk crosses. A large disk may occur several times. Disks that touch one
+        such tangent from the same side follow each other.
     hidden : (k, ) ndarray of int32
         Rows within a disk of another row, in ascending order: also those that touch its boundary
         from inside. They have no cell.
@@ -173,7 +184,7 @@ class ApolloniusGraph(DiskGraph):
         """
         # Of its two sides, of triangles or of the hull, one is in ascending order.
         sides = self.simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
-        pairs = np.concatenate([sides, self.convex_hull[:, ::-1]])
+        pairs = np.concatenate([sides, self.hull_pairs[:, ::-1]])
         pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         return pairs[np.lexsort(pairs.T[::-1])]
 
@@ -263,19 +274,21 @@ class ApolloniusGraph(DiskGraph):
         edges = self.edges
         return np.unique(edges[:, ::-1][edges == row])
 
-    def cell_sides(self, box: ArrayLike, tolerance: float) -> list[tuple[tuple[int, int], Floats]]:
-        """Return the sides of all cells in a box, as polylines.
+    def cell_sides(
+        self, bounds: ArrayLike, max_deviation: float
+    ) -> list[tuple[tuple[int, int], Floats]]:
+        """Return the sides of all cells within bounds, as polylines.
 
         A side is an arc of a hyperbola, or a segment between equal disks. The points are rounded;
-        between them, chords are at most `tolerance` off the arc.
+        between them, chords are at most `max_deviation` off the arc.
 
         Parameters
         ----------
-        box : (4,) array_like
-            The least x and y, and the greatest. Sides are cut off there.
-        tolerance : float
-            Positive, in the unit of the coordinates; 2^-46 of those of the box at least. No more
-            than the longer side of the box counts.
+        bounds : (4,) array_like
+            xmin, ymin, xmax, ymax. Sides are cut off there.
+        max_deviation : float
+            Positive, in the unit of the coordinates; 2^-46 of the bounds at least. No more
+            than their longer side counts.
 
         Returns
         -------
@@ -286,7 +299,7 @@ class ApolloniusGraph(DiskGraph):
         Raises
         ------
         InputError
-            They are no numbers, the box is not finite or has no area, or the tolerance is not
+            They are no numbers, `bounds` are not finite or have no area, or `max_deviation` is not
             positive or not finite, near the rounding of coordinates, or so small that there are too
             many points to hold.
 
@@ -298,30 +311,29 @@ class ApolloniusGraph(DiskGraph):
         >>> disks, line.round(9).tolist()
         ((0, 1), [[2.0, -1.0], [2.0, 1.0]])
         """
-        limits, length = _as_limits(box), as_chord_tolerance(tolerance, box)
+        limits, length = _as_limits(bounds), as_max_deviation(max_deviation, bounds)
         return list(pieces_in(trace_sides(self, limits, length)))
 
 
-def _as_limits(box: ArrayLike) -> tuple[float, float, float, float]:
-    values = as_numbers("box is", box, "give real numbers")
+def _as_limits(bounds: ArrayLike) -> tuple[float, float, float, float]:
+    values = as_numbers("bounds", bounds, "give real numbers", verb="are")
     if values.shape != (4,) or not np.isfinite(values).all():
-        raise InputError(f"box is {shown(box)}: give four finite numbers")
+        raise refused("bounds", bounds, "give four finite numbers", verb="are")
     x, y, right, upper = values.tolist()
     if not (x < right and y < upper):
-        raise InputError(f"box is {shown(box)}: give the least x and y, then the greatest")
+        raise refused("bounds", bounds, "give xmin, ymin, xmax, ymax", verb="are")
     return x, y, right, upper
 
 
-def as_chord_tolerance(tolerance: float, box: ArrayLike) -> float:
+def as_max_deviation(max_deviation: float, bounds: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    as_numbers("tolerance is", tolerance, "give real numbers")
-    value = as_positive("tolerance", tolerance, "a positive, finite number")
-    limits = np.asarray(box, dtype=np.float64)
+    value = as_positive("max_deviation", max_deviation, "a positive, finite number")
+    limits = np.asarray(bounds, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST
     if value < least:
         raise InputError(
-            f"tolerance is {shown(tolerance)}, near the rounding of coordinates of the box: give "
-            f"{least:.2g} at least"
+            f"max_deviation is {shown(max_deviation)}, near the rounding of coordinates there: "
+            f"give {least:.2g} at least"
         )
     longer = 2 * float((limits[2:] / 2 - limits[:2] / 2).max())
     return min(value, longer)

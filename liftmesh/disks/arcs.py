@@ -124,9 +124,9 @@ class Arcs:
         meets: Floats = near - 2 * self.radius_difference[arc] * np.sin(np.divide(half, 2)) ** 2
         return meets
 
-    def polylines(self, vertices: Floats, box: Box, tolerance: float) -> Polylines:
+    def polylines(self, vertices: Floats, box: Box, max_deviation: float) -> Polylines:
         """Return polylines whose chords are at most a tolerance off, wherever a box sees them."""
-        arc, turn = self._halved(box, tolerance)
+        arc, turn = self._halved(box, max_deviation)
         every = np.arange(len(self.rows))
         arc = np.concatenate([every, arc, every])
         place = self.at(arc, np.concatenate([self.turns[:, 0], turn, self.turns[:, 1]]))
@@ -139,14 +139,14 @@ class Arcs:
         starts = np.concatenate([[0], np.cumsum(np.bincount(arc, minlength=len(every)))])
         return Polylines(starts.astype(np.int64), place[order])
 
-    def _halved(self, box: Box, tolerance: float) -> tuple[Indices, Floats]:
+    def _halved(self, box: Box, max_deviation: float) -> tuple[Indices, Floats]:
         """Return the directions at which arcs are divided."""
         arc = np.flatnonzero(self.turns[:, 0] < self.turns[:, 1])
         low, high = self.turns[arc].T
         divisions = [(arc[:0], low[:0])]
         points, most = 0, max(_POINTS, _POINTS_EACH * len(arc))
         while len(arc):
-            divided, ahead = self._coarse(arc, low, high, box, tolerance)
+            divided, ahead = self._coarse(arc, low, high, box, max_deviation)
             arc, low, high = arc[divided], low[divided], high[divided]
             points += len(arc)
             if points + ahead > most:
@@ -159,7 +159,7 @@ class Arcs:
         return np.concatenate(arcs), np.concatenate(turns)
 
     def _coarse(
-        self, arc: Indices, low: Floats, high: Floats, box: Box, tolerance: float
+        self, arc: Indices, low: Floats, high: Floats, box: Box, max_deviation: float
     ) -> tuple[Mask, float]:
         """Return which chords are too far off, or pass p on the wrong side, and what is to come."""
         # The second is about how many more points there will be after these are halved, counted
@@ -182,7 +182,7 @@ class Arcs:
         is_seen = (around.max(axis=0) >= box[:2]).all(axis=1)
         is_seen &= (around.min(axis=0) <= box[2:]).all(axis=1)
         is_wide = (half > _WIDEST / 2) & (difference > 0)
-        is_off = ~(height <= tolerance) & is_seen & (half > _NARROWEST)
+        is_off = ~(height <= max_deviation) & is_seen & (half > _NARROWEST)
         coarse: Mask = is_wide | is_off | ~(meets > 0)
         coarse &= half > _NARROWEST
         is_inside = (around.min(axis=0) >= box[:2]).all(axis=1)
@@ -190,4 +190,4 @@ class Arcs:
         near, far = np.sort(np.hypot(*np.stack([start, end]).transpose(2, 0, 1)), axis=0)
         is_even = (cosine > _NEARLY_STRAIGHT * both) & (far < _OF_ONE_SIZE * near)
         known = height[coarse & is_off & is_inside & is_even]
-        return coarse, float(np.maximum(np.sqrt(known / tolerance) - 2, 0).sum())
+        return coarse, float(np.maximum(np.sqrt(known / max_deviation) - 2, 0).sum())

@@ -58,7 +58,7 @@ class Traced(NamedTuple):
         return np.flatnonzero(is_start)
 
 
-def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
+def trace_sides(graph: DiskGraph, box: Box, max_deviation: float) -> Traced:
     """Follow the sides of all cells as far as a box sees them."""
     largest = max(np.abs(graph.centers).max(initial=0), graph.radii.max(initial=0), *map(abs, box))
     scale = int(np.frexp(largest)[1])  # no square overflows, and no product of such underflows
@@ -67,19 +67,19 @@ def trace_sides(graph: DiskGraph, box: Box, tolerance: float) -> Traced:
         return np.ldexp(values, -scale)
 
     disks = scaled(np.column_stack([graph.centers, graph.radii]))
-    all_sides = sides(graph.simplices, graph.neighbors, graph.convex_hull)
+    all_sides = sides(graph.simplices, graph.neighbors, graph.hull_pairs)
     vertices = vertices_of(disks, graph.simplices, scaled(graph.circles))
     vertices = merge_coinciding(all_sides, disks[:, :2], vertices)
     left, low, right, high = scaled(np.array(box)).tolist()
     limits = left, low, right, high
     arcs = arcs_of(all_sides, disks, vertices).near(limits)
     try:
-        starts, points = arcs.polylines(vertices, limits, float(np.ldexp(tolerance, -scale)))
+        starts, points = arcs.polylines(vertices, limits, float(np.ldexp(max_deviation, -scale)))
     except TooManyPointsError as error:
         (most,) = error.args
         raise InputError(
-            f"tolerance is {shown(tolerance)}, by which arcs have more than {most:,} points: give "
-            "a larger one"
+            f"max_deviation is {shown(max_deviation)}, by which arcs have more than {most:,} "
+            "points: give a larger one"
         ) from error
     return Traced(arcs.rows, arcs.ends, starts, np.ldexp(points, scale), box)
 

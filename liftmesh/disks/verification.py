@@ -16,10 +16,11 @@ from liftmesh._typing import Floats, Indices, Mask, Progress, Rows
 from liftmesh.base.options import as_threads, check_progress, counted
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.errors import InputError
-from liftmesh.planar.certificate import Certificate, Flaw, Offender, sha256_of
+from liftmesh.planar.certificate import Certificate, Flaw, Violation, sha256_of
+from liftmesh.planar.points import edges_around
 from liftmesh.planar.violations import Place, Violations
 
-_SHAPES = {"simplices": (3,), "neighbors": (3,), "convex_hull": (2,), "hidden": ()}
+_SHAPES = {"simplices": (3,), "neighbors": (3,), "convex_hull": (), "hidden": ()}
 _SHAPES |= {"duplicates": (2,), "skipped": ()}
 _OF_ROWS = ("missing_vertices", "wrong_hidden", "wrong_duplicates")
 BEYOND = -(2**31)  # in place of what has more than 32 bits
@@ -45,7 +46,7 @@ def verify_graph(
     vertices, places = _kernel.verify_apollonius(
         disks[rows],
         *(flat["simplices"], flat["neighbors"], circles.reshape(-1)),
-        *(flat["convex_hull"], flat["hidden"], flat["duplicates"]),
+        *(edges_around(flat["convex_hull"]).reshape(-1), flat["hidden"], flat["duplicates"]),
         *as_threads(threads, len(disks)),
         progress,
     )
@@ -89,20 +90,20 @@ def _certify(
     is_counted = not any(flaw.kind == "invalid_index" for flaw in flaws)
     triangles, hull = len(lists["simplices"]), len(lists["convex_hull"])
     return Certificate(
-        rows=len(disks),
-        skipped=int((~are_finite(disks)).sum()),
-        vertices=vertices if is_counted else None,
-        duplicates=len(lists["duplicates"]) if is_counted else None,
-        merged=0 if is_counted else None,
-        triangles=triangles,
-        edges=(3 * triangles + hull) // 2 if is_counted else None,
-        hull_edges=hull if is_counted else None,
+        n_rows=len(disks),
+        n_skipped=int((~are_finite(disks)).sum()),
+        n_vertices=vertices if is_counted else None,
+        n_duplicates=len(lists["duplicates"]) if is_counted else None,
+        n_merged=0 if is_counted else None,
+        n_triangles=triangles,
+        n_edges=(3 * triangles + hull) // 2 if is_counted else None,
+        n_hull_edges=hull if is_counted else None,
         flaws=tuple(sorted(flaws, key=_comes_last)),
         points_sha256=sha256_of(disks[:, :2], "<f8"),
         simplices_sha256=sha256_of(lists["simplices"], "<i4"),
         version=_kernel.VERSION,
         member="apollonius",
-        hidden=len(lists["hidden"]) if is_counted else None,
+        n_hidden=len(lists["hidden"]) if is_counted else None,
         values_sha256=sha256_of(disks[:, 2], "<f8"),
     )
 
@@ -154,8 +155,8 @@ MEANINGS = {
         "sides have the wrong neighbour",
     ),
     "wrong_hull": (
-        "pair of the hull is not followed, or has no triangle",
-        "pairs of the hull are not followed, or have no triangle",
+        "pair of the hull has no triangle, or several",
+        "pairs of the hull have no triangle, or several",
     ),
     "boundary_winding": ("hull does not wind around once", "hulls do not wind around once"),
     "not_delaunay": (
@@ -191,31 +192,33 @@ class DiskViolations(Violations):
         super().__init__(centers, MEANINGS)
         self._lists = lists
 
-    def _invalid_index(self, number: int, place: int) -> Offender:
+    def _invalid_index(self, number: int, place: int) -> Violation:
         name, values = list(self._lists.items())[number]
+        if name == "convex_hull":  # of which the kernel has pairs
+            place = (place + 1) // 2 % len(values)
         row, *_ = at = np.unravel_index(place, values.shape)
         is_triangle = name == "neighbors"
         what, others = ("triangle", "") if is_triangle else ("row", ", or not finite")
         value = int(values[at])
         shown = "a number beyond 32 bits" if value == BEYOND else str(value)
         text = f"{name}[{row}] refers to {what} {shown}, which is none{others}"
-        return Offender(text, (), triangles=(int(row),) if number < 2 else ())
+        return Violation(text, (), triangles=(int(row),) if number < 2 else ())
 
-    def _at_triangle(self, triangle: int, text: str) -> Offender:
+    def _at_triangle(self, triangle: int, text: str) -> Violation:
         rows = self._lists["simplices"][triangle].tolist()
         of = f"triangle {triangle} of {self._named(*rows)}"
         return self._at(f"{of} {text}", *rows, triangles=(triangle,))
 
-    def _degenerate(self, triangle: int, _: int) -> Offender:
+    def _degenerate(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has a disk that is within another of the three")
 
-    def _no_circle(self, triangle: int, _: int) -> Offender:
+    def _no_circle(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has no circle that is touched in this order")
 
-    def _other_circles(self, triangle: int, _: int) -> Offender:
+    def _other_circles(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "has other numbers for its circle than `apollonius`")
 
-    def _edge(self, place: int, text: str) -> Offender:
+    def _edge(self, place: int, text: str) -> Violation:
         """Describe an edge: of a triangle, of the hull, or from a disk of the hull to infinity."""
         simplices, hull = self._lists["simplices"], self._lists["convex_hull"]
         if place < simplices.size:
@@ -226,42 +229,42 @@ class DiskViolations(Violations):
             return self._at(f"{edge} {text}", *rows, triangles=tuple(t for t in beside if t >= 0))
         pair, is_beyond = (place - simplices.size) % len(hull), place >= simplices.size + len(hull)
         if not is_beyond:
-            rows = hull[pair].tolist()
+            rows = [int(hull[pair]), int(hull[(pair + 1) % len(hull)])]
             return self._at(f"the edge of the hull between {self._named(*rows)} {text}", *rows)
-        rows = [*hull[pair].tolist(), int(hull[(pair + 1) % len(hull)][1])]
+        rows = [int(hull[(pair + k) % len(hull)]) for k in range(3)]
         return self._at(f"the hull at the second of {self._named(*rows)} {text}", *rows)
 
-    def _wrong_neighbors(self, place: int, _: int) -> Offender:
+    def _wrong_neighbors(self, place: int, _: int) -> Violation:
         beyond = int(self._lists["neighbors"].flat[place])
         if beyond < 0:
             return self._edge(place, "has no neighbour, and is not in the hull once")
         return self._edge(place, f"names triangle {beyond}, which does not have it, or not this")
 
-    def _wrong_hull(self, pair: int, _: int) -> Offender:
-        rows = self._lists["convex_hull"][pair].tolist()
-        text = "is not followed by one that begins where it ends, or has not one triangle"
-        return self._at(f"the pair {pair} of the hull, {self._named(*rows)}, {text}", *rows)
+    def _wrong_hull(self, pair: int, _: int) -> Violation:
+        rows = edges_around(self._lists["convex_hull"])[pair].tolist()
+        text = f"the pair {pair} of the hull, {self._named(*rows)}, has no triangle, or several"
+        return self._at(text, *rows)
 
-    def _boundary_winding(self, _: int, windings: int) -> Offender:
-        return Offender(f"the hull winds around {windings} times", ())
+    def _boundary_winding(self, _: int, windings: int) -> Violation:
+        return Violation(f"the hull winds around {windings} times", ())
 
-    def _not_delaunay(self, place: int, _: int) -> Offender:
+    def _not_delaunay(self, place: int, _: int) -> Violation:
         return self._edge(place, "has a disk beside it that enters the circle on the other side")
 
-    def _wrong_order(self, place: int, _: int) -> Offender:
+    def _wrong_order(self, place: int, _: int) -> Violation:
         text = "has its two circles in the wrong order along what separates both cells"
         return self._edge(place, text)
 
-    def _not_canonical(self, place: int, _: int) -> Offender:
+    def _not_canonical(self, place: int, _: int) -> Violation:
         return self._edge(place, "is another one under the symbolic perturbation")
 
-    def _missing_vertices(self, row: int, _: int) -> Offender:
+    def _missing_vertices(self, row: int, _: int) -> Violation:
         text = f"{self._named(row)} is in no triangle, not hidden, and no duplicate"
         return self._at(text, row)
 
-    def _wrong_hidden(self, row: int, why: int) -> Offender:
+    def _wrong_hidden(self, row: int, why: int) -> Violation:
         return self._at(f"{self._named(row)} {_NOT_HIDDEN[why]}", row)
 
-    def _wrong_duplicates(self, row: int, other: int) -> Offender:
+    def _wrong_duplicates(self, row: int, other: int) -> Violation:
         text = "are not the same disk, or the second is not the first of its rows with triangles"
         return self._at(f"{self._named(row, other)} {text}", row, other)

@@ -2,7 +2,7 @@
 
 A format declares what a cloud must have to be written (`Format.needs`) and which parts of a cloud
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
-needs, and lists in `Written.dropped` what the cloud has and the file does not keep.
+needs, and lists in `WriteResult.dropped` what the cloud has and the file does not keep.
 
 What is known of a format stands in a table, and its code in a module of its own, which is imported
 at the first call (`LazyFunction`): a command that reads a PLY file loads no other reader.
@@ -25,7 +25,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.base.interruption import defer_signals
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io import metadata
 from liftmesh.io.precision import Origin, fits_single
 
@@ -38,7 +38,7 @@ Read = TypeVar("Read")
 
 NEEDS = ("points", "faces", "finite")
 
-# The parts of a cloud that a file may keep, and the name of each in `Written.dropped`.
+# The parts of a cloud that a file may keep, and the name of each in `WriteResult.dropped`.
 CONTENT = {
     "points": "rows in no face",
     "faces": "faces",
@@ -83,7 +83,8 @@ class Format:
         (no NaN or infinity in a row that the file holds). By default none.
     loses : callable, optional
         ``loses(cloud, options)`` returns the parts in ``keeps`` that are nevertheless lost when
-        this cloud is written with these options, and any other text to add to `Written.dropped`.
+        this cloud is written with these options, and any other text to add to
+        `WriteResult.dropped`.
     read_chunks : callable, optional
         ``read_chunks(stream, name, rows)`` yields clouds of at most ``rows`` consecutive rows each,
         without faces; together they are the rows that ``read`` returns. Formats without it are read
@@ -203,7 +204,7 @@ def configured(
         return reader
     if file_format.options is None:
         raise FormatError(
-            f"{name}: {', '.join(f'{each}=' for each in options)} cannot be given: "
+            f"{name}: {', '.join(f'{Option(each, ...)}' for each in options)} cannot be given: "
             f"{file_format.name} files are read without options"
         )
     try:
@@ -266,7 +267,7 @@ def dropped(
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
-    return (*names, *named, *metadata.not_read(cloud.metadata))
+    return (*names, *named, *metadata.Provenance(cloud.metadata).lost)
 
 
 def _has(cloud: Cloud, word: str) -> bool:

@@ -18,22 +18,25 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count
+from liftmesh.base.options import Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
-from liftmesh.io.metadata import Label, noted
+from liftmesh.io.metadata import Label, Provenance, noted
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.format import ChunkReader, Format, Reader
+    from liftmesh.io.options import FormatOptions
 
 
 CHUNK_ROWS = 1_000_000
@@ -50,14 +53,14 @@ def read(  # noqa: PLR0913 - options are keywords
     color_depth: int | None = None,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    resolution: float | None = None,
-    crs: str | None = None,
-    to_crs: str | None = None,
-    **options: Any,
+    copc_resolution: float | None = None,
+    src_crs: str | None = None,
+    dst_crs: str | None = None,
+    **options: Unpack[FormatOptions],
 ) -> Cloud:
     r"""Read a point cloud or a mesh.
 
@@ -87,24 +90,24 @@ def read(  # noqa: PLR0913 - options are keywords
     returns : {"last", "first", "only"}, optional
         The returns to read: the last ones, whose ``return_number`` is their ``number_of_returns``;
         the first ones; or those that are both.
-    bbox : (4,) iterable of float, optional
-        x0, y0, x1, y1 of the rectangle to read, in the units of the file, with its border.
+    bounds : (4,) iterable of float, optional
+        xmin, ymin, xmax, ymax of the rectangle to read, in the units of the file, with its border.
     z_range : (2,) iterable of float, optional
         Lowest and highest z to read.
     every : int, default 1
         Read every k-th of the rows that meet all other conditions, the first one among them.
     withheld : bool, default True
         Whether to read rows that the file flags as withheld.
-    resolution : float, optional
+    copc_resolution : float, optional
         Of a COPC file, read no more points than it takes for this distance between them. Of COPC,
-        `bbox` and `z_range` read the parts of the file that may have any.
-    crs : str, optional
+        `bounds` and `z_range` read the parts of the file that may have any.
+    src_crs : str, optional
         The coordinate system of the file, WKT or ``EPSG:n``, in place of what it states.
-    to_crs : str, optional
+    dst_crs : str, optional
         Another coordinate system, WKT or ``EPSG:n``, that coordinates are transformed to, by
         pyproj; conditions on rows are in the units of the file. Heights keep their unit, and their
         system is added to the other one, unless that says what heights are; then the file has to
-        say it, too, or `crs`. Of the operations for the first row the most accurate one that is
+        say it, too, or `src_crs`. Of the operations for the first row the most accurate one that is
         installed transforms all; ``metadata["transformation"]`` has the "operation", its "accuracy"
         in metres, and a "better" one with its "grid", if that is missing.
     **options
@@ -143,9 +146,9 @@ def read(  # noqa: PLR0913 - options are keywords
         the cause.
     InputError
         `max_bytes` is not a positive whole number, `color_depth` is no depth, or too small, an
-        option is invalid, `crs` is unknown, or the coordinates cannot be transformed.
+        option is invalid, `src_crs` is unknown, or the coordinates cannot be transformed.
     MissingDependencyError
-        The format, or `to_crs`, needs a package that is not installed; the message names it.
+        The format, or `dst_crs`, needs a package that is not installed; the message names it.
     OSError
         The file does not exist or cannot be opened.
 
@@ -166,24 +169,24 @@ def read(  # noqa: PLR0913 - options are keywords
     chosen = validate_selection(
         classes=classes,
         returns=returns,
-        bbox=bbox,
+        bounds=bounds,
         z_range=z_range,
         every=every,
         withheld=withheld,
-        resolution=resolution,
+        copc_resolution=copc_resolution,
     )
-    if crs is not None:
-        check_system(crs)
+    if src_crs is not None:
+        check_system(src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
-    read_whole = _selecting(_reader(file_format, name, limit, options), file_format, chosen)
+    read_whole = _selecting(_reader(file_format, name, limit, {**options}), file_format, chosen)
     with (
         opened(source, name, limit, may_be_compressed=file_format.gzip) as stream,
         preserve_signals(),
     ):
         cloud = _labelled(read_whole(stream, name), file_format, name)
-    return _changed(cloud, color_depth, crs, to_crs, name)
+    return _changed(cloud, color_depth, src_crs, dst_crs, name)
 
 
 def read_chunks(  # noqa: PLR0913 - options are keywords
@@ -195,13 +198,13 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     color_depth: int | None = None,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    crs: str | None = None,
-    to_crs: str | None = None,
-    **options: Any,
+    src_crs: str | None = None,
+    dst_crs: str | None = None,
+    **options: Unpack[FormatOptions],
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
 
@@ -221,7 +224,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         As for `read`.
     max_bytes : int, optional
         As for `read`; of the arrays of an NPZ file, only those in use count.
-    color_depth, classes, returns, bbox, z_range, every, withheld, crs, to_crs, **options
+    color_depth, classes, returns, bounds, z_range, every, withheld, src_crs, dst_crs, **options
         As for `read`, but `classes` cannot be "ground".
 
     Yields
@@ -252,22 +255,28 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     check_depth(color_depth)
     limit = None if max_bytes is None else as_count("max_bytes", max_bytes, 1)
     chosen = validate_selection(
-        classes=classes, returns=returns, bbox=bbox, z_range=z_range, every=every, withheld=withheld
+        classes=classes,
+        returns=returns,
+        bounds=bounds,
+        z_range=z_range,
+        every=every,
+        withheld=withheld,
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
-    if crs is not None:
-        check_system(crs)
+        reason = f"which the whole file decides: give {Option('classes', 2)}"
+        raise refused("classes", classes, reason, mark=", ")
+    if src_crs is not None:
+        check_system(src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
     if file_format.read_chunks is None:
-        whole = _reader(file_format, name, limit, options)
+        whole = _reader(file_format, name, limit, {**options})
         chunks = split(_selecting(whole, file_format, chosen if file_format.selects else None))
         chosen = None if file_format.selects else chosen
     else:
         chunks = _limited(
-            configured(file_format.read_chunks, file_format, name, options), file_format, limit
+            configured(file_format.read_chunks, file_format, name, {**options}), file_format, limit
         )
         chunks = of_one_depth(chunks, color_depth)
     place = opened(source, name, limit, may_be_compressed=file_format.gzip)
@@ -275,14 +284,12 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     if chosen is not None:
         pieces = _selected_chunks(pieces, Selector(chosen, name))
     known: dict[str, Operation] = {}
-    return (_changed(each, color_depth, crs, to_crs, name, known) for each in pieces)
+    return (_changed(each, color_depth, src_crs, dst_crs, name, known) for each in pieces)
 
 
-def read_cloud(source: object, *, max_bytes: int | None = None, **options: Any) -> Cloud:
+def read_cloud(source: object) -> Cloud:
     """Read a file, or convert any object that holds points to a cloud."""
-    if isinstance(source, str | os.PathLike):
-        return read(source, max_bytes=max_bytes, **options)
-    return as_cloud(source, **options)
+    return read(source) if isinstance(source, str | os.PathLike) else as_cloud(source)
 
 
 def split(reader: Reader) -> ChunkReader:
@@ -352,10 +359,17 @@ def _selecting(reader: Reader, file_format: Format, chosen: Selection | None) ->
         return reader
     if file_format.selects:
         return partial(reader, selection=chosen)
-    return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
+
+    def read_selected(stream: BinaryIO, name: str) -> Cloud:
+        whole = _labelled(reader(stream, name), file_format, name)
+        return selected(whole, Selector(chosen, name))
+
+    return read_selected
 
 
-def _reader(file_format: Format, name: str, limit: int | None, options: dict[str, Any]) -> Reader:
+def _reader(
+    file_format: Format, name: str, limit: int | None, options: Mapping[str, Any]
+) -> Reader:
     if file_format.read is None:
         raise FormatError(
             f"{name}: {file_format.name} files are written, not read: keep the mesh as PLY, too"
@@ -388,7 +402,8 @@ def _changed(
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
         return placed(cloud, crs, target, chosen)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from error
+        error.within(name)
+        raise
 
 
 def placed(
@@ -419,14 +434,15 @@ def _raised(points: Floats, factor: float) -> Floats:
 def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
     """Return what still holds of coordinates in another system."""
     entries = dict(cloud.metadata)
-    if isinstance(las := entries.get("las"), Mapping):
+    known = Provenance(entries)
+    if las := known.las:
         kept = {key: each for key, each in las.items() if key not in ("scale", "offset")}
         scale = steps_in(las.get("scale"), cloud.crs, target)
         entries["las"] = kept | ({} if scale is None else {"scale": scale})
-    if isinstance(notes := entries.get("notes"), tuple):
+    if notes := known.notes:
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
     system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
-    if has_unit and isinstance(raster := entries.get("raster"), Mapping):
+    if has_unit and (raster := known.raster):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
     return entries

@@ -15,11 +15,17 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import (
+    Returns,
+    as_count,
+    as_positive,
+    as_switch,
+    check_option,
+    refused,
+)
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.metadata import noted
+from liftmesh.io.metadata import Provenance, noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -32,13 +38,13 @@ ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 
 _CLASS, _RETURN, _RETURNS = ("classification", "class"), ("returnnumber",), ("numberofreturns",)
 _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet them
-    "resolution": "finer than the resolution",
+    "copc_resolution": "finer than the resolution",
     "withheld": "withheld",
     "classes": "of other classes",
     "returns": "other returns",
-    "bbox": "outside the box",
+    "bounds": "outside the box",
     "z_range": "outside the heights",
-    "every": "by every=",
+    "every": f"by {Option('every', ...)}",
 }
 
 
@@ -49,22 +55,22 @@ class Selection:
     # "ground": class 2 if the file has any, else all rows
     classes: frozenset[int] | Literal["ground"] | None = None
     returns: Returns | None = None
-    bbox: tuple[float, float, float, float] | None = None
+    bounds: tuple[float, float, float, float] | None = None
     z_range: tuple[float, float] | None = None
     every: int = 1
     withheld: bool = True  # whether rows of that flag stay
-    resolution: float | None = None
+    copc_resolution: float | None = None
 
 
 def validate_selection(
     *,
     classes: ClassChoice = None,
     returns: Returns | None = None,
-    bbox: Iterable[float] | None = None,
+    bounds: Iterable[float] | None = None,
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    resolution: float | None = None,
+    copc_resolution: float | None = None,
 ) -> Selection | None:
     """Check the conditions that a caller gives; None if all rows meet them."""
     if returns is not None:
@@ -72,11 +78,11 @@ def validate_selection(
     selection = Selection(
         classes=_classes(classes),
         returns=returns,
-        bbox=None if bbox is None else _box(bbox),
+        bounds=None if bounds is None else _box(bounds),
         z_range=None if z_range is None else _range(z_range),
         every=min(as_count("every", every, 1), _MOST),
         withheld=as_switch("withheld", withheld),
-        resolution=None if resolution is None else _length(resolution),
+        copc_resolution=None if copc_resolution is None else _length(copc_resolution),
     )
     return None if selection == Selection() else selection
 
@@ -101,7 +107,7 @@ def _classes(value: ClassChoice) -> frozenset[int] | Literal["ground"] | None:
 def _box(value: Iterable[float]) -> tuple[float, float, float, float]:
     numbers = _numbers(value)
     if len(numbers) != 4 or numbers[0] > numbers[2] or numbers[1] > numbers[3]:
-        raise _invalid("bbox", value, "x0, y0, x1, y1 with x0 <= x1 and y0 <= y1")
+        raise _invalid("bounds", value, "xmin, ymin, xmax, ymax, each maximum at least its minimum")
     return numbers[0], numbers[1], numbers[2], numbers[3]
 
 
@@ -113,7 +119,7 @@ def _range(value: Iterable[float]) -> tuple[float, float]:
 
 
 def _length(value: float) -> float:
-    return as_positive("resolution", value, "a positive number, in the units of the file")
+    return as_positive("copc_resolution", value, "a positive number, in the units of the file")
 
 
 def _numbers(value: Any) -> tuple[float, ...]:
@@ -126,7 +132,7 @@ def _numbers(value: Any) -> tuple[float, ...]:
 
 
 def _invalid(name: str, value: object, wanted: str) -> InputError:
-    return InputError(f"{name} is {shown(value)}: give {wanted}")
+    return refused(name, value, f"give {wanted}")
 
 
 class Selector:
@@ -134,10 +140,10 @@ class Selector:
 
     def __init__(self, selection: Selection, name: str, *, has_levels: bool = False) -> None:
         # has_levels: of COPC, whose reader has chosen the resolution
-        if selection.resolution is not None and not has_levels:
+        if selection.copc_resolution is not None and not has_levels:
             raise FormatError(
-                f"{name}: rows cannot be selected by resolution, for which the file has no index "
-                "(COPC), or is read in chunks: take every k-th row, or thin the cloud"
+                f"{name}: rows cannot be selected by {Option('resolution')}, for which the file "
+                "has no index (COPC), or is read in chunks: take every k-th row, or thin the cloud"
             )
         self._selection = selection
         self._name = name
@@ -214,11 +220,11 @@ class Selector:
         return first if self._selection.returns == "first" else first & (count == 1)
 
     def _inside(self, left: Array, columns: Mapping[str, Array]) -> Array:
-        if self._selection.bbox is not None:
+        if self._selection.bounds is not None:
             x, y = columns["x"][left], columns["y"][left]
-            low_x, low_y, high_x, high_y = self._selection.bbox
+            low_x, low_y, high_x, high_y = self._selection.bounds
             inside = (x >= low_x) & (x <= high_x) & (y >= low_y) & (y <= high_y)
-            left = self._keep("bbox", left, inside)
+            left = self._keep("bounds", left, inside)
         if self._selection.z_range is not None:
             z = columns["z"][left]
             low, high = self._selection.z_range
@@ -268,21 +274,12 @@ def selected(cloud: Cloud, selector: Selector) -> Cloud:
     """Select the rows of a cloud that meet the conditions; faces are left out and named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
-    skipped: tuple[str, ...] = ()
+    not_read: tuple[str, ...] = ()
     if cloud.faces is not None:
-        before = cloud.metadata.get("skipped")
-        faces = f"{len(cloud.faces):,} faces (rows were selected)"
-        skipped = (*(before if isinstance(before, tuple) else ()), faces)
-    metadata = noted(cloud.metadata, selection=selector.counts(), skipped=skipped)
+        before = Provenance(cloud.metadata).not_read
+        not_read = (*before, f"{len(cloud.faces):,} faces (rows were selected)")
+    metadata = noted(cloud.metadata, selection=selector.counts(), not_read=not_read)
     return replace(cloud.select(rows), metadata=metadata)
-
-
-def found_selection(metadata: Mapping[str, Any]) -> dict[str, int]:
-    """Return how many rows of a cloud were selected and left out when it was read."""
-    entry = metadata.get("selection")  # a caller may say anything of that name
-    if not isinstance(entry, Mapping) or not {"rows", "selected"} <= entry.keys():
-        return {}
-    return {**entry} if all(isinstance(each, int) for each in entry.values()) else {}
 
 
 def selection_sentence(counts: Mapping[str, int]) -> str:

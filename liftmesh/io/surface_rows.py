@@ -15,29 +15,32 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.read import read_chunks, read_cloud
-from liftmesh.io.registry import find_format
+from liftmesh.io.metadata import Provenance
+from liftmesh.io.read import read, read_chunks
+from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import (
     GROUND,
     MOST_CLASSES,
-    ClassChoice,
     Selection,
     Selector,
     class_column,
-    found_selection,
     validate_selection,
 )
 from liftmesh.io.streams import suffix_of
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.options import ReadOptions
 
 _BLOCK = 1 << 20  # rows: NumPy counts bytes as words of 64 bits
 _NAMED = 3  # files in a message
 _CONDITIONS = [each.name for each in fields(Selection)]
-_SYSTEMS = ("crs", "to_crs", "color_depth")  # of what is read, not of which rows are
+_UNSAID = {"flat": False}  # and None of all others
+_SYSTEMS = ("src_crs", "dst_crs", "color_depth")  # of what is read, not of which rows are
 
 
 def for_surface(
@@ -51,17 +54,19 @@ def for_surface(
     return {"classes": "ground", "withheld": False, **choices}
 
 
-def read_rows(source: object, classes: ClassChoice = None, **options: Any) -> Cloud:
+def read_rows(source: object, **options: Unpack[ReadOptions]) -> Cloud:
     """Read the rows of a surface, or convert an object, of which all rows count."""
+    given: dict[str, Any] = {**options}  # but for what says nothing, which all objects take
+    given = {key: each for key, each in given.items() if each is not _UNSAID.get(key)}
     if isinstance(source, str | os.PathLike):
-        choices = {} if classes is None else {"classes": classes}
-        return check_some(read_cloud(source, **for_surface(source, choices), **options), source)
-    if classes is not None:
+        chosen = for_surface(source, given, options.get("format"))
+        return check_some(read(source, **chosen), source)
+    if "classes" in given:
         raise InputError(
-            "classes= is for files: select the rows of a cloud, as "
+            f"{Option('classes', ...)} is for files: select the rows of a cloud, as "
             'cloud.select(cloud.attributes["classification"] == 2)'
         )
-    return read_cloud(source, **options)
+    return as_cloud(source, **given)
 
 
 def for_chunks(
@@ -99,14 +104,14 @@ def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
     rest = f" and {len(lacking) - _NAMED} more" if len(lacking) > _NAMED else ""
     raise InputError(
         f"{', '.join(lacking[:_NAMED])}{rest}: no ground (class 2), while other files have some: "
-        "give classes='all' for all rows of each file, classes=2 for none of these, or find the "
-        "ground with classify_ground"
+        f"give {Option('classes', 'all')} for all rows of each file, {Option('classes', 2)} for "
+        f"none of these, or find the ground with {Option('classify_ground')}"
     )
 
 
 def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
     """Return a cloud; raise if conditions on rows have left none."""
-    rows = found_selection(cloud.metadata).get("rows")
+    rows = Provenance(cloud.metadata).selection.get("rows")
     if rows and not len(cloud):
         raise InputError(f"{os.fspath(name)}: none of {rows:,} rows meets the conditions")
     return cloud

@@ -37,15 +37,15 @@ _KEPT = frozenset({"las"})  # formats of what was measured: such files are repla
 
 
 @dataclass(frozen=True, slots=True)
-class Written:
-    """The result of :func:`write`.
+class WriteResult:
+    """What :func:`write`, and every ``save``, has written.
 
     Attributes
     ----------
     path : pathlib.Path or None
         The file; None for a stream.
     format : str
-        Name of the format.
+        Name of the format; of shapes and rasters, "geojson", "geopackage" or "geotiff".
     bytes : int
         Number of bytes written.
     origin : tuple of float, or None
@@ -76,6 +76,11 @@ class Written:
     renamed: tuple[tuple[str, str], ...] = ()
 
 
+def written_file(path: Path, kind: str, dropped: tuple[str, ...] = ()) -> WriteResult:
+    """Describe a file that has been written and is no mesh."""
+    return WriteResult(path, kind, path.stat().st_size, None, dropped)
+
+
 def write(
     target: PathOrStream,
     mesh: object,
@@ -83,7 +88,7 @@ def write(
     format: str | None = None,  # noqa: A002
     overwrite: bool | None = None,
     **options: Any,
-) -> Written:
+) -> WriteResult:
     r"""Write a point cloud or a mesh; a file is written completely or not at all.
 
     Parameters
@@ -107,7 +112,7 @@ def write(
 
     Returns
     -------
-    Written
+    WriteResult
         The format, the number of bytes, the origin that was subtracted, if any, and what the format
         did not keep.
 
@@ -149,13 +154,13 @@ def write(
         check_stream(target, "write")
         origin, size = _write(target, cloud, writer, options)
         lost = dropped(file_format, cloud, options, origin)
-        return Written(None, file_format.name, size, origin, lost, renamed(file_format, cloud))
+        return WriteResult(None, file_format.name, size, origin, lost, renamed(file_format, cloud))
     is_replaced = file_format.name not in _KEPT if overwrite is None else overwrite
     with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
         with watched(stream):
             origin, size = _write(stream, cloud, writer, options)
         lost, names = dropped(file_format, cloud, options, origin), renamed(file_format, cloud)
-    return Written(Path(target), file_format.name, size, origin, lost, names)
+    return WriteResult(Path(target), file_format.name, size, origin, lost, names)
 
 
 def writer_of(

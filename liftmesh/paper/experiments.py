@@ -34,15 +34,15 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.paper.printed import SQUARE, TABLES, TableName, Vertex
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import REJECTIONS, resolve_q
+from liftmesh.planar.lifting import REJECTIONS, resolve_apex
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
-METHODS: tuple[Method, ...] = ("lf", "lfres", "lfres-indexed", "divide-and-conquer")
+METHODS: tuple[Algorithm, ...] = ("lf", "lfres", "lfres-indexed", "divide-and-conquer")
 """The methods of a round, in order."""
 
 ROUNDS = 5
@@ -103,7 +103,7 @@ class Measurement:
 class _Runs:
     """Times and latest result of the runs of one method."""
 
-    method: Method
+    method: Algorithm
     seconds: list[float] = field(default_factory=list)
     result: Triangulation | None = None
 
@@ -111,7 +111,7 @@ class _Runs:
 def measure(trial: Trial, progress: Callable[[str], None] = lambda _: None) -> list[Measurement]:
     """Time every method on one set of points."""
     points = trial.points()
-    q = resolve_q(trial.q, points)
+    q = resolve_apex(trial.q, points)
     runs = [_Runs(method) for method in METHODS]
     gc.collect()
     for done in range(ROUNDS):
@@ -126,7 +126,7 @@ def warm_up() -> None:
     """Run every method once, so that no measurement includes the loading of modules."""
     for table in TABLES:
         for method in METHODS:
-            delaunay(Trial(table, 100, seed=0).points(), method=method, q=TABLES[table].q)
+            delaunay(Trial(table, 100, seed=0).points(), algorithm=method, apex=TABLES[table].q)
 
 
 def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
@@ -134,7 +134,7 @@ def _burst(run: _Runs, points: Floats, q: tuple[float, float]) -> None:
     total = 0.0
     while total < BURST:
         start = perf_counter()
-        run.result = delaunay(points, method=run.method, q=q)
+        run.result = delaunay(points, algorithm=run.method, apex=q)
         run.seconds.append(perf_counter() - start)
         total += run.seconds[-1]
 
@@ -204,9 +204,9 @@ def _seconds_of_each(trial: Trial) -> list[float]:
     return [median(_once(points, method, trial.q) for _ in range(3)) for method in _WRAPPING]
 
 
-def _once(points: Floats, method: Method, q: Vertex) -> float:
+def _once(points: Floats, method: Algorithm, q: Vertex) -> float:
     start = perf_counter()
-    delaunay(points, method=method, q=q)
+    delaunay(points, algorithm=method, apex=q)
     return perf_counter() - start
 
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 from liftmesh.io.atomic import replacing
 from liftmesh.paper.experiments import METHODS, Measurement, Trial, versions
 from liftmesh.paper.printed import TABLES, TableName, Vertex
-from liftmesh.planar.lifting import REJECTIONS, resolve_q
+from liftmesh.planar.lifting import REJECTIONS, resolve_apex
 
 if TYPE_CHECKING:
     from liftmesh.paper.printed import TableName
@@ -102,7 +102,7 @@ def _row(table: TableName, n: int, group: Sequence[Measurement]) -> Row:
 
 
 def _median_point(trial: Trial) -> tuple[float, float] | None:
-    return resolve_q(trial.q, trial.points()) if trial.q == "median" else None
+    return resolve_apex(trial.q, trial.points()) if trial.q == "median" else None
 
 
 def _per_facet(

@@ -1,6 +1,6 @@
 """delaunay(): planar Delaunay triangulation.
 
-Each set of points has one canonical triangulation, and every method finds it.
+Each set of points has one canonical triangulation, and every algorithm finds it.
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Progress, Reals, Rows
+from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, of_one_array
 from liftmesh.base.options import (
-    Method,
+    Algorithm,
     NonFinite,
     RowOrder,
     as_folder,
@@ -25,17 +25,17 @@ from liftmesh.base.options import (
     check_progress,
     counted,
 )
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.kinds import TriangulationKind, as_metric
-from liftmesh.planar.lifting import Counters, given_vertex, resolve_q
+from liftmesh.planar.lifting import Counters, given_apex, resolve_apex
 from liftmesh.planar.points import rows_of
 from liftmesh.planar.triangulation import Triangulation
 
 _WRAPPING = ("lf", "lfres", "lfres-indexed")
-_AUTO: Method = "auto"  # the defaults are not checked, which takes as long as a point or two
+_AUTO: Algorithm = "auto"  # the defaults are not checked, which takes as long as a point or two
 _ERROR: NonFinite = "error"
 _ENGINE: RowOrder = "engine"
-_ORIGIN: ParaboloidVertex = "origin"
+_MEDIAN: Apex = "median"
 _NO_ROWS = np.empty(0, dtype=np.int32)
 
 
@@ -43,8 +43,8 @@ _NO_ROWS = np.empty(0, dtype=np.int32)
 def delaunay(  # noqa: PLR0913 - options are keywords
     points: ArrayLike,
     *,
-    method: Method = "auto",
-    q: ParaboloidVertex = "origin",
+    algorithm: Algorithm = "auto",
+    apex: Apex = "median",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
     threads: int | None = None,
@@ -67,16 +67,15 @@ def delaunay(  # noqa: PLR0913 - options are keywords
         entries count as not finite. Of clouds and meshes of trimesh and Open3D, also as tensors,
         of tables whose columns have names, such as DataFrames and arrays of records, and of a
         `Cloud`, x and y are taken.
-    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
+    algorithm : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}, default "auto"
         The algorithm. All give the same triangles; "auto" is divide and conquer. The others
         construct the lower hull of the lifted points facet by facet (gift wrapping): "lf" and
         "lfres" are the paper's procedures as printed, in quadratic to cubic time; "lfres-indexed"
         searches the restricted region with a grid, in linear expected time for evenly distributed
         points, and in quadratic time or worse for clusters or points on a circle.
-    q : {"origin", "median"} or (2,) array_like, default "origin"
-        The vertex of the paraboloid to which "lf" and "lfres" lift the points: the origin, the
-        coordinate-wise median, or any finite point. It changes their work, but never a triangle;
-        the other methods do not use it.
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        The apex of the paraboloid to which "lf" and "lfres" lift the points, as for `lift`. It
+        changes their work, but never a triangle; the other algorithms do not use it.
     nonfinite : {"error", "skip"}, default "error"
         Whether rows with NaN or infinity raise an error, or are skipped and listed in ``skipped``.
     order : {"engine", "canonical"}, default "engine"
@@ -146,7 +145,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     >>> [1, 3] in delaunay(rhombus, metric=[[1, 0], [0, 9]]).edges.tolist()
     True
     """
-    options = (method, q, nonfinite, order, threads, progress, copy)
+    options = (algorithm, apex, nonfinite, order, threads, progress, copy)
     return triangulation_of(solve(rows_of(points), *options, metric=metric, scratch=scratch))
 
 
@@ -167,8 +166,8 @@ class Solution(NamedTuple):
 
 def solve(  # noqa: PLR0913 - as above
     points: ArrayLike,
-    method: Method = "auto",
-    q: ParaboloidVertex = "origin",
+    algorithm: Algorithm = "auto",
+    apex: Apex = "median",
     nonfinite: NonFinite = "error",
     order: RowOrder = "engine",
     threads: int | None = None,
@@ -179,8 +178,8 @@ def solve(  # noqa: PLR0913 - as above
     scratch: str | os.PathLike[str] | None = None,
 ) -> Solution:
     """Compute what a `Triangulation` is made of."""
-    if not (method is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
-        check_option("method", method, Method)
+    if not (algorithm is _AUTO and nonfinite is _ERROR and order is _ENGINE and progress is None):
+        check_option("algorithm", algorithm, Algorithm)
         check_options(nonfinite, order, progress)
     is_copied = copy is not False and as_switch("copy", copy)
     form = None if metric is None else as_metric(metric)
@@ -189,16 +188,19 @@ def solve(  # noqa: PLR0913 - as above
     planar = planar.copy() if is_copied else planar
     count, shared = as_threads(threads, len(rows))
     run = planar, nonfinite == "skip", count, shared, progress
-    folder = None if scratch is None else _folder(scratch, method, order, form)
+    folder = None if scratch is None else _folder(scratch, algorithm, order, form)
     counters = None
-    if method is not _AUTO and method in _WRAPPING:
+    if algorithm is not _AUTO and algorithm in _WRAPPING:
         if form is not None:
-            raise InputError(f"method {method!r} has no metric: leave one of the two out")
-        outcome, counts = _kernel.gift_wrap(*run, method, *resolve_q(q, planar))
+            raise InputError(
+                f"{Option('algorithm')} {algorithm!r} has no {Option('metric')}: leave one of the "
+                "two out"
+            )
+        outcome, counts = _kernel.gift_wrap(*run, algorithm, *resolve_apex(apex, planar))
         counters = Counters.from_kernel(counts)
     else:
-        if q is not _ORIGIN:
-            given_vertex(q)  # unused by divide and conquer, but an invalid one is an error
+        if apex is not _MEDIAN:
+            given_apex(apex)  # unused by divide and conquer, but an invalid one is an error
         outcome = _kernel.delaunay(*run, folder) if form is None else _by_metric(form, run)
     solution = solution_of(outcome, rows, planar, order, progress)
     if counters is None and form is None:
@@ -207,19 +209,19 @@ def solve(  # noqa: PLR0913 - as above
 
 
 def _folder(
-    scratch: str | os.PathLike[str], method: Method, order: RowOrder, form: Floats | None
+    scratch: str | os.PathLike[str], algorithm: Algorithm, order: RowOrder, form: Floats | None
 ) -> str:
     """Check what has no arrays in files."""
     folder = as_folder("scratch", scratch)
     if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
-        raise InputError(f"scratch {folder!r} is no folder: make it first")
+        raise InputError(f"{Option('scratch')} {folder!r} is no folder: make it first")
     for name, is_given in (
-        (f"method={method!r}", method in _WRAPPING),
+        (f"{Option('algorithm', algorithm)}", algorithm in _WRAPPING),
         (f"order={order!r}", order != _ENGINE),
         ("metric", form is not None),
     ):
         if is_given:
-            raise InputError(f"scratch and {name} exclude each other: leave one out")
+            raise InputError(f"{Option('scratch')} and {name} exclude each other: leave one out")
     return folder
 
 
@@ -281,7 +283,7 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
     return DegenerateInputError(
         f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
         "a triangle needs a point off it (for a cloud in a vertical plane: "
-        "liftmesh.triangulate(cloud, plane='fit'))"
+        f"triangulate it with {Option('plane', 'fit')})"
     )
 
 

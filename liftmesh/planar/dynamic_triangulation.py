@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 
@@ -48,7 +48,7 @@ class DynamicTriangulation:
         The triangles, counter-clockwise, as numbers of points.
     neighbors : (m, 3) ndarray of int32
         The triangle across the edge opposite vertex k; -1 outside.
-    hull : (h,) ndarray of int32
+    convex_hull : (h,) ndarray of int32
         The numbers of the points on the convex hull, counter-clockwise; empty without triangles.
 
     Notes
@@ -112,7 +112,7 @@ class DynamicTriangulation:
         return self._read_triangles()[1]
 
     @property
-    def hull(self) -> Rows:
+    def convex_hull(self) -> Rows:
         """The numbers of the points on the convex hull, counter-clockwise."""
         return self._read_triangles()[2]
 
@@ -176,7 +176,7 @@ class DynamicTriangulation:
         if numbers.size == 0:
             return
         if numbers.dtype.kind not in "iu" or numbers.ndim > 1:
-            raise InputError(f"vertices are {shown(vertices)}: give the numbers of points")
+            raise refused("vertices", vertices, "give the numbers of points", verb="are")
         if len(np.unique(numbers)) < len(numbers):
             raise InputError("a number occurs twice: a point can be removed once")
         rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)

@@ -1,8 +1,8 @@
 """Lifting of planar points, and the lower hull of the lifted points.
 
-A planar point p is lifted to z = (x - qx)^2 + (y - qy)^2, where q is the vertex of the paraboloid.
-The lower facets of the convex hull of the lifted points project to the Delaunay triangles. q
-changes the heights, never the triangles.
+A planar point is lifted to z = (x - ax)^2 + (y - ay)^2; (ax, ay) is the apex of the paraboloid (the
+paper's q). The lower facets of the convex hull of the lifted points project to the Delaunay
+triangles. The apex changes the heights, never the triangles.
 
 A metric lifts to another quadratic form, and weights lower the rows. All these heights are rounded,
 and shown to those who ask for the lifted points: no triangle depends on them, for the kernel
@@ -17,30 +17,31 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, ParaboloidVertex, Reals, Rows
+from liftmesh._typing import Apex, Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
 from liftmesh.base.frozen import FrozenResult, check_numbers
-from liftmesh.base.options import shown
-from liftmesh.errors import InputError
-from liftmesh.planar.points import rows_of
+from liftmesh.base.options import refused
+from liftmesh.planar.points import as_complex, rows_of
 
 if TYPE_CHECKING:
     import trimesh
 
     from liftmesh import _kernel
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
 
 
-def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
-    """Lift planar points to the paraboloid z = (x - qx)^2 + (y - qy)^2.
+def lift(points: ArrayLike, apex: Apex = "median") -> Floats:
+    """Lift planar points to the paraboloid z = (x - ax)^2 + (y - ay)^2 with the apex (ax, ay).
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, or a cloud or mesh as for `delaunay`; a third coordinate is ignored.
-    q : {"origin", "median"} or (2,) array_like, default "origin"
-        The vertex of the paraboloid.
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        The apex of the paraboloid: the coordinate-wise median of the distinct points that are
+        finite, about which rounded heights are the most accurate; the origin, which gives
+        z = x^2 + y^2; or any finite point.
 
     Returns
     -------
@@ -50,20 +51,28 @@ def lift(points: ArrayLike, q: ParaboloidVertex = "origin") -> Floats:
     Raises
     ------
     InputError
-        Points or q are invalid.
+        Points or the apex are invalid.
+
+    See Also
+    --------
+    project : The way back.
+    Triangulation.lifted : The lower hull of lifted points.
+    lower_hull : The lower hull of any points in space.
 
     Examples
     --------
-    >>> lift([[3, 4], [1, 0]])
+    >>> lift([[3, 4], [1, 0]], apex="origin")
     array([[ 3.,  4., 25.],
            [ 1.,  0.,  1.]])
+    >>> lift([[0, 0], [2, 0], [2, 0], [3, 1]])[:, 2]
+    array([4., 0., 0., 2.])
     """
     rows = as_coordinates(rows_of(points))[:, :2]
-    qx, qy = resolve_q(q, rows)
+    ax, ay = resolve_apex(apex, rows)
     lifted = np.empty((len(rows), 3))
     lifted[:, :2] = rows
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        lifted[:, 2] = (lifted[:, 0] - qx) ** 2 + (lifted[:, 1] - qy) ** 2
+        lifted[:, 2] = (lifted[:, 0] - ax) ** 2 + (lifted[:, 1] - ay) ** 2
     return lifted
 
 
@@ -87,40 +96,42 @@ def project(points: ArrayLike) -> Floats:
 
     Examples
     --------
-    >>> project(lift([[3, 4]], q=(1, 1)))
+    >>> project(lift([[3, 4]]))
     array([[3., 4.]])
     """
     return read_only(as_rows3(rows_of(points))[:, :2])
 
 
-def resolve_q(q: ParaboloidVertex, points: Reals) -> tuple[float, float]:
-    """Convert the option q to the coordinates of the paraboloid's vertex."""
-    vertex = given_vertex(q)
-    if vertex is not None:
-        return vertex
-    return (0.0, 0.0) if isinstance(q, str) and q == "origin" else _median(points)
+def resolve_apex(apex: Apex, points: Reals) -> tuple[float, float]:
+    """Convert the option apex to coordinates."""
+    place = given_apex(apex)
+    if place is not None:
+        return place
+    return (0.0, 0.0) if isinstance(apex, str) and apex == "origin" else _median(points)
 
 
-def given_vertex(q: ParaboloidVertex) -> tuple[float, float] | None:
-    """Validate the option q, and return the point if it is one."""
-    if isinstance(q, str):
-        if q in ("origin", "median"):
+def given_apex(apex: Apex) -> tuple[float, float] | None:
+    """Validate the option apex, and return the point if it is one."""
+    if isinstance(apex, str):
+        if apex in ("median", "origin"):
             return None
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a point (qx, qy)")
+        raise refused("apex", apex, "give 'median', 'origin' or a point (x, y)")
     with np.errstate(all="ignore"):
-        pair = as_numbers("q is", q, "give 'origin', 'median' or a point (qx, qy)")
+        pair = as_numbers("apex", apex, "give 'median', 'origin' or a point (x, y)")
     if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise InputError(f"q is {shown(q)}: give 'origin', 'median' or a finite point (qx, qy)")
+        raise refused("apex", apex, "give 'median', 'origin' or a finite point (x, y)")
     return float(pair[0]), float(pair[1])
 
 
 def _median(points: Reals) -> tuple[float, float]:
-    """Coordinate-wise median of the finite rows, computed at half scale if it would overflow."""
-    finite = points[np.isfinite(points).all(axis=1)].astype(np.float64)
+    """Coordinate-wise median of the distinct finite points, at half scale if it would overflow."""
+    finite = points[np.isfinite(points).all(axis=1)]
     if len(finite) == 0:
         return 0.0, 0.0
-    scale = 0.5 if np.abs(finite).max() > 2.0**1022 else 1.0
-    x, y = np.median(finite * scale, axis=0) / scale
+    distinct = np.unique(as_complex(finite + 0.0))  # 0.0 is -0.0
+    xy = np.stack([distinct.real, distinct.imag])
+    scale = 0.5 if np.abs(xy).max() > 2.0**1022 else 1.0
+    x, y = np.median(xy * scale, axis=1) / scale
     return float(x), float(y)
 
 
@@ -132,19 +143,19 @@ class Heights:
     weights: Floats | None = None
     radii: Floats | None = None
 
-    def lifted(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
+    def lifted(self, points: Floats, apex: tuple[float, float] = (0.0, 0.0)) -> Floats:
         """Lift points without weight."""
         if self.metric is None:
-            return lift(points, q)
+            return lift(points, apex)
         placed = np.empty((len(points), 3))
         placed[:, :2] = points
         with np.errstate(all="ignore"):
-            placed[:, 2] = self._product(points - q, points - q)
+            placed[:, 2] = self._product(points - apex, points - apex)
         return placed
 
-    def lifted_rows(self, points: Floats, q: tuple[float, float] = (0.0, 0.0)) -> Floats:
+    def lifted_rows(self, points: Floats, apex: tuple[float, float] = (0.0, 0.0)) -> Floats:
         """Lift the rows, each lowered by its weight."""
-        lifted = self.lifted(points, q)
+        lifted = self.lifted(points, apex)
         with np.errstate(all="ignore"):
             if self.weights is not None:
                 lifted[:, 2] -= self.weights
@@ -194,8 +205,8 @@ class LowerHull(FrozenResult):
     faces : (m, 3) ndarray of int32
         The lower facets, counter-clockwise seen from above. Those of lifted points project to the
         Delaunay triangles.
-    q : tuple of float, optional
-        The vertex of the paraboloid, if the points were lifted to one.
+    apex : tuple of float, optional
+        The apex of the paraboloid, if the points were lifted to one.
     neighbors : (m, 3) ndarray of int32, optional
         The facet across the edge opposite vertex k; -1 at the boundary.
     counters : Counters, optional
@@ -204,14 +215,14 @@ class LowerHull(FrozenResult):
     Examples
     --------
     >>> import liftmesh
-    >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted(q=(1, 1))
+    >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted(apex=(1, 1))
     >>> hull.vertices[:, 2]
     array([2., 1., 1.])
     """
 
     vertices: Floats
     faces: Rows
-    q: tuple[float, float] | None = None
+    apex: tuple[float, float] | None = None
     neighbors: Rows | None = None
     counters: Counters | None = None
 
@@ -258,7 +269,7 @@ class LowerHull(FrozenResult):
         """
         from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
 
-        metadata = {} if self.q is None else {"q": self.q}
+        metadata = {} if self.apex is None else {"apex": self.apex}
         return Cloud(self.vertices, faces=self.faces, metadata=metadata)
 
     def to_trimesh(self) -> trimesh.Trimesh:
@@ -279,7 +290,7 @@ class LowerHull(FrozenResult):
 
         return to_mesh(self.to_cloud())
 
-    def save(self, path: Any, **options: Any) -> Written:
+    def save(self, path: Any, **options: Any) -> WriteResult:
         """Write the hull to a mesh file.
 
         Parameters
@@ -291,7 +302,7 @@ class LowerHull(FrozenResult):
 
         Returns
         -------
-        Written
+        WriteResult
             Summary of what was written.
 
         Raises
@@ -336,7 +347,7 @@ class Counters:
     Examples
     --------
     >>> import liftmesh
-    >>> counters = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf").counters
+    >>> counters = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf").counters
     >>> counters.candidate_planes
     1
     """

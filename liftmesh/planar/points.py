@@ -68,6 +68,11 @@ def find_positions(points: ArrayLike) -> Positions:
         return Positions(count, status != "ok", duplicates, _median(nearest))
 
 
+def edges_around(cycle: Rows) -> Rows:
+    """Return the edges of a closed cycle of rows, from each to the next."""
+    return np.stack([cycle, np.roll(cycle, -1)], axis=1)
+
+
 def pieces(length: int, size: int = _PIECE) -> Iterator[slice]:
     """Cut an array into pieces."""
     return (slice(start, start + size) for start in range(0, length, size))
@@ -76,7 +81,7 @@ def pieces(length: int, size: int = _PIECE) -> Iterator[slice]:
 def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
     """Return the length of the shortest edge at each row; infinite for those without a triangle."""
     shortest = np.full(len(rows), np.inf)
-    points = _as_complex(rows)
+    points = as_complex(rows)
     for piece in pieces(len(simplices)):
         corners = simplices[piece].reshape(-1)
         a, b, c = points[corners].reshape(-1, 3).T
@@ -86,7 +91,7 @@ def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
     return shortest
 
 
-def _as_complex(rows: Reals) -> NDArray[np.complex128]:
+def as_complex(rows: Reals) -> NDArray[np.complex128]:
     """Return x + iy of each row: one gather fetches both, and the absolute value is scaled."""
     numbers = np.empty(len(rows), dtype=np.complex128)
     for piece in pieces(len(rows)):

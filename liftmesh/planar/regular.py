@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, ParaboloidVertex, Progress, Reals, Rows
+from liftmesh._typing import Apex, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, of_one_array, read_only, widened
 from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import NonFinite, RowOrder, as_switch, as_threads
@@ -322,31 +322,31 @@ class RegularTriangulation(Triangulation):
         """
         return super().plane_distance(xi)
 
-    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:
         """Return the lower hull of the lifted rows; its projection is this triangulation.
 
         Parameters
         ----------
-        q : {"origin", "median"} or (2,) array_like, default "origin"
-            The vertex of the paraboloid.
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
 
         Returns
         -------
         LowerHull
-            A mesh in space: each row at z = |p - q|^2 - w, rounded, the triangles as lower facets.
+            A mesh in space: each row at z = |p - a|^2 - w, rounded, the triangles as lower facets.
             Hidden rows are above it.
 
         Raises
         ------
         InputError
-            q is not one of these.
+            The apex is not one of these.
 
         Examples
         --------
         >>> import liftmesh
         >>> tri = liftmesh.regular([[0, 0], [4, 0], [0, 4], [1, 1]], radii=[5, 0, 0, 0])
-        >>> hull = tri.lifted()
+        >>> hull = tri.lifted("origin")
         >>> hull.vertices[:, 2], hull.above
         (array([-25.,  16.,  16.,   2.]), array([3], dtype=int32))
         """
-        return super().lifted(q)
+        return super().lifted(apex)

@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Rows
+from liftmesh._typing import Apex, Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
@@ -37,6 +37,7 @@ from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import Solution, solve, solve_farthest
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
+from liftmesh.planar.points import edges_around
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -228,6 +229,14 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     def _kept(self, array: Array) -> Array:
         return array  # SciPy's users write to it
 
+    @property
+    def convex_hull(self) -> Rows:
+        """The edges of the convex hull, (h, 2) int32, as SciPy has them; here counter-clockwise.
+
+        A `Triangulation` has the cycle of rows instead: ``convex_hull[:, 0]``.
+        """
+        return edges_around(self._hull)
+
     @cached_property
     def coplanar(self) -> Rows:
         """The duplicates, (k, 3) int32: row, a triangle at the row, row kept.
@@ -244,13 +253,13 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         """
         return -super().equations if self.furthest_site else super().equations
 
-    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:
         """Return the lower hull of the lifted points; its projection is this triangulation.
 
         Parameters
         ----------
-        q : {"origin", "median"} or (2,) array_like, default "origin"
-            The vertex of the paraboloid.
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
 
         Returns
         -------
@@ -260,7 +269,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         Raises
         ------
         InputError
-            q is not one of these, or the triangles are the upper hull.
+            The apex is not one of these, or the triangles are the upper hull.
 
         Examples
         --------
@@ -272,7 +281,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
                 "with furthest_site=True the triangles are the upper hull of the lifted points: "
                 "liftmesh.lift(points) and simplices are its vertices and faces"
             )
-        return super().lifted(q)
+        return super().lifted(apex)
 
     @cached_property
     def good(self) -> Rows:

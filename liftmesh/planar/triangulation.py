@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, ParaboloidVertex, Reals, Rows
+from liftmesh._typing import Apex, Array, Floats, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
 from liftmesh.planar.kinds import options_of
-from liftmesh.planar.lifting import Heights, LowerHull, resolve_q
+from liftmesh.planar.lifting import Heights, LowerHull, resolve_apex
 
 if TYPE_CHECKING:
     import scipy.spatial
@@ -36,8 +36,8 @@ class Triangulation:
         The planar points.
     simplices, neighbors : (m, 3) ndarray of int32
         See the attributes.
-    hull : (h,) ndarray of int32
-        The rows on the convex hull, counter-clockwise.
+    convex_hull : (h,) ndarray of int32
+        See the attribute.
     duplicates : (k, 2) ndarray of int32
         See the attribute.
     skipped : (j,) ndarray of int32
@@ -89,14 +89,14 @@ class Triangulation:
         points: Reals,
         simplices: Rows,
         neighbors: Rows,
-        hull: Rows,
+        convex_hull: Rows,
         duplicates: Rows,
         skipped: Rows,
         counters: Counters | None = None,
         metric: Floats | None = None,
     ) -> None:
         self._rows = read_only(points)  # the array itself may be the caller's
-        self._hull = hull
+        self._hull = convex_hull
         self.simplices = simplices
         self.neighbors = neighbors
         self.duplicates = duplicates
@@ -128,7 +128,7 @@ class Triangulation:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        shared = ("_locator", "points")  # made again when asked for
+        shared = ("_locator", "points", "convex_hull")  # made again when asked for
         return {name: value for name, value in self.__dict__.items() if name not in shared}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -156,14 +156,13 @@ class Triangulation:
         """
         return read_only(self._rows.astype(np.float64, copy=False))
 
-    @property
+    @cached_property
     def convex_hull(self) -> Rows:
-        """The edges of the convex hull, (h, 2) int32.
+        """The rows on the convex hull, (h,) int32, counter-clockwise.
 
-        Consecutive and counter-clockwise, from the lexicographically least point. Points on the
-        boundary between two corners of the hull are vertices of it too.
+        From the lexicographically least point. Rows between two corners are among them.
         """
-        return np.stack([self._hull, np.roll(self._hull, -1)], axis=1)
+        return read_only(np.ascontiguousarray(self._hull))
 
     @cached_property
     def edges(self) -> Rows:
@@ -239,7 +238,7 @@ class Triangulation:
 
     @cached_property
     def equations(self) -> Floats:
-        """The planes of the lifted triangles, (m, 4) float64: downward unit normal and offset."""
+        """The planes of triangles lifted by `lift_points`, (m, 4): downward unit normal, offset."""
         return self._kept(self._heights.planes(self.points, self.simplices))
 
     @property
@@ -359,13 +358,13 @@ class Triangulation:
             np.ascontiguousarray(self.neighbors),
         )
 
-    def lifted(self, q: ParaboloidVertex = "origin") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:
         """Return the lower hull of the lifted points; its projection is this triangulation.
 
         Parameters
         ----------
-        q : {"origin", "median"} or (2,) array_like, default "origin"
-            The vertex of the paraboloid.
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
 
         Returns
         -------
@@ -375,17 +374,17 @@ class Triangulation:
         Raises
         ------
         InputError
-            q is not one of these.
+            The apex is not one of these.
 
         Examples
         --------
         >>> import liftmesh
-        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted("median").q
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted("origin").apex
         (0.0, 0.0)
         """
-        vertex = resolve_q(q, self.points)
-        lifted = self._heights.lifted_rows(self.points, vertex)
-        return LowerHull(lifted, self.simplices, vertex, self.neighbors)
+        place = resolve_apex(apex, self.points)
+        lifted = self._heights.lifted_rows(self.points, place)
+        return LowerHull(lifted, self.simplices, place, self.neighbors)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
         """Verify the triangles from scratch, as `liftmesh.verify` does for any triangulation.

@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, TypeAlias
 
 from liftmesh._typing import Array, Reals
-from liftmesh.planar.certificate import Flaw, Offender
+from liftmesh.planar.certificate import Flaw, Violation
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ _OF_LIFTED = {
 
 
 def counted_flaw(
-    kind: str, count: int, meanings: Mapping[str, tuple[str, str]], first: Iterable[Offender]
+    kind: str, count: int, meanings: Mapping[str, tuple[str, str]], first: Iterable[Violation]
 ) -> Flaw:
     """Make a flaw whose text says how often it occurs; meanings are for one place and several."""
     one, more = meanings[kind]
@@ -89,8 +89,8 @@ class Violations:
         listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
         return f"row{'s' if len(rows) > 1 else ''} {listed}"
 
-    def _at(self, text: str, *rows: int, triangles: tuple[int, ...] = ()) -> Offender:
-        return Offender(text, rows, self._points(*rows), triangles)
+    def _at(self, text: str, *rows: int, triangles: tuple[int, ...] = ()) -> Violation:
+        return Violation(text, rows, self._points(*rows), triangles)
 
 
 class TriangleViolations(Violations):
@@ -109,33 +109,33 @@ class TriangleViolations(Violations):
         corners = self._corners(place // 3) * 2
         return corners[place % 3 + 1], corners[place % 3 + 2]
 
-    def _invalid_index(self, place: int, _: int) -> Offender:
+    def _invalid_index(self, place: int, _: int) -> Violation:
         triangle, corner = divmod(place, 3)
         rows = self._corners(triangle)
         text = (
             f"triangle {triangle} refers to row {rows[corner]}; there are {len(self._rows):,} rows"
         )
-        return Offender(text, rows, triangles=(triangle,))
+        return Violation(text, rows, triangles=(triangle,))
 
-    def _non_finite(self, place: int, _: int) -> Offender:
+    def _non_finite(self, place: int, _: int) -> Violation:
         triangle, corner = divmod(place, 3)
         rows = self._corners(triangle)
         text = f"triangle {triangle} has a corner on {self._named(rows[corner])}"
         return self._at(text, *rows, triangles=(triangle,))
 
-    def _at_triangle(self, triangle: int, how: str) -> Offender:
+    def _at_triangle(self, triangle: int, how: str) -> Violation:
         rows = self._corners(triangle)
         points = self._points(*rows)
         text = f"triangle {triangle} of {self._named(*rows)} {how}"
-        return Offender(text, rows, points, (triangle,), int(orient2d(*points)))
+        return Violation(text, rows, points, (triangle,), int(orient2d(*points)))
 
-    def _clockwise(self, triangle: int, _: int) -> Offender:
+    def _clockwise(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "is clockwise: give its corners in the opposite order")
 
-    def _degenerate(self, triangle: int, _: int) -> Offender:
+    def _degenerate(self, triangle: int, _: int) -> Violation:
         return self._at_triangle(triangle, "is degenerate: its corners are collinear")
 
-    def _non_manifold_edges(self, place: int, other: int) -> Offender:
+    def _non_manifold_edges(self, place: int, other: int) -> Violation:
         rows = self._edge(place)
         triangles = (other // 3, place // 3)
         text = (
@@ -144,25 +144,25 @@ class TriangleViolations(Violations):
         )
         return self._at(text, *rows, triangles=triangles)
 
-    def _at_row(self, row: int, how: str) -> Offender:
+    def _at_row(self, row: int, how: str) -> Violation:
         return self._at(f"{self._named(row)} {how}", row)
 
-    def _non_manifold_vertices(self, row: int, _: int) -> Offender:
+    def _non_manifold_vertices(self, row: int, _: int) -> Violation:
         return self._at_row(row, "is visited by the boundary more than once")
 
-    def _boundary_loops(self, row: int, _: int) -> Offender:
+    def _boundary_loops(self, row: int, _: int) -> Violation:
         return self._at_row(row, "is on one of the closed curves")
 
-    def _boundary_winding(self, row: int, windings: int) -> Offender:
+    def _boundary_winding(self, row: int, windings: int) -> Violation:
         return self._at_row(row, f"is on a boundary that winds around {windings} times")
 
-    def _not_convex(self, row: int, around: int) -> Offender:
+    def _not_convex(self, row: int, around: int) -> Violation:
         rows = (around >> 32, row, around & 0xFFFFFFFF)
         points = self._points(*rows)
         text = f"the boundary turns right, or back, at the second of {self._named(*rows)}"
-        return Offender(text, rows, points, sign=int(orient2d(*points)))
+        return Violation(text, rows, points, sign=int(orient2d(*points)))
 
-    def _missing_vertices(self, row: int, beside: int) -> Offender:
+    def _missing_vertices(self, row: int, beside: int) -> Violation:
         if not beside:
             return self._at_row(row, "is not a vertex, and no vertex is at its position")
         corners = self._turned(beside - 1)
@@ -173,14 +173,14 @@ class TriangleViolations(Violations):
             f"{self._named(row)} is not a vertex, and its lift is {'below' if sign else 'on'} the "
             f"plane of triangle {beside - 1} of {self._named(*corners)}, not above it"
         )
-        return Offender(text, rows, points, (beside - 1,), sign)
+        return Violation(text, rows, points, (beside - 1,), sign)
 
     def _turned(self, triangle: int) -> tuple[int, int, int]:
         """Corners in counter-clockwise order, in which the kernel checks them."""
         a, b, c = self._corners(triangle)
         return (a, b, c) if orient2d(*self._points(a, b, c)) >= 0 else (a, c, b)
 
-    def _across(self, place: int, other: int, perturbed: str) -> Offender:
+    def _across(self, place: int, other: int, perturbed: str) -> Violation:
         triangle = place // 3
         corners = self._turned(triangle)
         rows = (*corners, int(self._given[other // 3, other % 3]))
@@ -191,10 +191,10 @@ class TriangleViolations(Violations):
             text = f"the circumcircle of {of} contains{perturbed} {apex}"
         else:
             text = f"the plane of the lifted {of} has below it{perturbed} {apex}"
-        return Offender(text, rows, points, (triangle, other // 3), self._kind.side(rows, points))
+        return Violation(text, rows, points, (triangle, other // 3), self._kind.side(rows, points))
 
-    def _not_delaunay(self, place: int, other: int) -> Offender:
+    def _not_delaunay(self, place: int, other: int) -> Violation:
         return self._across(place, other, "")
 
-    def _not_canonical(self, place: int, other: int) -> Offender:
+    def _not_canonical(self, place: int, other: int) -> Violation:
         return self._across(place, other, ", under the symbolic perturbation,")

@@ -58,8 +58,8 @@ def window_of(transform: Transform, width: int, height: int, selection: Selectio
     """Find the samples to read."""
     step = 1 if selection is None else selection.every
     rows, columns = range(height), range(width)
-    if selection is not None and selection.bbox is not None:
-        rows, columns = _in_box(transform, rows, columns, selection.bbox)
+    if selection is not None and selection.bounds is not None:
+        rows, columns = _in_box(transform, rows, columns, selection.bounds)
     inside = len(rows) * len(columns)
     rows, columns = _stepping(rows, step), _stepping(columns, step)
     between = inside - len(rows) * len(columns)

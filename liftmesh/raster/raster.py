@@ -12,6 +12,7 @@ from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
 from liftmesh.io.streams import check_suffix
+from liftmesh.io.write import WriteResult, written_file
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Transform, centres_of
 
@@ -56,7 +57,16 @@ class Raster(FrozenResult):
         rows, columns = self.values.shape
         return f"<Raster of {columns:,} x {rows:,} pixels: {self.quantity}>"
 
-    def centres(self) -> Floats:
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest rectangle around all pixels: xmin, ymin, xmax, ymax."""
+        a, b, c, d, e, f = self.transform
+        rows, columns = self.values.shape
+        corners = [(u, v) for u in (0, columns) for v in (0, rows)]
+        x, y = ([p * u + q * v + r for u, v in corners] for p, q, r in ((a, b, c), (d, e, f)))
+        return min(x), min(y), max(x), max(y)
+
+    def centers(self) -> Floats:
         """Compute the centres of the pixels.
 
         Returns
@@ -68,7 +78,7 @@ class Raster(FrozenResult):
         --------
         >>> import liftmesh
         >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
-        >>> surface.raster(1).centres()[0].tolist()
+        >>> surface.raster(1).centers()[0].tolist()
         [[0.5, 1.5], [1.5, 1.5]]
         """
         rows, columns = self.values.shape
@@ -80,7 +90,7 @@ class Raster(FrozenResult):
         *,
         cog: bool = False,
         compress: str | None = "deflate",
-    ) -> Path:
+    ) -> WriteResult:
         """Write a GeoTIFF with transform, coordinate system, unit and NaN as nodata.
 
         Of heights alone the system says what heights are: of others it is that of the plane.
@@ -96,8 +106,8 @@ class Raster(FrozenResult):
 
         Returns
         -------
-        pathlib.Path
-            The file.
+        WriteResult
+            The file, its format and its size.
 
         Raises
         ------
@@ -118,8 +128,8 @@ class Raster(FrozenResult):
         --------
         >>> import liftmesh, tempfile
         >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
-        >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").name
-        'dtm.tif'
+        >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").format
+        'geotiff'
         """
         target = Path(path)
         check_name(target)
@@ -128,7 +138,7 @@ class Raster(FrozenResult):
         packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
         with replacing(target) as stream:
             writer.write(stream, self.values, self.transform, crs, **packed)
-        return target
+        return written_file(target, "geotiff")
 
 
 def written_system(crs: str | None, quantity: str) -> str | None:

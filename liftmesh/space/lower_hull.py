@@ -1,6 +1,6 @@
 """lower_hull(): the lower convex hull of points in space.
 
-Each set of points has one canonical result, and every method finds it.
+Each set of points has one canonical result, and every algorithm finds it.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
-from liftmesh.base.options import HullMethod, Method, check_option
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.base.options import Algorithm, HullAlgorithm, check_option
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.lifting import Counters, LowerHull
 from liftmesh.planar.points import rows_of
 
@@ -24,7 +24,7 @@ _SECRET = int.from_bytes(os.urandom(8), "little")
 
 
 @of_one_array
-def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
+def lower_hull(points: ArrayLike, *, algorithm: HullAlgorithm = "auto") -> LowerHull:
     """Compute the lower convex hull of points in space, exact for every finite double.
 
     The result is unique. If four or more points lie on one plane, the facets are those of the
@@ -37,7 +37,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     points : array_like of shape (n, 3)
         Points in space, or a cloud or mesh as for `delaunay`; z may be any height. Of points at one
         planar position only the lowest can be on the lower hull, and of equal points the first row.
-    method : {"auto", "lf"}, default "auto"
+    algorithm : {"auto", "lf"}, default "auto"
         The algorithm; both find the same facets. "auto" is randomised incremental construction, in
         O(n log n) expected time on every input, as each process draws its random numbers anew;
         "lf" is gift wrapping by the paper's procedure LF, in quadratic to cubic time.
@@ -54,7 +54,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     ------
     InputError
         `points` has the wrong shape, values that are not real numbers, or too many rows; or the
-        method is unknown, or needs planar points.
+        algorithm is unknown, or needs planar points.
     NonFiniteError
         A row is not finite.
     DegenerateInputError
@@ -75,7 +75,7 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
     >>> len(hull.faces), hull.above
     (4, array([4], dtype=int32))
     """
-    _check_hull_method(method)
+    _check_algorithm(algorithm)
     rows = as_coordinates(rows_of(points, has_heights=True))
     if rows.shape[1] != 3:
         raise InputError(
@@ -83,23 +83,23 @@ def lower_hull(points: ArrayLike, *, method: HullMethod = "auto") -> LowerHull:
             "liftmesh.delaunay, or lift them first with liftmesh.lift"
         )
     check_finite(rows, skippable=False)
-    outcome, counts = _kernel.lower_hull(rows, method, _SECRET)
+    outcome, counts = _kernel.lower_hull(rows, algorithm, _SECRET)
     status, _, distinct, faces, neighbors, boundary, *_ = outcome
     if status != "ok":
         raise _degenerate(distinct, boundary)
-    counters = Counters.from_kernel(counts) if method == "lf" else None
+    counters = Counters.from_kernel(counts) if algorithm == "lf" else None
     return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
 
 
-def _check_hull_method(method: str) -> None:
-    known = get_args(HullMethod)
-    if isinstance(method, str) and method in get_args(Method) and method not in known:
+def _check_algorithm(algorithm: str) -> None:
+    known = get_args(HullAlgorithm)
+    if isinstance(algorithm, str) and algorithm in get_args(Algorithm) and algorithm not in known:
         raise InputError(
-            f"method {method!r} is for planar points only, which it lifts itself: use "
-            f"liftmesh.delaunay(points, method={method!r}), or one of "
+            f"{Option('algorithm')} {algorithm!r} is for planar points only, which it lifts "
+            f"itself: use liftmesh.delaunay(points, algorithm={algorithm!r}), or one of "
             f"{', '.join(map(repr, known))} here"
         )
-    check_option("method", method, HullMethod)
+    check_option("algorithm", algorithm, HullAlgorithm)
 
 
 def _degenerate(distinct: int, boundary: Rows) -> DegenerateInputError:

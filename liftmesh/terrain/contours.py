@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_decimal, as_number, as_reals
+from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_thousands, as_threads, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
+from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
@@ -30,6 +30,7 @@ from liftmesh.vector.lines import write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
+    from liftmesh.io.write import WriteResult
 
 _MOST_LEVELS = 1_000_000
 
@@ -46,7 +47,7 @@ class Contour:
         Its points; what is above is on the left.
     closed : bool
         Whether it is closed: then the last point is the first.
-    index : bool
+    is_index : bool
         Whether it is an index contour.
 
     Examples
@@ -60,7 +61,7 @@ class Contour:
     level: float
     points: Floats
     closed: bool
-    index: bool
+    is_index: bool
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -80,7 +81,7 @@ class Contours(FrozenResult):
         The level of each line.
     closed : (k,) ndarray of bool
         Whether it is closed.
-    index : (k,) ndarray of bool
+    is_index : (k,) ndarray of bool
         Whether it is an index contour, which maps draw thicker.
     crs : str, optional
         The coordinate reference system.
@@ -100,7 +101,7 @@ class Contours(FrozenResult):
     starts: Array
     levels: Floats
     closed: Array
-    index: Array
+    is_index: Array
     crs: str | None = None
 
     def __repr__(self) -> str:
@@ -118,8 +119,8 @@ class Contours(FrozenResult):
             return self._selected(np.arange(len(self))[number])
         number = range(len(self))[number]
         points = self.points[self.starts[number] : self.starts[number + 1]]
-        level, closed, index = self.levels[number], self.closed[number], self.index[number]
-        return Contour(float(level), points, bool(closed), bool(index))
+        level, closed, is_index = self.levels[number], self.closed[number], self.is_index[number]
+        return Contour(float(level), points, bool(closed), bool(is_index))
 
     def __iter__(self) -> Iterator[Contour]:
         return (self[number] for number in range(len(self)))
@@ -173,10 +174,10 @@ class Contours(FrozenResult):
             starts=starts,
             levels=self.levels[lines],
             closed=self.closed[lines],
-            index=self.index[lines],
+            is_index=self.is_index[lines],
         )
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
+    def save(self, path: str | os.PathLike[str]) -> WriteResult:
         """Write the lines with height, index and closed as properties.
 
         Parameters
@@ -186,8 +187,8 @@ class Contours(FrozenResult):
 
         Returns
         -------
-        pathlib.Path
-            The file.
+        WriteResult
+            The file, its format and its size.
 
         Raises
         ------
@@ -209,14 +210,13 @@ class Contours(FrozenResult):
         --------
         >>> import liftmesh, tempfile
         >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 8]])
-        >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").name
-        'lines.geojson'
+        >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").format
+        'geojson'
         """
         target = Path(path)
         check_name(target)
-        columns = {"height": self.levels, "index": self.index, "closed": self.closed}
-        write_lines(target, self.points, self.starts, columns, self.crs, "contours")
-        return target
+        columns = {"height": self.levels, "index": self.is_index, "closed": self.closed}
+        return write_lines(target, self.points, self.starts, columns, self.crs, "contours")
 
 
 def length_of(length: Any) -> float:
@@ -237,14 +237,14 @@ def contour_lines(
     levels: ArrayLike | None,
     *,
     interval: float | None,
-    base: float,
+    contour_base: float,
     index_every: int,
     threads: int | None,
 ) -> Contours:
     """Compute lines of equal height."""
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
     wanted, is_index = wanted_levels(
-        levels, interval, base, index_every, lambda: _heights_of(relief, *limit)
+        levels, interval, contour_base, index_every, lambda: _heights_of(relief, *limit)
     )
     points, starts, places, closed = relief.contours(wanted, *limit)
     crs = plane_system(surface)
@@ -254,18 +254,18 @@ def contour_lines(
 def wanted_levels(
     levels: ArrayLike | None,
     interval: float | None,
-    base: float,
+    contour_base: float,
     index_every: int,
     heights: Callable[[], tuple[Fraction, Fraction]],  # the least and the greatest
 ) -> tuple[Floats, Array]:
     """Decide which levels have lines, and which of these are index contours."""
     if (levels is None) == (interval is None):
-        raise InputError("give either levels or an interval")
+        raise InputError(f"give either {Option('levels')} or {Option('interval')}")
     if interval is None:
         wanted = _levels("levels", levels)
         return wanted, np.zeros(len(wanted), dtype=np.bool_)
     every = as_count("index_every", index_every, 1)
-    return _multiples(heights, interval, base, every)
+    return _multiples(heights, interval, contour_base, every)
 
 
 def _levels(name: str, values: Any) -> Floats:
@@ -273,29 +273,29 @@ def _levels(name: str, values: Any) -> Floats:
     try:
         heights = np.unique(as_reals(values))
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
+        raise InputError(f"{Option(name)} cannot be read as numbers: {shown(values)}") from error
     if heights.ndim != 1 or not np.isfinite(heights).all():
-        raise InputError(f"{name} are {shown(values)}: give finite heights")
+        raise refused(name, values, "give finite heights", verb="are")
     return heights
 
 
 def _multiples(
     heights: Callable[[], tuple[Fraction, Fraction]],
     interval: float,
-    base: float,
+    contour_base: float,
     index_every: int,
 ) -> tuple[Floats, Array]:
     """Return the levels within the heights of a surface, and which of them are index contours."""
-    step, start = (_decimal(*each) for each in (("interval", interval), ("base", base)))
+    step, start = (
+        _decimal(*each) for each in (("interval", interval), ("contour_base", contour_base))
+    )
     if step <= 0:
-        raise InputError(f"interval is {shown(interval)}: give a positive height")
+        raise refused("interval", interval, "give a positive height")
     low, high = heights()
     first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
     if last - first > _MOST_LEVELS:
-        raise InputError(
-            f"interval is {shown(interval)}, which makes {as_thousands(last - first)} levels: give "
-            "a larger one"
-        )
+        reason = f"which makes {as_thousands(last - first)} levels: give a larger one"
+        raise refused("interval", interval, reason, mark=", ")
     numbers = range(first, last + 1)
     levels = np.array([float(start + step * number) for number in numbers])
     return levels, np.array([number % index_every == 0 for number in numbers])
@@ -316,4 +316,4 @@ def _decimal(name: str, value: Any) -> Fraction:
     try:
         return as_decimal(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(value)}: give a finite height") from error
+        raise refused(name, value, "give a finite height") from error

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.options import Duplicates, check_option
-from liftmesh.errors import DuplicateHeightError
+from liftmesh.base.options import OnDuplicate, check_option
+from liftmesh.errors import DuplicateHeightError, Option
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,7 +38,7 @@ def choose_rows(
     names: Integers | None = None,  # of rows in messages, if not their numbers
 ) -> Choice:
     """Choose the row that is used as the vertex at each shared planar position."""
-    check_option("duplicates", policy, Duplicates)
+    check_option("on_duplicate", policy, OnDuplicate)
     if policy == "error":
         _refuse_overhangs(duplicates, heights, planar, names)
     groups = _Groups.of(duplicates, heights)
@@ -70,8 +70,9 @@ def _refuse_overhangs(
     low, high = (kept, row) if names is None else names[[kept, row]].tolist()
     raise DuplicateHeightError(
         f"rows {low} and {high} share the planar position ({x!r}, {y!r}) at the heights "
-        f"{float(heights[kept])!r} and {float(heights[row])!r}: give duplicates='first', 'last', "
-        "'lowest', 'highest' or 'mean' to choose the vertex",
+        f"{float(heights[kept])!r} and {float(heights[row])!r}: give "
+        f"{Option('on_duplicate', 'first')}, 'last', 'lowest', 'highest' or 'mean' to choose the "
+        "vertex",
         rows=(low, high),
     )
 

@@ -25,10 +25,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import GroundMethod, as_count, check_option
+from liftmesh.base.options import GroundAlgorithm, as_count, as_positive, check_option, refused
 from liftmesh.crs.description import parse_crs
-from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
 from liftmesh.io.interpreter import command
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
@@ -49,10 +48,10 @@ _MARGIN = 8  # nodes beyond the rows, on both sides together
 def classify_ground(
     cloud: object,
     *,
-    method: GroundMethod = "csf",
-    resolution: float = 0.5,
-    rigidness: int = 2,
-    threshold: float = 0.5,
+    algorithm: GroundAlgorithm = "csf",
+    cloth_resolution: float = 0.5,
+    cloth_rigidness: int = 2,
+    cloth_threshold: float = 0.5,
 ) -> Cloud:
     """Find the ground among the rows of a cloud, by cloth simulation.
 
@@ -63,13 +62,13 @@ def classify_ground(
     ----------
     cloud : path, Cloud or object
         Anything that `triangulate` takes.
-    method : {"csf"}, default "csf"
+    algorithm : {"csf"}, default "csf"
         The cloth simulation filter.
-    resolution : float, default 0.5
+    cloth_resolution : float, default 0.5
         Distance between the nodes of the cloth, in metres.
-    rigidness : {1, 2, 3}, default 2
+    cloth_rigidness : {1, 2, 3}, default 2
         Of the cloth: 1 for steep slopes, 3 for flat terrain.
-    threshold : float, default 0.5
+    cloth_threshold : float, default 0.5
         Rows nearer to the cloth than this, in metres, are ground.
 
     Returns
@@ -113,24 +112,25 @@ def classify_ground(
     >>> classify_ground(np.vstack([flat, tree])).metadata["ground"]["ground"]
     400
     """
-    check_option("method", method, GroundMethod)
-    as_positive("resolution", resolution, "a positive number of metres")
-    as_positive("threshold", threshold, "a positive number of metres")
-    if as_count("rigidness", rigidness, 1) > 3:
-        raise InputError(f"rigidness is {rigidness}: give 1, 2 or 3")
+    check_option("algorithm", algorithm, GroundAlgorithm)
+    as_positive("cloth_resolution", cloth_resolution, "a positive number of metres")
+    as_positive("cloth_threshold", cloth_threshold, "a positive number of metres")
+    if as_count("cloth_rigidness", cloth_rigidness, 1) > 3:
+        raise refused("cloth_rigidness", cloth_rigidness, "give 1, 2 or 3")
     source = read_cloud(cloud)
     metres, is_known, is_known_of_z = _metres(source)
     rows = np.flatnonzero(_is_for_cloth(source))
     points = np.ascontiguousarray(source.points[rows] * metres, dtype=np.float64)
     points -= points.min(axis=0) if len(points) else 0.0
-    _check_size(points, resolution)
-    is_ground = _filtered(points, resolution, rigidness, threshold)
+    _check_size(points, cloth_resolution)
+    is_ground = _filtered(points, cloth_resolution, cloth_rigidness, cloth_threshold)
     ground = rows[is_ground]
-    cells, bare = _bare_cells(points, is_ground, resolution)
+    cells, bare = _bare_cells(points, is_ground, cloth_resolution)
     counts = {
-        "rows": len(source), "ground": len(ground), "method": method, "resolution": resolution,
-        "rigidness": rigidness, "threshold": threshold, "unit_known": is_known,
-        "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
+        "rows": len(source), "ground": len(ground), "algorithm": algorithm,
+        "cloth_resolution": cloth_resolution, "cloth_rigidness": cloth_rigidness,
+        "cloth_threshold": cloth_threshold, "unit_known": is_known, "z_unit_known": is_known_of_z,
+        "cells": cells, "bare_cells": bare,
     }  # fmt: skip
     if warning := bare_warning(counts):
         warnings.warn(warning, DataWarning, stacklevel=2)
@@ -149,7 +149,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     if system.kind in {"geographic", "geocentric"}:
         raise InputError(
             f"the coordinates are {system.kind} ({system.name}), but the ground is found in "
-            "metres: transform them with to_crs="
+            f"metres: transform them with {Option('dst_crs', ...)}"
         )
     x, y, z = ((each and each.metres) for each in system.units)
     plane = x or 1.0
@@ -173,8 +173,8 @@ def _check_size(points: Floats, resolution: float) -> None:
     if not nodes <= _MOST_NODES:
         raise InputError(
             f"the rows are in a box of {width:,.0f} by {height:,.0f} m, for which the cloth has "
-            f"{nodes:.2g} nodes: remove rows that are far away, or give a larger resolution= to "
-            "classify_ground"
+            f"{nodes:.2g} nodes: remove rows that are far away, or give a larger "
+            f"{Option('cloth_resolution', ...)}"
         )
 
 
@@ -243,10 +243,11 @@ def bare_warning(counts: Mapping[str, Any]) -> str:
     cells, bare = counts["cells"], counts["bare_cells"]
     if bare <= _MOST_BARE * cells:
         return ""
-    size = _NODES_OF_CELL * counts["resolution"]
+    size = _NODES_OF_CELL * counts["cloth_resolution"]
     return (
         f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
-        "it, if they are no roofs: give a smaller resolution= to classify_ground, or rigidness=1"
+        f"it, if they are no roofs: give a smaller {Option('cloth_resolution', ...)}, or "
+        f"{Option('cloth_rigidness', 1)}"
     )
 
 

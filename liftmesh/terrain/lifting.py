@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.options import Method
-from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.metadata import LIFTED, lifted_by
+from liftmesh.base.options import Algorithm
+from liftmesh.errors import DataWarning, InputError, Option
+from liftmesh.io.metadata import LIFTED, Provenance
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
 from liftmesh.planar.kinds import (
@@ -79,7 +79,7 @@ def lifting_of(
     weights: ArrayLike | str | None,
     radii: ArrayLike | str | None,
     metric: ArrayLike | None,
-    method: Method,
+    algorithm: Algorithm,
 ) -> Lifting:
     """Convert the options to what the points are lifted by."""
     cloud = _without_former(cloud)
@@ -91,8 +91,10 @@ def lifting_of(
     kind, given = weights_or_radii(weights, radii)
     if metric is not None:
         raise InputError(f"both {kind} and a metric are given: give one of them")
-    if method not in _DIVIDING:
-        raise InputError(f"method {method!r} takes no {kind}: leave one of the two out")
+    if algorithm not in _DIVIDING:
+        raise InputError(
+            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
+        )
     _check_hidden(cloud, kind)
     if isinstance(given, str):
         values = as_weights(kind, named_values(cloud, kind, given), len(cloud))
@@ -117,7 +119,7 @@ def _check_hidden(cloud: Cloud, kind: str) -> None:
 
 def replaced_flags(cloud: Cloud) -> str:
     """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if HIDDEN not in cloud.attributes or (former and "metric" not in former):
         return ""
     ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
@@ -130,7 +132,7 @@ def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
 
 def _without_former(cloud: Cloud) -> Cloud:
     """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if not former:
         return cloud
     noted = () if "metric" in former else (HIDDEN,)

@@ -25,11 +25,10 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number
-from liftmesh.base.options import as_switch
+from liftmesh.base.options import as_number, as_switch
 from liftmesh.crs.comparison import are_different
-from liftmesh.errors import InputError
-from liftmesh.io.selection import found_selection
+from liftmesh.errors import InputError, Option
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
@@ -49,7 +48,7 @@ Measured: TypeAlias = tuple[float, float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Volume:
+class VolumeResult:
     """Volumes between a surface and a level, as `Surface.volume` returns them.
 
     Attributes
@@ -88,7 +87,7 @@ class Volume:
 
 
 @dataclass(frozen=True, slots=True)
-class Earthwork:
+class CutFillResult:
     """The volumes between two surfaces, as `Surface.cut_and_fill` returns them.
 
     Attributes
@@ -100,7 +99,7 @@ class Earthwork:
     area : float
         The area in the plane on which both have faces.
     cubic_metres : float or None
-        As in `Volume`.
+        As in `VolumeResult`.
 
     Examples
     --------
@@ -133,35 +132,37 @@ def area_of(surface: SurfaceData, *, planar: bool = False, z_factor: float | Non
         return _total("area", areas)
 
 
-def volume_of(surface: SurfaceData, level: float = 0.0, *, polygon: object = None) -> Volume:
+def volume_of(surface: SurfaceData, level: float = 0.0, *, within: object = None) -> VolumeResult:
     """Compute the volumes between the faces and a level."""
     at = as_number("level", level, "a finite height")
-    if polygon is not None:
+    if within is not None:
         measure = partial(_level_within, surface, at)
-        return Volume(*_in_all(surface, polygon, measure), at, cubic_metres_of(surface))
+        return VolumeResult(*_in_all(surface, within, measure), at, cubic_metres_of(surface))
     corners, heights = _faces(surface)
     with np.errstate(all="ignore"):
         areas = _planar(corners)
         prisms = _prisms(areas, np.sort(heights - at, axis=1))
     above, below = (_total("volume", each) for each in prisms)
-    return Volume(above, below, _total("area", areas), at, cubic_metres_of(surface))
+    return VolumeResult(above, below, _total("area", areas), at, cubic_metres_of(surface))
 
 
 def volumes_by_polygon(
-    surface: SurfaceData, polygon: object, level: float = 0.0, *, by: str = "name"
-) -> dict[str | int, Volume]:
+    surface: SurfaceData, within: object, level: float = 0.0, *, by: str = "name"
+) -> dict[str | int, VolumeResult]:
     """Compute the volumes between the faces and a level in each of several polygons."""
     at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
-    volumes = _in_each(surface, polygon, partial(_level_within, surface, at), by)
-    return {name: Volume(*each, at, unit) for name, each in volumes}
+    volumes = _in_each(surface, within, partial(_level_within, surface, at), by)
+    return {name: VolumeResult(*each, at, unit) for name, each in volumes}
 
 
-def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = None) -> Earthwork:
+def cut_and_fill(
+    surface: SurfaceData, other: SurfaceData, *, within: object = None
+) -> CutFillResult:
     """Compute the volumes between this surface and another one."""
     _check(surface, other)
-    if polygon is not None:
-        fill, cut, area = _in_all(surface, polygon, partial(_between_within, surface, other))
-        return Earthwork(cut, fill, area, cubic_metres_of(surface))
+    if within is not None:
+        fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
+        return CutFillResult(cut, fill, area, cubic_metres_of(surface))
     pair = _touching(surface.triangulation, other.triangulation)
     fill, cut, area = 0.0, 0.0, 0.0
     if pair is not None:
@@ -169,17 +170,17 @@ def cut_and_fill(surface: SurfaceData, other: SurfaceData, *, polygon: object = 
         check_measured(("volume", fill), ("volume", cut), ("area", area))
     if not area > 0:
         raise InputError("the surfaces have no area in common")
-    return Earthwork(cut, fill, area, cubic_metres_of(surface))
+    return CutFillResult(cut, fill, area, cubic_metres_of(surface))
 
 
 def cut_and_fill_by_polygon(
-    surface: SurfaceData, other: SurfaceData, polygon: object, *, by: str = "name"
-) -> dict[str | int, Earthwork]:
+    surface: SurfaceData, other: SurfaceData, within: object, *, by: str = "name"
+) -> dict[str | int, CutFillResult]:
     """Compute the volumes between this surface and another one in each of several polygons."""
     _check(surface, other)
     unit = cubic_metres_of(surface)
-    volumes = _in_each(surface, polygon, partial(_between_within, surface, other), by)
-    return {name: Earthwork(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
+    volumes = _in_each(surface, within, partial(_between_within, surface, other), by)
+    return {name: CutFillResult(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
 
 
 def cubic_metres_of(surface: SurfaceData) -> float | None:
@@ -258,11 +259,11 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
         raise InputError("the surfaces are over different planes: give both the same")
     if are_different(surface.crs, other.crs):
         raise InputError(
-            "the surfaces have different coordinate systems: read one with to_crs= that of the "
-            "other, or replace(crs=None) if they are the same"
+            "the surfaces have different coordinate systems: read both with the "
+            f"same {Option('dst_crs', ...)}, or the same {Option('src_crs', ...)} if they are in it"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)
-    check_grounds((name, found_selection(each.metadata)) for name, each in files)
+    check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
 
 
 def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
@@ -333,31 +334,32 @@ def _chains(tri: Triangulation) -> Iterator[tuple[Array, Array, Array]]:
 
 
 def _in_all(
-    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured]
+    surface: SurfaceData, within: object, measure: Callable[[list[Polygon]], Measured]
 ) -> Measured:
     """Measure what polygons cover together."""
-    totals = measure(polygons_in(plane_system(surface), polygon))
+    totals = measure(polygons_in(plane_system(surface), within))
     if not totals[2] > 0:
         raise InputError("the polygon has no area in common with the faces")
     return totals
 
 
 def _in_each(
-    surface: SurfaceData, polygon: object, measure: Callable[[list[Polygon]], Measured], by: str
+    surface: SurfaceData, within: object, measure: Callable[[list[Polygon]], Measured], by: str
 ) -> Iterator[tuple[str | int, Measured]]:
     """Measure each region by itself."""
     seen = set()
-    for region in regions_in(plane_system(surface), polygon, by):
+    for region in regions_in(plane_system(surface), within, by):
         if region.name in seen:
             raise InputError(
-                f"two polygons have the name {region.name!r}: give each its own, or by= a property "
-                "that differs"
+                f"two polygons have the name {region.name!r}: give each its own, or "
+                f"{Option('by', ...)} a property that differs"
             )
         seen.add(region.name)
         try:
             yield region.name, measure(region.polygons)
         except InputError as error:
-            raise InputError(f"polygon {region.name!r}: {error}") from error
+            error.within(f"polygon {region.name!r}")
+            raise
 
 
 def _level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:

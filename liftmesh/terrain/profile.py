@@ -15,7 +15,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -30,6 +30,9 @@ from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
 from liftmesh.vector.lines import write_lines
+
+if TYPE_CHECKING:
+    from liftmesh.io.write import WriteResult
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]
@@ -143,15 +146,14 @@ class Draped:
         }
         return Cloud(self.points, attributes=values, crs=self.crs)
 
-    def save(self, path: Path) -> Path:
+    def save(self, path: Path) -> WriteResult:
         """Write the parts as lines in space, with their line, its stretch and their length."""
         columns = {
             "line": self.lines,
             "start": self.distances[self.starts[:-1]],
             "length": self.lengths,
         }
-        write_lines(path, self.points, self.starts, columns, self.crs, "profiles")
-        return path
+        return write_lines(path, self.points, self.starts, columns, self.crs, "profiles")
 
 
 def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:

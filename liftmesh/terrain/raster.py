@@ -17,8 +17,14 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_threads, check_option, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import (
+    Interpolation,
+    RasterQuantity,
+    as_threads,
+    check_option,
+    refused,
+)
+from liftmesh.errors import InputError, Option
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.sampling import aspect_degrees, heights_at, slope_degrees
@@ -39,7 +45,7 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -47,18 +53,18 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels."""
     layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(surface))
-    wanted = Wanted.validated(surface, quantity, method, dtype, light, z_factor)
+    wanted = Wanted.validated(surface, quantity, interpolation, dtype, light, z_factor)
     scan = scanner(surface, layout, threads)
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     if quantity == "height":
         _check_range(surface, wanted)
-    if quantity == "height" and method == "linear":
+    if quantity == "height" and interpolation == "linear":
         scan(values[:, :, None], 0)
     elif quantity == "height":
         for first, block in _blocks_of_rows(values):
             rows = range(first, first + len(block))
             centres = centres_of(layout.transform, rows, layout.columns)
-            block[...] = heights_at(surface, centres, method, threads=threads)
+            block[...] = heights_at(surface, centres, interpolation, threads=threads)
     else:
         for first, block in _blocks_of_rows(values):
             gradients = np.empty((*block.shape, 2))
@@ -72,8 +78,8 @@ def rasterize(  # noqa: PLR0913 - options are keywords
 def _extent(surface: SurfaceData) -> list[float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
-    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
-    return [*corners.min(axis=(0, 1)).tolist(), *corners.max(axis=(0, 1)).tolist()]
+    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces.ravel()]
+    return [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
 
 
 def unit_of(surface: OverPlane, quantity: str) -> str | None:
@@ -126,15 +132,15 @@ class Wanted:
         cls,
         surface: OverPlane,
         quantity: RasterQuantity,
-        method: SampleMethod,
+        interpolation: Interpolation,
         dtype: DTypeLike,
         light: tuple[float, float],
         z_factor: float | None,
     ) -> Wanted:
         """Check the options."""
         check_option("quantity", quantity, RasterQuantity)
-        check_option("method", method, SampleMethod)
-        check_method(quantity, method)
+        check_option("interpolation", interpolation, Interpolation)
+        check_interpolation(quantity, interpolation)
         scale = slope_scale if quantity == "height" else steepness
         return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
 
@@ -145,7 +151,8 @@ class Wanted:
             is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
         if is_beyond:
             raise InputError(
-                f"the height {farthest} is beyond {self.kind.name}: give dtype='float64'"
+                f"the height {farthest} is beyond {self.kind.name}: give "
+                f"{Option('dtype', 'float64')}"
             )
 
     def of_gradients(self, gradients: Floats) -> Floats:
@@ -158,10 +165,12 @@ class Wanted:
             values[values == 360] = 0  # which is north, too
 
 
-def check_method(quantity: RasterQuantity, method: SampleMethod) -> None:
-    """Raise unless a quantity has a method of interpolation."""
-    if quantity != "height" and method != "linear":
-        raise InputError(f"{quantity} is that of faces: leave out method={method!r}")
+def check_interpolation(quantity: RasterQuantity, interpolation: Interpolation) -> None:
+    """Raise unless a quantity has an interpolation."""
+    if quantity != "height" and interpolation != "linear":
+        raise InputError(
+            f"{quantity} is that of faces: leave out {Option('interpolation', interpolation)}"
+        )
 
 
 def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
@@ -170,7 +179,7 @@ def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
         kind = np.dtype(np.void)
     if kind not in _TYPES:
-        raise InputError(f"dtype is {shown(dtype)}: give 'float64' or 'float32'")
+        raise refused("dtype", dtype, "give 'float64' or 'float32'")
     return kind
 
 
@@ -179,11 +188,9 @@ def _light_of(light: tuple[float, float]) -> Floats:
     try:
         azimuth, altitude = (math.radians(float(each)) for each in light)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"light is {shown(light)}: give azimuth and altitude, in degrees"
-        ) from error
+        raise refused("light", light, "give azimuth and altitude, in degrees") from error
     if not (math.isfinite(azimuth) and 0 <= altitude <= math.pi / 2):
-        raise InputError(f"light is {shown(light)}: give an altitude from 0 to 90 degrees")
+        raise refused("light", light, "give an altitude from 0 to 90 degrees")
     level = math.cos(altitude)
     return np.array([math.sin(azimuth) * level, math.cos(azimuth) * level, math.sin(altitude)])
 

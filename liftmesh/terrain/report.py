@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import transformation_of, transformation_text
+from liftmesh.crs.transformation import transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import classes_of
 
 if TYPE_CHECKING:
@@ -21,24 +22,25 @@ if TYPE_CHECKING:
 class Report(FrozenResult):
     """Summary of the use of every input row.
 
-    ``rows`` is the sum of ``used``, ``duplicates``, ``overhangs``, ``skipped`` and ``hidden``.
+    ``n_rows`` is the sum of ``n_used``, ``n_duplicates``, ``n_overhangs``, ``n_skipped``,
+    ``n_hidden`` and ``n_unused``.
 
     Parameters
     ----------
-    rows : int
+    n_rows : int
         Rows of the input.
-    used : int
+    n_used : int
         Rows that are vertices of faces.
-    duplicates : int
+    n_duplicates : int
         Rows not used because a used row has the same position and height in the input.
-    overhangs : int
+    n_overhangs : int
         Rows not used because a used row has the same planar position at another height.
-    skipped : int
+    n_skipped : int
         Rows not used because they are not finite.
-    triangles : int
+    n_triangles : int
         Number of faces.
     policy : str
-        The option ``duplicates``: which row is used at a shared planar position.
+        The option ``on_duplicate``: which row is used at a shared planar position.
     seconds : mapping of str to float
         Duration of each stage.
     left_out : (k,) ndarray of int32
@@ -51,49 +53,49 @@ class Report(FrozenResult):
     color_depth : int, optional
         Of integer colours that were given in more than 8 bits, the bits per channel that their
         numbers were taken to mean; see `Cloud`.
-    hidden : int
+    n_hidden : int
         Rows not used because weights or radii hide them.
-    unused : int
+    n_unused : int
         Rows in no face of the mesh that `as_surface` was given.
     classes : mapping of int to int
         Rows by class, as lidar has them; empty if the cloud has no classes.
     transformation : mapping
-        How ``to_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
+        How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
 
     Examples
     --------
     >>> import liftmesh
     >>> cloud = [[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 0, 9], [1, 0, 6]]
-    >>> report = liftmesh.triangulate(cloud, duplicates="highest").report
-    >>> report.rows, report.used, report.duplicates, report.overhangs, report.skipped
+    >>> report = liftmesh.triangulate(cloud, on_duplicate="highest").report
+    >>> report.n_rows, report.n_used, report.n_duplicates, report.n_overhangs, report.n_skipped
     (5, 3, 0, 2, 0)
     >>> report.left_out, report.representatives
     (array([1, 4], dtype=int32), array([3, 3], dtype=int32))
     """
 
-    rows: int
-    used: int
-    duplicates: int
-    overhangs: int
-    skipped: int
-    triangles: int
+    n_rows: int
+    n_used: int
+    n_duplicates: int
+    n_overhangs: int
+    n_skipped: int
+    n_triangles: int
     policy: str
     seconds: Mapping[str, float] = field(repr=False)
     left_out: Rows = field(repr=False)
     representatives: Rows = field(repr=False)
     columns: Mapping[str, str] = field(default_factory=dict, repr=False)
     color_depth: int | None = field(default=None, repr=False)
-    hidden: int = 0
-    unused: int = 0
+    n_hidden: int = 0
+    n_unused: int = 0
     classes: Mapping[int, int] = field(default_factory=dict, repr=False)
     transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def __str__(self) -> str:
         stages = ", ".join(f"{stage} {seconds:.3f}" for stage, seconds in self.seconds.items())
         return (
-            f"{counted(self.rows, 'row')}, {self.used:,} of them used in "
-            f"{counted(self.triangles, 'triangle')}. "
+            f"{counted(self.n_rows, 'row')}, {self.n_used:,} of them used in "
+            f"{counted(self.n_triangles, 'triangle')}. "
             f"Left out: {self._omissions()}. {self._columns()}{self._classes()}{self._colors()}"
             f"{self._change()}"
             f"{sum(self.seconds.values()):.3f} s: {stages}."
@@ -117,25 +119,25 @@ class Report(FrozenResult):
 
     def _omissions(self) -> str:
         parts = []
-        if self.duplicates:
-            parts.append(counted(self.duplicates, "duplicate"))
-        if self.overhangs:
-            parts.append(f"{counted(self.overhangs, 'overhang')} (policy {self.policy!r})")
-        if self.skipped:
-            parts.append(f"{counted(self.skipped, 'row')} not finite")
-        if self.hidden:
-            parts.append(f"{counted(self.hidden, 'row')} hidden")
-        if self.unused:
-            parts.append(f"{counted(self.unused, 'row')} in no face")
+        if self.n_duplicates:
+            parts.append(counted(self.n_duplicates, "duplicate"))
+        if self.n_overhangs:
+            parts.append(f"{counted(self.n_overhangs, 'overhang')} (policy {self.policy!r})")
+        if self.n_skipped:
+            parts.append(f"{counted(self.n_skipped, 'row')} not finite")
+        if self.n_hidden:
+            parts.append(f"{counted(self.n_hidden, 'row')} hidden")
+        if self.n_unused:
+            parts.append(f"{counted(self.n_unused, 'row')} in no face")
         return ", ".join(parts) or "none"
 
 
 def report_on(cloud: Cloud, **fields: Any) -> Report:
     """Make a report with what a cloud says of its classes, colours and coordinates."""
     known = {
-        "rows": len(cloud),
+        "n_rows": len(cloud),
         "color_depth": cloud.color_depth,
         "classes": classes_of(cloud.attributes),
-        "transformation": transformation_of(cloud.metadata),
+        "transformation": Provenance(cloud.metadata).transformation,
     }
     return Report(**{**known, **fields})

@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_pairs
-from liftmesh.base.options import SampleMethod, as_threads, check_option
-from liftmesh.errors import InputError
+from liftmesh.base.options import Interpolation, as_threads, check_option
+from liftmesh.errors import InputError, Option
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 from liftmesh.terrain.units import steepness
 
@@ -21,17 +21,17 @@ from liftmesh.terrain.units import steepness
 def heights_at(
     surface: SurfaceData,
     points: ArrayLike,
-    method: SampleMethod = "linear",
+    interpolation: Interpolation = "linear",
     *,
     threads: int | None = None,
 ) -> Floats:
     """Interpolate heights at points of the plane."""
-    check_option("method", method, SampleMethod)
+    check_option("interpolation", interpolation, Interpolation)
     solved = surface.triangulation
-    if method != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
+    if interpolation != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
         raise InputError(
-            f"method {method!r} needs a Delaunay triangulation, and the surface has weights, "
-            "radii or a metric: give method='linear'"
+            f"{Option('interpolation')} {interpolation!r} needs a Delaunay triangulation, and the "
+            f"surface has weights, radii or a metric: give {Option('interpolation', 'linear')}"
         )
     pairs = as_pairs(points)
     heights = np.empty(pairs.shape[:-1])
@@ -39,7 +39,7 @@ def heights_at(
         solved._locator,  # noqa: SLF001 - made once for all that is asked of it
         pairs.reshape(-1, 2),
         heights.reshape(-1),
-        method,
+        interpolation,
         *as_threads(threads, heights.size),
     )
     return heights[()]

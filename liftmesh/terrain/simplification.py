@@ -29,7 +29,6 @@ far from the surface as permitted.
 from __future__ import annotations
 
 import math
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -41,9 +40,17 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.options import Duplicates, NonFinite, as_count, as_switch, check_progress, shown
-from liftmesh.errors import InputError
-from liftmesh.io.metadata import lifted_by
+from liftmesh.base.options import (
+    NonFinite,
+    OnDuplicate,
+    as_count,
+    as_distance,
+    as_switch,
+    check_progress,
+    refused,
+)
+from liftmesh.errors import InputError, Option
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
@@ -74,7 +81,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     max_points: int | None = None,
     prune: bool = True,
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     classes: ClassChoice = None,
     progress: Progress | None = None,
@@ -95,7 +102,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
-    plane, duplicates, nonfinite, classes
+    plane, on_duplicate, nonfinite, classes
         As for `triangulate`; not for a `Surface`, which has them already.
     progress : callable, optional
         As for `triangulate`.
@@ -148,7 +155,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     start = time.perf_counter()
     stages = _scaled(progress)
-    given: Any = {"plane": plane, "duplicates": duplicates, "nonfinite": nonfinite}
+    given: Any = {"plane": plane, "on_duplicate": on_duplicate, "nonfinite": nonfinite}
     whole = _whole(cloud, classes, given, stages(0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
@@ -176,14 +183,13 @@ def simplify(  # noqa: PLR0913 - options are keywords
 
 def _limits(max_error: object, max_points: object) -> tuple[float, int]:
     if max_error is None and max_points is None:
-        raise InputError("neither max_error nor max_points is given: give one of them, or both")
+        raise InputError(
+            f"neither {Option('max_error')} nor {Option('max_points')} is given: give one of them, "
+            "or both"
+        )
     bound = 0.0
     if max_error is not None:
-        is_number = isinstance(max_error, int | float | np.number)
-        if not is_number or isinstance(max_error, bool) or not 0 <= max_error <= sys.float_info.max:  # type: ignore[operator]
-            message = f"max_error is {shown(max_error)}: give a distance, in the units of heights"
-            raise InputError(message)
-        bound = float(max_error)  # type: ignore[arg-type]
+        bound = as_distance("max_error", max_error, "a distance, in the units of heights")
     most = 0 if max_points is None else as_count("max_points", max_points, 3)
     return bound, min(most, _kernel.MOST_ROWS)
 
@@ -196,7 +202,7 @@ def _whole(
         if cloud.mask is not None:
             raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
-    source = read_rows(cloud, classes)
+    source = read_rows(cloud, classes=classes)
     whole = triangulate(source, **given, progress=progress)
     if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
         _check_faces(source, given["plane"])
@@ -209,7 +215,7 @@ def _check_faces(mesh: Cloud, plane: Any) -> None:
         as_surface(mesh, plane=plane)
     except InputError:  # the faces are others: the points count alone, as those of a cloud
         return
-    if not lifted_by(mesh.metadata):
+    if not Provenance(mesh.metadata).lifted_by:
         raise InputError(
             f"the faces of the mesh are not the whole triangulation of its points, {_WHOLE}"
         )
@@ -242,7 +248,8 @@ def _scaled(progress: Progress | None) -> Any:
 
 def _check_count(corners: int, most: int) -> None:
     if most and corners > most:
-        raise InputError(f"max_points is {most}, and the hull has {corners} corners: give more")
+        reason = f"and the hull has {corners} corners: give more"
+        raise refused("max_points", most, reason, mark=", ")
 
 
 def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
@@ -252,11 +259,11 @@ def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,
-        used=len(kept),
-        duplicates=0,
-        overhangs=0,
-        skipped=0,
-        triangles=triangulation.nsimplex,
+        n_used=len(kept),
+        n_duplicates=0,
+        n_overhangs=0,
+        n_skipped=0,
+        n_triangles=triangulation.nsimplex,
         policy=whole.report.policy,
         seconds={**whole.report.seconds, "simplify": time.perf_counter() - start},
         left_out=nothing,

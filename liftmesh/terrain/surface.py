@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.options import Pinched, RasterQuantity, SampleMethod, counted
+from liftmesh.base.options import Interpolation, Pinched, RasterQuantity, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
@@ -30,10 +30,10 @@ if TYPE_CHECKING:
     import trimesh as trimesh_package
 
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import Written
+    from liftmesh.io.write import WriteResult
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
-    from liftmesh.terrain.measures import Earthwork, Volume
+    from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
 
 
@@ -179,7 +179,11 @@ class Surface(SurfaceData):
         return changes.with_attributes(self, attributes, named)
 
     def sample(
-        self, points: ArrayLike, method: SampleMethod = "linear", *, threads: int | None = None
+        self,
+        points: ArrayLike,
+        interpolation: Interpolation = "linear",
+        *,
+        threads: int | None = None,
     ) -> Floats:
         """Interpolate heights at points of the plane.
 
@@ -187,7 +191,7 @@ class Surface(SurfaceData):
         ----------
         points : array_like of shape (..., 2)
             Coordinates in the plane of the surface: x and y, unless it was triangulated on another.
-        method : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
             Linear in each face; the height of the nearest vertex, of several the lexicographically
             least; or, smooth but for the vertices, from natural neighbours: by the lengths of the
             sides that Voronoi cells would share ("laplace"), or by the areas that a cell would take
@@ -205,8 +209,8 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            The last axis is not of length two, an option is unknown, or other methods than "linear"
-            are asked of a surface with weights, radii or a metric.
+            The last axis is not of length two, an option is unknown, or another interpolation
+            than "linear" is asked of a surface with weights, radii or a metric.
 
         Notes
         -----
@@ -217,7 +221,7 @@ class Surface(SurfaceData):
         out are among them. Weights are right to 1e-12 of the largest. By them a point takes time
         for each of its neighbours: many, near the centre of a circle of vertices. The nearest
         vertex takes longer where many vertices are about as near, as in the middle of a circle.
-        Slopes and aspects are those of faces, whatever the method.
+        Slopes and aspects are those of faces, whatever the interpolation.
 
         Examples
         --------
@@ -226,7 +230,7 @@ class Surface(SurfaceData):
         >>> surface.sample([[1, 1], [2, 2], [0, 4], [3, 3]])
         array([ 5.,  5.,  1., nan])
         """
-        return sampling.heights_at(self, points, method, threads=threads)
+        return sampling.heights_at(self, points, interpolation, threads=threads)
 
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
@@ -367,7 +371,7 @@ class Surface(SurfaceData):
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
+        interpolation: Interpolation = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float64,
@@ -390,7 +394,7 @@ class Surface(SurfaceData):
         quantity : {"height", "slope", "aspect", "hillshade"}
             Heights above the plane; or what the face that owns the centre has: degrees as of
             `Surface.slope` and `Surface.aspect`, or brightness from 0 to 255.
-        method : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
             How heights are interpolated, as for `Surface.sample`.
         light : pair of float, default (315, 45)
             Azimuth of the light, in degrees clockwise from the direction of y, and altitude above
@@ -433,7 +437,7 @@ class Surface(SurfaceData):
             transform=transform,
             shape=shape,
             quantity=quantity,
-            method=method,
+            interpolation=interpolation,
             light=light,
             z_factor=z_factor,
             dtype=dtype,
@@ -445,7 +449,7 @@ class Surface(SurfaceData):
         levels: ArrayLike | None = None,
         *,
         interval: float | None = None,
-        base: float = 0.0,
+        contour_base: float = 0.0,
         index_every: int = 5,
         threads: int | None = None,
     ) -> Contours:
@@ -456,9 +460,9 @@ class Surface(SurfaceData):
         levels : array_like of float, optional
             The heights.
         interval : float, optional
-            In place of levels: all multiples of it, counted from the base, that the surface has.
-            They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
-        base : float, default 0
+            In place of levels: all multiples of it that the surface has, counted from
+            `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
+        contour_base : float, default 0
             Where the interval is counted from.
         index_every : int, default 5
             Every so many multiples of the interval are index contours.
@@ -489,7 +493,12 @@ class Surface(SurfaceData):
         [[1.0, 3.0], [1.0, 0.0]]
         """
         return contours.contour_lines(
-            self, levels, interval=interval, base=base, index_every=index_every, threads=threads
+            self,
+            levels,
+            interval=interval,
+            contour_base=contour_base,
+            index_every=index_every,
+            threads=threads,
         )
 
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
@@ -522,19 +531,19 @@ class Surface(SurfaceData):
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
-    def volume(self, level: float = 0.0, *, polygon: object = None) -> Volume:
+    def volume(self, level: float = 0.0, *, within: object = None) -> VolumeResult:
         """Compute the volumes between the faces and a level.
 
         Parameters
         ----------
         level : float, default 0
             A height above the plane.
-        polygon : object, optional
+        within : object, optional
             As for `cut_and_fill`.
 
         Returns
         -------
-        Volume
+        VolumeResult
             What is above the level, and what is below; only where there are faces.
 
         Raises
@@ -556,16 +565,16 @@ class Surface(SurfaceData):
         >>> hill.volume().above, hill.volume(3).above
         (32.0, 4.0)
         """
-        return measures.volume_of(self, level, polygon=polygon)
+        return measures.volume_of(self, level, within=within)
 
     def volume_by_polygon(
-        self, polygon: object, level: float = 0.0, *, by: str = "name"
-    ) -> dict[str | int, Volume]:
+        self, within: object, level: float = 0.0, *, by: str = "name"
+    ) -> dict[str | int, VolumeResult]:
         """Compute the volumes between the faces and a level in each of several polygons.
 
         Parameters
         ----------
-        polygon : object
+        within : object
             As for `cut_and_fill_by_polygon`.
         level : float, default 0
             A height above the plane.
@@ -574,7 +583,7 @@ class Surface(SurfaceData):
 
         Returns
         -------
-        dict of str or int to Volume
+        dict of str or int to VolumeResult
             As from `volume`, for each polygon; zeros where it has no area in common with the faces.
 
         Raises
@@ -592,9 +601,9 @@ class Surface(SurfaceData):
         >>> round(found[0].above, 9)
         8.0
         """
-        return measures.volumes_by_polygon(self, polygon, level, by=by)
+        return measures.volumes_by_polygon(self, within, level, by=by)
 
-    def cut_and_fill(self, other: Surface, *, polygon: object = None) -> Earthwork:
+    def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
         """Compute the volumes between this surface and another one.
 
         Parameters
@@ -602,13 +611,13 @@ class Surface(SurfaceData):
         other : Surface
             What this one becomes, over the same plane. The surfaces need not have the same points,
             nor cover the same area.
-        polygon : object, optional
+        within : object, optional
             Measure inside of it alone, cut at its border: as for `trim`, and valid. Of several,
             what they cover together; it needs ``pip install 'liftmesh[shapes]'``.
 
         Returns
         -------
-        Earthwork
+        CutFillResult
             What is to be cut, and to be filled; only where both have faces.
 
         Raises
@@ -644,18 +653,18 @@ class Surface(SurfaceData):
         >>> round(flat.cut_and_fill(hill).fill, 9), round(hill.cut_and_fill(flat).cut, 9)
         (32.0, 32.0)
         """
-        return measures.cut_and_fill(self, other, polygon=polygon)
+        return measures.cut_and_fill(self, other, within=within)
 
     def cut_and_fill_by_polygon(
-        self, other: Surface, polygon: object, *, by: str = "name"
-    ) -> dict[str | int, Earthwork]:
+        self, other: Surface, within: object, *, by: str = "name"
+    ) -> dict[str | int, CutFillResult]:
         """Compute the volumes between this surface and another one in each of several polygons.
 
         Parameters
         ----------
         other : Surface
             As for `cut_and_fill`.
-        polygon : object
+        within : object
             As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
             itself, whatever others cover.
         by : str, default "name"
@@ -663,7 +672,7 @@ class Surface(SurfaceData):
 
         Returns
         -------
-        dict of str or int to Earthwork
+        dict of str or int to CutFillResult
             By the property or column `by` where it is a text, or any number if it is not ``name``,
             as text; else by the number of the polygon, from 0; zeros for a polygon that has no area
             in common with the faces.
@@ -690,11 +699,11 @@ class Surface(SurfaceData):
         >>> round(found["A 7"].fill, 9)
         4.0
         """
-        return measures.cut_and_fill_by_polygon(self, other, polygon, by=by)
+        return measures.cut_and_fill_by_polygon(self, other, within, by=by)
 
     def solid(
         self,
-        base: float | None = None,
+        base_height: float | None = None,
         *,
         thickness: float | None = None,
         pinched: Pinched = "error",
@@ -705,7 +714,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        base : float, optional
+        base_height : float, optional
             The height of a flat base, below all faces; they may touch it in single corners.
         thickness : float, optional
             In place of it: the base is the surface itself, lower by so much.
@@ -727,19 +736,24 @@ class Surface(SurfaceData):
         Raises
         ------
         InputError
-            There is not either a base or a thickness, a number is none that it can be, the surface
-            reaches its base, or faces touch in a vertex only.
+            There is not either `base_height` or `thickness`, a number is none that it can be, the
+            surface reaches its base, or faces touch in a vertex only.
 
         Examples
         --------
         >>> import liftmesh
         >>> hill = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [2, 2, 4]])
-        >>> block = hill.solid(base=0)
+        >>> block = hill.solid(base_height=0)
         >>> block.points.shape, block.faces.shape
         ((9, 3), (14, 3))
         """
         return solid.closed_solid(
-            self, base, thickness=thickness, pinched=pinched, longest=longest, z_factor=z_factor
+            self,
+            base_height,
+            thickness=thickness,
+            pinched=pinched,
+            longest=longest,
+            z_factor=z_factor,
         )
 
     def trim(
@@ -945,7 +959,7 @@ class Surface(SurfaceData):
         x, y = self.triangulation.points.T
         return triangulations.to_triangulation(x, y, self.faces)
 
-    def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> Written:
+    def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
         """Write the surface to a file.
 
         Parameters
@@ -957,7 +971,7 @@ class Surface(SurfaceData):
 
         Returns
         -------
-        Written
+        WriteResult
             Summary of what was written, as returned by `liftmesh.write`.
 
         Raises

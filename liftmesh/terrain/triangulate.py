@@ -11,18 +11,18 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, ParaboloidVertex, Progress, Rows
+from liftmesh._typing import Apex, Floats, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
-from liftmesh.base.options import Duplicates, Method, NonFinite, check_option, check_progress
+from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
-from liftmesh.errors import DataWarning, InputError, NonFiniteError
-from liftmesh.io.metadata import found_columns
+from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
@@ -53,10 +53,10 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     attributes: Mapping[str, ArrayLike] | None = None,
     crs: str | None = None,
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
-    method: Method = "auto",
-    q: ParaboloidVertex = "origin",
+    algorithm: Algorithm = "auto",
+    apex: Apex = "median",
     threads: int | None = None,
     progress: Progress | None = None,
     columns: ColumnChoice = None,
@@ -92,17 +92,17 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         coordinates, as ``trimesh.geometry.plane_transform`` returns it. "Above" is where a normal
         points; of those that are fitted elsewhere the sign may be either. Unless it is of two axes,
         the planar coordinates are rounded, and the result is exact for the rounded coordinates.
-    duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
+    on_duplicate : {"first", "last", "lowest", "highest", "mean", "error"}
         Policy for rows at one planar position with different heights: use the first or last row as
         the vertex; the lowest or highest one; the first one, moved to the mean of the different
         heights and otherwise unchanged; or raise an error. Rows equal in height too are merged and
         counted.
     nonfinite : {"error", "skip"}
         Policy for rows that hold NaN or infinity: raise an error, or skip them.
-    method : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
+    algorithm : {"auto", "divide-and-conquer", "lf", "lfres", "lfres-indexed"}
         The algorithm, as for `delaunay`; all give the same triangles.
-    q : {"origin", "median"} or (2,) array_like
-        The vertex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
+    apex : {"median", "origin"} or (2,) array_like, default "median"
+        The apex of the paraboloid in plane coordinates; only "lf" and "lfres" use it.
     threads : int, optional
         Number of threads for the triangulation, from 1 to 1024; the surface is bit for bit the
         same for any number. By default the value of the environment variable
@@ -125,7 +125,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     weights, radii : (n,) array_like or str, optional
         The faces are those of the regular triangulation, as from `regular`, of the planar points
         with these weights, or radii: numbers, or the name of values of the cloud, such as a column
-        of a table. At one planar position the heaviest rows count, and `duplicates` chooses among
+        of a table. At one planar position the heaviest rows count, and `on_duplicate` chooses among
         these.
     metric : (2, 2) array_like, optional
         The metric of the planar coordinates, as for `delaunay`.
@@ -150,7 +150,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
-        Rows at one planar position have different heights and ``duplicates`` is ``"error"``.
+        Rows at one planar position have different heights and ``on_duplicate`` is ``"error"``.
     DegenerateInputError
         There are fewer than three distinct planar positions, or all lie on one line.
     UnsupportedTypeError
@@ -173,20 +173,20 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> surface = triangulate([[0, 0, 5], [4, 0, 6], [0, 3, 7], [4, 3, 9], [4, 3, 8]])
     >>> surface.faces.shape
     (2, 3)
-    >>> surface.report.overhangs, surface.report.left_out
+    >>> surface.report.n_overhangs, surface.report.left_out
     (1, array([4], dtype=int32))
     >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
     >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
     array([2, 2, 6])
     """
-    check_option("duplicates", duplicates, Duplicates)
+    check_option("on_duplicate", on_duplicate, OnDuplicate)
     check_option("nonfinite", nonfinite, NonFinite)
-    check_option("method", method, Method)
+    check_option("algorithm", algorithm, Algorithm)
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_rows(cloud, classes, **_table_options(columns, flat)), given)
-    lifting = lifting_of(source, weights, radii, metric, method)
+    source = with_parts(read_rows(cloud, classes=classes, columns=columns, flat=flat), given)
+    lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
     check_system(source.crs, plane, stacklevel=4)
@@ -195,10 +195,15 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     stages.finish("plane")
-    options: _Options = {"nonfinite": nonfinite, "method": method, "q": q, "threads": threads}
+    options: _Options = {
+        "nonfinite": nonfinite,
+        "algorithm": algorithm,
+        "apex": apex,
+        "threads": threads,
+    }
     solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
     stages.finish("triangulation")
-    choice = choose_rows(solution.duplicates, heights, planar, duplicates)
+    choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
     triangulation = lifting.triangulation(_chosen(solution, choice))
     hidden = solution.hidden
     vertices = _vertices(source.points, heights, frame, choice)
@@ -208,7 +213,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         faces=triangulation.simplices,
         triangulation=triangulation,
         frame=frame,
-        report=_report(triangulation, choice, hidden, duplicates, stages.seconds, source),
+        report=_report(triangulation, choice, hidden, on_duplicate, stages.seconds, source),
         colors=source.colors,
         normals=source.normals,
         attributes=lifting.with_hidden(hidden),
@@ -229,24 +234,19 @@ def check_system(
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
             f"the coordinates are geocentric ({system.name}), and x, y is no plane on the ground: "
-            "read the file with to_crs= a projected system, or give the normal of a plane"
+            f"read the file with {Option('dst_crs', ...)} a projected system, or give the normal "
+            "of a plane"
         )
     for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)
-
-
-def _table_options(columns: ColumnChoice, flat: bool) -> dict[str, Any]:
-    """The options of tables that were given: what is no table takes none."""
-    options: dict[str, Any] = {} if columns is None else {"columns": columns}
-    return options if flat is False else options | {"flat": flat}
 
 
 class _Options(TypedDict):
     """Options of `delaunay`."""
 
     nonfinite: NonFinite
-    method: Method
-    q: ParaboloidVertex
+    algorithm: Algorithm
+    apex: Apex
     threads: int | None
 
 
@@ -372,15 +372,15 @@ def _report(
     order = np.argsort(left_out)
     return report_on(
         cloud,
-        used=triangulation.npoints - len(left_out),
-        duplicates=len(choice.left_out) - overhangs,
-        overhangs=overhangs,
-        skipped=len(skipped),
-        triangles=triangulation.nsimplex,
+        n_used=triangulation.npoints - len(left_out),
+        n_duplicates=len(choice.left_out) - overhangs,
+        n_overhangs=overhangs,
+        n_skipped=len(skipped),
+        n_triangles=triangulation.nsimplex,
         policy=policy,
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
-        columns=found_columns(cloud.metadata),
-        hidden=len(hidden),
+        columns=Provenance(cloud.metadata).columns,
+        n_hidden=len(hidden),
     )

@@ -118,7 +118,7 @@ class AdjacencyProof:
 
     def _own(self, name: int, path: Path) -> Integers:
         triangles = open_shard(path)
-        neighbors: Array = mapped(self._tiled.directory / neighbors_name(path.name))
+        neighbors: Array = mapped(self._tiled.folder / neighbors_name(path.name))
         if neighbors.shape != triangles.shape or neighbors.dtype != np.int32:
             self._findings.add("other_neighbors", 1)
             neighbors = np.full(triangles.shape, -1, dtype=np.int32)
@@ -150,7 +150,7 @@ class AdjacencyProof:
             above = [name, *self._plan.above(name)]
             links = [np.load(self._scratch / f"{label(each)}-links.npy") for each in above]
             expected = links_to(name, links, np.array(names))
-            self._compare(expected, mapped(self._tiled.directory / links_name(path.name)))
+            self._compare(expected, mapped(self._tiled.folder / links_name(path.name)))
 
     def _compare(self, expected: Integers, stated: Array) -> None:
         if stated.shape != expected.shape:

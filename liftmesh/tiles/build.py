@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING, Any, Literal, cast
+from typing import TYPE_CHECKING, Literal, cast
 
 from liftmesh._typing import Progress
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat, as_threads, check_progress
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, as_threads, check_progress
 from liftmesh.tiles.options import Options, SurfaceOptions
 from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+    from liftmesh.io.options import ChunkOptions
     from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
@@ -20,7 +23,7 @@ _MANY = 1 << 30  # rows: enough for any number of threads
 
 
 def tile(  # noqa: PLR0913 - options are keywords
-    source: object,
+    points: object,
     out: str | os.PathLike[str],
     *,
     tile_rows: int | Literal["auto"] = "auto",
@@ -39,7 +42,7 @@ def tile(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, or iterator of arrays
+    points : path, list of paths, array_like, or iterator of arrays
         Planar points; a third column is ignored. NPY files, mapped arrays, LAS files and
         Parquet files with columns x and y are read by ranges, other files that `read_chunks` reads,
         LAZ among them, and iterators, once. Rows are numbered through all files.
@@ -109,25 +112,25 @@ def tile(  # noqa: PLR0913 - options are keywords
     >>> tiled = tile(points, tempfile.mkdtemp(), tile_rows=300)
     >>> from liftmesh import delaunay
     >>> expected = delaunay(points, order="canonical").simplices
-    >>> {*map(tuple, tiled.compute().tolist())} == {*map(tuple, expected.tolist())}
+    >>> {*map(tuple, tiled.to_array().tolist())} == {*map(tuple, expected.tolist())}
     True
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
     options = Options.validated(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(points, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return tiled
 
 
 def tile_surface(  # noqa: PLR0913 - options are keywords
-    source: object,
+    cloud: object,
     out: str | os.PathLike[str],
     *,
     crs: str | None = None,
     plane: Literal["xy"] = "xy",
-    duplicates: Duplicates = "first",
+    on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
     tile_rows: int | Literal["auto"] = "auto",
     scratch: str | os.PathLike[str] | None = None,
@@ -136,7 +139,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     neighbors: bool = False,
     threads: int | None = None,
     progress: Progress | None = None,
-    **reading: Any,
+    **reading: Unpack[ChunkOptions],
 ) -> TiledSurface:
     """Make a surface of more points than fit in memory, tile by tile, in files.
 
@@ -145,7 +148,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, cloud, table, or iterator of these
+    cloud : path, list of paths, array_like, cloud, table, or iterator of these
         Points in space, as for `triangulate`; also Parquet. Rows are numbered through all files,
         which must have the same values and coordinate system. NPY files and mapped arrays are read
         by ranges; what else is read is written to the scratch folder first.
@@ -155,7 +158,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         The coordinate system, in place of that of the source: WKT or ``EPSG:n``.
     plane : "xy"
         The projection plane; tiles know no other.
-    duplicates : {"first", "last", "lowest", "highest", "mean", "error"}
+    on_duplicate : {"first", "last", "lowest", "highest", "mean", "error"}
         As for `triangulate`. An error names two rows of the first tile that has any.
     nonfinite : {"error", "skip"}, default "error"
         Whether rows whose x, y or z is NaN or infinity raise an error, or are listed in
@@ -171,14 +174,15 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         As for `tile`.
     shards : "npy"
         The format of the triangles; surfaces know no other, as vertices and faces stand beside
-        them. `TiledSurface.meshes` gives each shard for a file of any format.
+        them. `TiledSurface.iter_meshes` gives each shard for a file of any format.
     neighbors, threads, progress
         As for `tile`.
     **reading
-        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bbox``,
-        ``to_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and COPC,
-        the ground (class 2) is taken, or all rows if no file has any, and no withheld rows, as by
-        `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were taken.
+        Which rows of files are read, and how, as for `read_chunks`: ``classes``, ``bounds``,
+        ``dst_crs``, ``columns`` and so on. Rows are numbered as they are read. Of LAS, LAZ and
+        COPC, the ground (class 2) is taken, or all rows if no file has any, and no withheld rows,
+        as by `triangulate`; ``classes="all"`` takes all. `TiledSurface.report` says which were
+        taken.
 
     Returns
     -------
@@ -193,7 +197,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DuplicateHeightError
-        Rows at one planar position have different heights and `duplicates` is "error".
+        Rows at one planar position have different heights and `on_duplicate` is "error".
     DegenerateInputError
         There are fewer than three distinct planar positions, or all lie on one line.
     UnsupportedTypeError, FormatError, MissingDependencyError, OSError
@@ -216,20 +220,20 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     >>> import numpy as np
     >>> from liftmesh import triangulate
     >>> points = np.random.default_rng(0).integers(0, 30, (1000, 3))
-    >>> tiled = tile_surface(points, tempfile.mkdtemp(), duplicates="highest", tile_rows=300)
-    >>> faces = triangulate(points, duplicates="highest").faces
-    >>> {frozenset(face) for face in tiled.compute().tolist()} == {*map(frozenset, faces.tolist())}
+    >>> tiled = tile_surface(points, tempfile.mkdtemp(), on_duplicate="highest", tile_rows=300)
+    >>> faces = triangulate(points, on_duplicate="highest").faces
+    >>> {frozenset(face) for face in tiled.to_array().tolist()} == {*map(frozenset, faces.tolist())}
     True
     >>> print(tiled.report)
     1,000 rows, 602 of them used in 1,127 triangles. Left out: 11 duplicates, 387 overhangs ...
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    surface = SurfaceOptions.validated(duplicates, plane, crs, reading)
+    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(cloud, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", tiled)

@@ -99,7 +99,7 @@ class RunContext:
     shards: ShardFormat = "npy"
     neighbors: bool = False
     has_values: bool = False
-    duplicates: str = "first"
+    on_duplicate: str = "first"
 
 
 @dataclass(frozen=True)
@@ -118,12 +118,12 @@ class Done:
     notes: dict[str, str]
     vertices: int = 0
     overhangs: int = 0
-    extent: tuple[float, ...] = ()
+    box: tuple[float, ...] = ()
 
     @classmethod
     def from_dict(cls, said: Mapping[str, Any]) -> Done:
         """Return what a record of it says."""
-        lists = {name: tuple(said[name]) for name in ("frontier", "extent")}
+        lists = {name: tuple(said[name]) for name in ("frontier", "box")}
         return cls(**{**said, **lists})
 
 

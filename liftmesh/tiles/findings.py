@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from liftmesh._typing import Array, Integers, Rows
-from liftmesh.planar.certificate import Flaw, Offender
+from liftmesh.planar.certificate import Flaw, Violation
 from liftmesh.planar.violations import MEANINGS, counted_flaw
 
 _SHOWN = 16
@@ -41,10 +41,10 @@ class Findings:
 
     def __init__(self) -> None:
         self._counts: dict[str, int] = {}
-        self._first: dict[str, list[Offender]] = {}
+        self._first: dict[str, list[Violation]] = {}
         self.interior_edges = 0
 
-    def add(self, kind: str, count: int, first: Sequence[Offender] = ()) -> None:
+    def add(self, kind: str, count: int, first: Sequence[Violation] = ()) -> None:
         """Count a kind of flaw, and keep some of its places."""
         if count == 0:
             return
@@ -55,7 +55,7 @@ class Findings:
     def add_rows(self, kind: str, records: Integers) -> None:
         """Count records, each with its row and coordinates."""
         first = [
-            Offender(f"row {row} ({x!r}, {y!r}) has no triangle", (row,), ((x, y),))
+            Violation(f"row {row} ({x!r}, {y!r}) has no triangle", (row,), ((x, y),))
             for row, x, y in _shown(records[:_SHOWN])
         ]
         self.add(kind, len(records), first)
@@ -64,14 +64,14 @@ class Findings:
         """Count triangles whose rows are not those of their part."""
         at = np.flatnonzero(is_strange)
         first = [
-            Offender(f"{shard}: triangle {t} of rows {_listed(triangles[t])}", (), (), (int(t),))
+            Violation(f"{shard}: triangle {t} of rows {_listed(triangles[t])}", (), (), (int(t),))
             for t in at[:_SHOWN]
         ]
         self.add("invalid_index", len(at), first)
 
     def add_edges(self, kind: str, rows: Integers) -> None:
         """Count edges between shards; the rows are the corners of a triangle, and the apex."""
-        first = [Offender(_contains(each), tuple(each.tolist())) for each in rows[:_SHOWN]]
+        first = [Violation(_contains(each), tuple(each.tolist())) for each in rows[:_SHOWN]]
         self.add(kind, len(rows), first)
 
     def add_flaws(
@@ -83,7 +83,7 @@ class Findings:
     ) -> None:
         """Count what the kernel has found within a shard."""
         for kind, (count, places) in zip(MEANINGS, flaws, strict=True):
-            first = [_offender(kind, place, corners, records, shard) for place in places]
+            first = [_violation(kind, place, corners, records, shard) for place in places]
             self.add(kind, count, first)
 
     def flaws(self) -> tuple[Flaw, ...]:
@@ -95,9 +95,9 @@ class Findings:
         return tuple(sorted(flaws, key=lambda flaw: flaw.kind == "not_canonical"))
 
 
-def _offender(
+def _violation(
     kind: str, place: tuple[int, int], corners: Rows, records: Integers, shard: str
-) -> Offender:
+) -> Violation:
     """Name a triangle, or the two at an edge; edge k is opposite corner k."""
     at, other = place
     if kind in ("not_delaunay", "not_canonical"):
@@ -108,7 +108,7 @@ def _offender(
         triangle = at
         rows = records[:, 0][corners[triangle]]
         text = f"triangle {triangle} of rows {_listed(rows)} is {kind}"
-    return Offender(f"{shard}: {text}", tuple(rows.tolist()), (), (triangle,))
+    return Violation(f"{shard}: {text}", tuple(rows.tolist()), (), (triangle,))
 
 
 def _contains(rows: Array) -> str:

@@ -13,7 +13,7 @@ from typing import Any, get_args
 
 import numpy as np
 
-from liftmesh.base.options import Duplicates, NonFinite, ShardFormat
+from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat
 from liftmesh.errors import FormatError
 from liftmesh.tiles.schema import POSITION, ROW
 from liftmesh.tiles.store import load_json, seal
@@ -142,7 +142,7 @@ def _is_fields(value: Any) -> bool:
 _WIDEST = 1 << 24  # bytes of a record
 _FILE: dict[str, Check] = {"bytes": _is_count, "sha256": _is_hash}
 _READING: dict[str, Check] = {
-    "duplicates": _is_one_of(Duplicates),
+    "on_duplicate": _is_one_of(OnDuplicate),
     "reading": lambda value: isinstance(value, dict),
     "fields": _is_fields,
     "crs": _or_none(_is_text),
@@ -150,7 +150,7 @@ _READING: dict[str, Check] = {
     "columns": lambda value: isinstance(value, dict) and all(map(_is_text, value.values())),
 }
 _is_read_surface = _is_entry(_READING, {"unit": _is_text})
-_is_surface = _is_entry({**_READING, "overhangs": _is_count, "extent": _is_box}, {"unit": _is_text})
+_is_surface = _is_entry({**_READING, "overhangs": _is_count, "box": _is_box}, {"unit": _is_text})
 _OF_JOBS = {"version", "tile_rows", "nonfinite", "shard_format", "neighbors", "chunks"}
 _PARTS: dict[str, Check] = {
     **dict.fromkeys(_COUNTS, _is_count),
@@ -170,7 +170,7 @@ _PARTS: dict[str, Check] = {
     "shards": _is_list(
         _is_entry(
             {**_FILE, "file": _is_text, "triangles": _is_count},
-            {"vertices": _is_count, "extent": _is_box},
+            {"vertices": _is_count, "box": _is_box},
         )
     ),
     "source": _is_list(
@@ -196,8 +196,8 @@ _ALWAYS = {"duplicates.npy", "hull.npy", "skipped.npy", "plan.json"}
 
 def _are_extents_there(manifest: Mapping[str, Any]) -> bool:
     has = "surface" in manifest
-    is_right = all({"vertices", "extent"} <= {*shard} for shard in manifest["shards"])
-    return is_right if has else not any({"vertices", "extent"} & {*s} for s in manifest["shards"])
+    is_right = all({"vertices", "box"} <= {*shard} for shard in manifest["shards"])
+    return is_right if has else not any({"vertices", "box"} & {*s} for s in manifest["shards"])
 
 
 def _is_counted(manifest: Mapping[str, Any]) -> bool:

@@ -195,7 +195,7 @@ def overhangs_apart(apart: Iterable[Path], chosen: Sequence[Path]) -> int:
     return count
 
 
-def extent_of(vertices: Array) -> tuple[float, ...]:
+def box_of(vertices: Array) -> tuple[float, ...]:
     """Return the least and the greatest x, y and z."""
     axes = [vertices[name] for name in ("x", "y", "z")]
     return (*(float(a.min()) + 0.0 for a in axes), *(float(a.max()) + 0.0 for a in axes))

@@ -67,7 +67,7 @@ class Proof:
     def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         self._tiled = tiled
         self._plan = plan
-        self._context = RunContext(tiled.directory, scratch, groups=Groups(plan.tiles))
+        self._context = RunContext(tiled.folder, scratch, groups=Groups(plan.tiles))
         self._threads = threads
         self._lowest = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._shards = {path.stem: path for path in tiled.shards}
@@ -257,7 +257,7 @@ class Proof:
     def _check_boundary(self, root: Loose) -> None:
         """The edges that are left have to be those of the stated hull, and the hull convex."""
         rows = np.ascontiguousarray(root.records[:, 0])
-        stated = np.asarray(self._tiled.convex_hull)[:, 0]
+        stated = np.asarray(self._tiled.convex_hull)
         if len(root.edges) != len(stated) or not np.isin(stated, rows).all():
             self.findings.add("other_hull", 1)
             return
@@ -314,7 +314,7 @@ class SurfaceProof(Proof):
 
     def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, threads: int) -> None:
         super().__init__(tiled, plan, scratch, threads)
-        self._policy: str = tiled.manifest["surface"]["duplicates"]
+        self._policy: str = tiled.manifest["surface"]["on_duplicate"]
         self._chosen = np.full(len(plan.repeated), -1, dtype=np.int64)
         self._heights = np.full(len(plan.repeated), np.nan)
         self._overhangs = 0
@@ -363,7 +363,7 @@ class SurfaceProof(Proof):
         expected = mesh_of(corners, rows, loose.values)
         names = vertices_name(shard), faces_name(shard)
         for array, file in zip(expected, names, strict=True):
-            if not _is_same(array, mapped(self._tiled.directory / file)):
+            if not _is_same(array, mapped(self._tiled.folder / file)):
                 self.findings.add("other_vertices", 1)
 
 

@@ -162,9 +162,9 @@ def about_surface(
     apart = [context.scratch / f"run-{number:05d}-apart.npy" for number in range(parts)]
     tiles = [context.scratch / f"{label(each.name)}-heights.npy" for each in done if each.name < 0]
     within = sum(each.overhangs for each in done)
-    boxes = np.array([each.extent for each in done if each.vertices])
-    extent = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
-    facts = {"overhangs": within + overhangs_apart(apart, tiles), "extent": extent}
+    boxes = np.array([each.box for each in done if each.vertices])
+    box = [*boxes[:, :3].min(axis=0).tolist(), *boxes[:, 3:].max(axis=0).tolist()]
+    facts = {"overhangs": within + overhangs_apart(apart, tiles), "box": box}
     return {"surface": {**identity["surface"], **facts}}
 
 
@@ -199,7 +199,7 @@ def extent_in_manifest(done: Done) -> dict[str, Any]:
     """Say how many vertices a shard has, and where they are."""
     if not done.vertices:
         return {}
-    return {"vertices": done.vertices, "extent": list(done.extent)}
+    return {"vertices": done.vertices, "box": list(done.box)}
 
 
 def _beside(

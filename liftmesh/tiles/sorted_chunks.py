@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
-from liftmesh.errors import FormatError, InputError, NonFiniteError
+from liftmesh.errors import FormatError, InputError, NonFiniteError, Option
 from liftmesh.io.surface_rows import classes_of
 from liftmesh.tiles.context import group_suffix
 from liftmesh.tiles.manifest import PLAN
@@ -98,7 +98,7 @@ def _non_finite(chunk: SourceChunk, row: int, first: int, records: Array) -> Non
         return error
     within = chunk.origin.row + row
     where = "" if within == first + row else f", its row {within}"
-    return NonFiniteError(f"{chunk.origin.source}{where}: {error}", row=first + row)
+    return error.within(f"{chunk.origin.source}{where}")
 
 
 def partition(
@@ -114,7 +114,7 @@ def partition(
     records = chunk.records()
     if digests_of(records) != (stated["sha256"], stated.get("values", "")):
         raise changed(chunk)
-    arrays = sorted_by_tile(load_plan(context), records, first, context.duplicates)
+    arrays = sorted_by_tile(load_plan(context), records, first, context.on_duplicate)
     parts = context.groups.apart(arrays)
     for end, name in missing.items():
         digests[name] = save_array(context.scratch / name, parts[end])
@@ -132,13 +132,13 @@ def _missing(context: RunContext, stem: str, digests: Mapping[str, str]) -> dict
     }
 
 
-def sorted_by_tile(plan: Plan, records: Array, first: int, duplicates: str) -> dict[str, Array]:
+def sorted_by_tile(plan: Plan, records: Array, first: int, on_duplicate: str) -> dict[str, Array]:
     """Sort rows by tile; planar records are changed."""
     rows = planar_of(records)
     heights = heights_of(records)
     if heights is not None:
         rows[~np.isfinite(heights)] = np.nan
-    apart, which, firsts = set_apart(rows, plan.repeated, heights, duplicates)
+    apart, which, firsts = set_apart(rows, plan.repeated, heights, on_duplicate)
     tiles, begins, boxes, skipped = plan.partition(rows, first)
     pairs = first + np.column_stack((apart, firsts[which]))
     arrays = {
@@ -159,7 +159,7 @@ def changed(chunk: SourceChunk) -> InputError:
     first = chunk.origin.row
     return InputError(
         f"{chunk.origin.source}: rows {first:,} to {first + chunk.rows - 1:,} have changed since "
-        "this triangulation was begun: restore them, or begin anew with resume=False"
+        f"this triangulation was begun: restore them, or begin anew with {Option('resume', False)}"
     )
 
 

@@ -20,8 +20,8 @@ from liftmesh.tiles.node import (
     Frontier,
     Merged,
     Vertices,
+    box_of,
     choose_vertices,
-    extent_of,
     joined,
     merge,
     numbered_by_place,
@@ -135,7 +135,7 @@ def _decided(
         return rows, merged, None, corners
     values = tile_values(context, ~name) if name < 0 else _values_below(context, children)
     repeated = plan.repeated if name < 0 else plan.repeated[:0]
-    surface = choose_vertices(merged, corners, values, context.duplicates, repeated)
+    surface = choose_vertices(merged, corners, values, context.on_duplicate, repeated)
     return rows, surface.merged, surface, corners
 
 
@@ -150,7 +150,7 @@ def _with_vertices(done: Done, surface: Vertices) -> Done:
         bytes_up=done.bytes_up + surface.up.nbytes,
         vertices=len(surface.shard),
         overhangs=surface.overhangs,
-        extent=extent_of(surface.shard) if len(surface.shard) else (),
+        box=box_of(surface.shard) if len(surface.shard) else (),
     )
 
 

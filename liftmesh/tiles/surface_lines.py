@@ -27,12 +27,14 @@ def contour_lines(
     tiled: TiledSurfaceData,
     levels: ArrayLike | None,
     interval: float | None,
-    base: float,
+    contour_base: float,
     index_every: int,
 ) -> Contours:
     """Compute lines of equal height, reading one shard after the other."""
-    low, high = (Fraction(tiled.extent[k]) for k in (2, 5))
-    wanted, is_index = wanted_levels(levels, interval, base, index_every, lambda: (low, high))
+    low, high = (Fraction(tiled.box[k]) for k in (2, 5))
+    wanted, is_index = wanted_levels(
+        levels, interval, contour_base, index_every, lambda: (low, high)
+    )
     lines = _lines(_Steps.of(tiled, wanted))
     starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)
     places = np.array([line.level for line in lines], dtype=np.int64)

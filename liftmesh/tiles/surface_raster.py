@@ -25,8 +25,9 @@ from numpy.typing import DTypeLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_switch, check_progress
+from liftmesh.base.options import Interpolation, RasterQuantity, as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
@@ -55,7 +56,7 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -65,7 +66,9 @@ def rasterize(  # noqa: PLR0913 - options are keywords
     """Compute a raster in memory."""
     check_progress(progress)
     layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    windows, wanted = _windows(
+        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
+    )
     values = np.empty((layout.rows, layout.columns), wanted.kind)
     for (down, across), block in windows.values(progress):
         values[down.start : down.stop, across.start : across.stop] = block
@@ -81,7 +84,7 @@ def save_raster(  # noqa: PLR0913 - options are keywords
     transform: Sequence[float] | None,
     shape: Sequence[int] | None,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     light: tuple[float, float],
     z_factor: float | None,
     dtype: DTypeLike,
@@ -89,14 +92,16 @@ def save_raster(  # noqa: PLR0913 - options are keywords
     compress: str | None,
     threads: int | None,
     progress: Progress | None,
-) -> Path:
+) -> WriteResult:
     """Write a raster as GeoTIFF, window by window."""
     check_progress(progress)
     target = Path(path)
     check_name(target)
     is_cog = as_switch("cog", cog)
     layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(tiled, layout, quantity, method, dtype, light, z_factor, threads)
+    windows, wanted = _windows(
+        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
+    )
     writer.write_windows(
         target,
         (layout.rows, layout.columns),
@@ -108,30 +113,29 @@ def save_raster(  # noqa: PLR0913 - options are keywords
         cog=is_cog,
         compress=compress,
     )
-    return target
+    return written_file(target, "geotiff")
 
 
 def _layout(
     tiled: TiledSurfaceData, resolution: Any, bounds: Any, transform: Any, shape: Any
 ) -> Layout:
-    west, south, _, east, north, _ = tiled.extent
-    return layout_of(resolution, bounds, transform, shape, lambda: (west, south, east, north))
+    return layout_of(resolution, bounds, transform, shape, lambda: tiled.bounds)
 
 
 def _windows(
     tiled: TiledSurfaceData,
     layout: Layout,
     quantity: RasterQuantity,
-    method: SampleMethod,
+    interpolation: Interpolation,
     dtype: DTypeLike,
     light: tuple[float, float],
     z_factor: float | None,
     threads: int | None,
 ) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.validated(tiled, quantity, method, dtype, light, z_factor)
+    wanted = Wanted.validated(tiled, quantity, interpolation, dtype, light, z_factor)
     if quantity == "height":
-        wanted.check_range(np.array(tiled.extent)[[2, 5]])
-    return _Windows(tiled, layout, wanted, method, threads), wanted
+        wanted.check_range(np.array(tiled.box)[[2, 5]])
+    return _Windows(tiled, layout, wanted, interpolation, threads), wanted
 
 
 class _Windows:
@@ -142,15 +146,15 @@ class _Windows:
         tiled: TiledSurfaceData,
         layout: Layout,
         wanted: Wanted,
-        method: SampleMethod,
+        interpolation: Interpolation,
         threads: int | None,
     ) -> None:
         self._tiled = tiled
         self._layout = layout
         self._wanted = wanted
-        self._method: SampleMethod = method
+        self._interpolation: Interpolation = interpolation
         self._threads = threads
-        is_linear = method == "linear"
+        is_linear = interpolation == "linear"
         self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
         self._fewest = 1 if is_linear else _FEWEST
         largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
@@ -188,7 +192,7 @@ class _Windows:
         if self._wanted.quantity == "height":
             values[...] = np.nan
             if surface is not None:
-                values[...] = surface.sample(centres, self._method, threads=self._threads)
+                values[...] = surface.sample(centres, self._interpolation, threads=self._threads)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
@@ -230,7 +234,7 @@ def part_of(
         return _surface(points, np.concatenate(parts), tiled.crs, threads)
     except InputError as error:  # a folder whose manifest was made to fit
         raise FormatError(
-            f"{tiled.directory}: the shards hold no faces of a triangulation ({error}): tile the "
+            f"{tiled.folder}: the shards hold no faces of a triangulation ({error}): tile the "
             "source again"
         ) from error
 
@@ -238,7 +242,7 @@ def part_of(
 def touching(tiled: TiledSurfaceData, box: Bounds) -> Iterator[tuple[Any, Rows]]:
     """Yield the faces whose own boxes touch a box, and their corners."""
     for shard in tiled.manifest["shards"]:
-        west, south, _, east, north, _ = shard["extent"]
+        west, south, _, east, north, _ = shard["box"]
         if west > box[2] or south > box[3] or east < box[0] or north < box[1]:
             continue
         vertices, faces = mesh_of(tiled, shard)

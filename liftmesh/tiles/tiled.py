@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from liftmesh._typing import Array, Integers, Progress, Rows
-from liftmesh.base.options import RasterQuantity, SampleMethod, as_folder
+from liftmesh.base.options import Interpolation, RasterQuantity, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
 from liftmesh.tiles.manifest import manifest_of
@@ -19,6 +19,7 @@ from liftmesh.tiles.tiled_data import TiledData, TiledSurfaceData
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
@@ -33,7 +34,7 @@ class Tiled(TiledData):
 
     Attributes
     ----------
-    directory : pathlib.Path
+    folder : pathlib.Path
         The folder with the shards.
     manifest : dict
         What the folder holds: counts, the files of the source with their first rows, the shards
@@ -45,7 +46,7 @@ class Tiled(TiledData):
     >>> import liftmesh
     >>> points = np.random.default_rng(0).random((1000, 2))
     >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
-    >>> len(tiled.shards) > 1, tiled.compute().shape == liftmesh.delaunay(points).simplices.shape
+    >>> len(tiled.shards) > 1, tiled.to_array().shape == liftmesh.delaunay(points).simplices.shape
     (True, True)
     """
 
@@ -75,7 +76,7 @@ class Tiled(TiledData):
         """
         return tiled_data.report_of(self)
 
-    def blocks(self) -> Iterator[Integers]:
+    def iter_blocks(self) -> Iterator[Integers]:
         """Yield the triangles of one shard after the other.
 
         Yields
@@ -95,12 +96,12 @@ class Tiled(TiledData):
         >>> import tempfile
         >>> import liftmesh
         >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
-        >>> [block.tolist() for block in tiled.blocks()]
+        >>> [block.tolist() for block in tiled.iter_blocks()]
         [[[0, 1, 2]]]
         """
         return tiled_data.blocks_of(self)
 
-    def compute(self) -> Integers:
+    def to_array(self) -> Integers:
         """Read all triangles into memory: 24 bytes each.
 
         Returns
@@ -122,12 +123,12 @@ class Tiled(TiledData):
         >>> import tempfile
         >>> import liftmesh
         >>> tiled = liftmesh.tile([[0, 0], [1, 0], [0, 1]], tempfile.mkdtemp())
-        >>> tiled.compute()
+        >>> tiled.to_array()
         array([[0, 1, 2]])
         """
         return tiled_data.all_triangles(self)
 
-    def neighbor_blocks(self) -> Iterator[Integers]:
+    def iter_neighbor_blocks(self) -> Iterator[Integers]:
         """Yield which triangles are beyond the edges of one shard after the other.
 
         Yields
@@ -151,13 +152,13 @@ class Tiled(TiledData):
         >>> import liftmesh
         >>> square = [[0, 0], [1, 0], [0, 1], [1, 2]]
         >>> tiled = liftmesh.tile(square, tempfile.mkdtemp(), neighbors=True)
-        >>> next(tiled.neighbor_blocks())[0].tolist()
+        >>> next(tiled.iter_neighbor_blocks())[0].tolist()
         [[-1, -1], [-1, -1], [0, 1]]
         """
         return (tiled_data.neighbor_pairs(self, k) for k in range(len(self.shards)))
 
-    def compute_neighbors(self) -> Integers:
-        """Read all neighbours into memory, as rows of `compute`: 24 bytes a triangle.
+    def neighbors_to_array(self) -> Integers:
+        """Read all neighbours into memory, as rows of `to_array`: 24 bytes a triangle.
 
         Returns
         -------
@@ -167,7 +168,7 @@ class Tiled(TiledData):
         Raises
         ------
         InputError, FormatError, OSError
-            As for `neighbor_blocks`.
+            As for `iter_neighbor_blocks`.
         MemoryError
             There are too many.
 
@@ -176,7 +177,7 @@ class Tiled(TiledData):
         >>> import tempfile
         >>> import liftmesh
         >>> square = [[0, 0], [1, 0], [0, 1], [1, 2]]
-        >>> liftmesh.tile(square, tempfile.mkdtemp(), neighbors=True).compute_neighbors()
+        >>> liftmesh.tile(square, tempfile.mkdtemp(), neighbors=True).neighbors_to_array()
         array([[-1, -1,  1],
                [ 0, -1, -1]])
         """
@@ -192,7 +193,7 @@ class Tiled(TiledData):
 
     @property
     def neighbors(self) -> Any:
-        """The neighbours as an array of Dask, (m, 3, 2) int64, as of `neighbor_blocks`.
+        """The neighbours as an array of Dask, (m, 3, 2) int64, as of `iter_neighbor_blocks`.
 
         Needs ``liftmesh[dask]``. The workers of a cluster must see the folder.
         """
@@ -289,7 +290,7 @@ class Tiled(TiledData):
         points : path, list of paths, array_like, or iterator of arrays, optional
             The source, as for `tile`; by default the files that the manifest names.
         scratch : str or path, optional
-            Where to make a folder for 24 bytes a row, which is removed; by default `directory`.
+            Where to make a folder for 24 bytes a row, which is removed; by default `folder`.
         threads : int, optional
             As for `delaunay`.
         progress : callable, optional
@@ -336,10 +337,10 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
     Attributes
     ----------
-    directory : pathlib.Path
+    folder : pathlib.Path
         The folder with the shards.
     manifest : dict
-        As of a `Tiled`; the entry "surface" says policy, coordinate system, values and extent.
+        As of a `Tiled`; the entry "surface" says policy, coordinate system, values and box.
 
     Examples
     --------
@@ -365,7 +366,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         """
         return tiled_data.surface_report(self)
 
-    def vertices(self) -> Iterator[Array]:
+    def iter_vertices(self) -> Iterator[Array]:
         """Yield the vertices of one shard after the other.
 
         Yields
@@ -386,18 +387,18 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> import tempfile
         >>> import liftmesh
         >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
-        >>> [each["z"].tolist() for each in tiled.vertices()]
+        >>> [each["z"].tolist() for each in tiled.iter_vertices()]
         [[5.0, 6.0, 7.0]]
         """
         return tiled_data.vertices_of(self)
 
-    def faces(self) -> Iterator[Rows]:
+    def iter_faces(self) -> Iterator[Rows]:
         """Yield the triangles of one shard after the other, as numbers of its vertices.
 
         Yields
         ------
         (m, 3) ndarray of int32
-            The triangles that `blocks` yields; mapped, not read.
+            The triangles that `iter_blocks` yields; mapped, not read.
 
         Raises
         ------
@@ -411,12 +412,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> import tempfile
         >>> import liftmesh
         >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
-        >>> [each.tolist() for each in tiled.faces()]
+        >>> [each.tolist() for each in tiled.iter_faces()]
         [[[0, 1, 2]]]
         """
         return tiled_data.faces_of(self)
 
-    def meshes(self) -> Iterator[Cloud]:
+    def iter_meshes(self) -> Iterator[Cloud]:
         """Yield each shard as a mesh of its own.
 
         Yields
@@ -437,7 +438,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> import tempfile
         >>> import liftmesh
         >>> tiled = liftmesh.tile_surface([[0, 0, 5], [1, 0, 6], [0, 1, 7]], tempfile.mkdtemp())
-        >>> [(len(mesh), mesh.faces.tolist()) for mesh in tiled.meshes()]
+        >>> [(len(mesh), mesh.faces.tolist()) for mesh in tiled.iter_meshes()]
         [(3, [[0, 1, 2]])]
         """
         return tiled_data.meshes_of(self)
@@ -450,7 +451,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
+        interpolation: Interpolation = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float64,
@@ -463,7 +464,9 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        resolution, bounds, transform, shape, quantity, method, light, z_factor, dtype, threads
+        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor, dtype
+            As for `Surface.raster`.
+        threads : int, optional
             As for `Surface.raster`.
         progress : callable, optional
             Called with the fraction of the pixels done.
@@ -498,7 +501,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
             transform=transform,
             shape=shape,
             quantity=quantity,
-            method=method,
+            interpolation=interpolation,
             light=light,
             z_factor=z_factor,
             dtype=dtype,
@@ -515,7 +518,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         transform: Sequence[float] | None = None,
         shape: Sequence[int] | None = None,
         quantity: RasterQuantity = "height",
-        method: SampleMethod = "linear",
+        interpolation: Interpolation = "linear",
         light: tuple[float, float] = (315.0, 45.0),
         z_factor: float | None = None,
         dtype: DTypeLike = np.float32,
@@ -523,14 +526,14 @@ class TiledSurface(TiledSurfaceData, Tiled):
         compress: str | None = "deflate",
         threads: int | None = None,
         progress: Progress | None = None,
-    ) -> Path:
+    ) -> WriteResult:
         """Write a raster as GeoTIFF, window by window: no more than a window is in memory.
 
         Parameters
         ----------
         path : path
             Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, method, light, z_factor
+        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor
             As for `Surface.raster`.
         dtype : {"float32", "float64"}
             Type of the values; heights are rounded once.
@@ -565,8 +568,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> import liftmesh
         >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
         >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
-        >>> tiled.save_raster(Path(tempfile.mkdtemp()) / "dtm.tif", 2).name
-        'dtm.tif'
+        >>> tiled.save_raster(Path(tempfile.mkdtemp()) / "dtm.tif", 2).format
+        'geotiff'
         """
         return surface_raster.save_raster(
             self,
@@ -576,7 +579,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
             transform=transform,
             shape=shape,
             quantity=quantity,
-            method=method,
+            interpolation=interpolation,
             light=light,
             z_factor=z_factor,
             dtype=dtype,
@@ -591,7 +594,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         levels: ArrayLike | None = None,
         *,
         interval: float | None = None,
-        base: float = 0.0,
+        contour_base: float = 0.0,
         index_every: int = 5,
     ) -> Contours:
         """Compute lines of equal height, reading one shard after the other.
@@ -600,7 +603,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, base, index_every
+        levels, interval, contour_base, index_every
             As for `Surface.contours`.
 
         Returns
@@ -625,15 +628,15 @@ class TiledSurface(TiledSurfaceData, Tiled):
         >>> slope.contours([2])[0].points.tolist()
         [[1.0, 3.0], [1.0, 0.0]]
         """
-        return surface_lines.contour_lines(self, levels, interval, base, index_every)
+        return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
 
 
-def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
+def open_tiled(folder: str | os.PathLike[str]) -> Tiled:
     """Open what `tile` or `tile_surface` has written.
 
     Parameters
     ----------
-    directory : str or path
+    folder : str or path
         The folder.
 
     Returns
@@ -645,7 +648,7 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     Raises
     ------
     InputError
-        `directory` is no path.
+        `folder` is no path.
     FormatError
         The folder holds no finished triangulation, or files of it are missing or truncated.
     OSError
@@ -659,9 +662,9 @@ def open_tiled(directory: str | os.PathLike[str]) -> Tiled:
     >>> liftmesh.tile([[0, 0], [1, 0], [0, 1]], folder)
     <Tiled: 1 triangles over 3 rows in 1 shards>
     >>> open_tiled(folder).convex_hull.tolist()
-    [[0, 1], [1, 2], [2, 0]]
+    [0, 1, 2]
     """
-    folder = Path(as_folder("directory", directory))
+    folder = Path(as_folder("folder", folder))
     manifest = manifest_of(folder)
     kind = TiledSurface if "surface" in manifest else Tiled
     tiled = kind(folder, manifest)

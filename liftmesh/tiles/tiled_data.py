@@ -19,7 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.base.frozen import FrozenResult, cached_property
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.report import Report
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 class TiledData(FrozenResult):
     """The fields of a `Tiled`, which describes them, and what follows from them directly."""
 
-    directory: Path
+    folder: Path
     manifest: Mapping[str, Any]
 
     @property
@@ -52,7 +52,7 @@ class TiledData(FrozenResult):
     @property
     def shards(self) -> tuple[Path, ...]:
         """The files of triangles: tiles first, then what crosses their borders."""
-        return tuple(self.directory / shard["file"] for shard in self.manifest["shards"])
+        return tuple(self.folder / shard["file"] for shard in self.manifest["shards"])
 
     @property
     def duplicates(self) -> Integers:
@@ -66,9 +66,8 @@ class TiledData(FrozenResult):
 
     @property
     def convex_hull(self) -> Integers:
-        """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
-        hull = array_of(self, "hull.npy", np.int64, self.manifest["hull"])
-        return np.stack([hull, np.roll(hull, -1)], axis=1)
+        """The rows on the convex hull, (h,) int64, as of a `Triangulation`; mapped."""
+        return array_of(self, "hull.npy", np.int64, self.manifest["hull"])
 
     @cached_property
     def _digests(self) -> dict[str, str]:
@@ -104,9 +103,15 @@ class TiledSurfaceData(TiledData):
         return resolve_plane("xy", np.empty((0, 3)))
 
     @property
-    def extent(self) -> tuple[float, ...]:
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest rectangle around all vertices: xmin, ymin, xmax, ymax."""
+        west, south, _, east, north, _ = self.box
+        return west, south, east, north
+
+    @property
+    def box(self) -> tuple[float, ...]:
         """The least and the greatest coordinates: xmin, ymin, zmin, xmax, ymax, zmax."""
-        return tuple(self.manifest["surface"]["extent"])
+        return tuple(self.manifest["surface"]["box"])
 
     @property
     def classes(self) -> dict[int, int]:
@@ -125,12 +130,12 @@ def stated_files(tiled: TiledData) -> dict[str, Mapping[str, Any]]:
 
 def is_intact(tiled: TiledData) -> bool:
     """Whether every file has the SHA-256 that the manifest states."""
-    return is_sound(tiled.directory, tiled._digests)  # noqa: SLF001 - kept for the functions here
+    return is_sound(tiled.folder, tiled._digests)  # noqa: SLF001 - kept for the functions here
 
 
 def array_of(tiled: TiledData, name: str, kind: Any, count: int | None, *shape: int) -> Array:
     """Map a file, which has to be as the manifest says unless the folder is being proved."""
-    path = tiled.directory / name
+    path = tiled.folder / name
     if _is_checked(tiled):
         sound(path, tiled._digests[name])  # noqa: SLF001 - as above
     array = mapped(path)
@@ -164,7 +169,8 @@ def neighbor_pairs(tiled: TiledData, shard: int) -> Integers:
     """Read the neighbours of a shard: the shard and the row beyond each edge."""
     if not tiled.manifest["neighbors"]:
         raise InputError(
-            f"{tiled.directory} has no neighbours: tile again with neighbors=True, resume=False"
+            f"{tiled.folder} has no neighbours: tile again with {Option('neighbors', True)}, "
+            f"{Option('resume', False)}"
         )
     name, counts = tiled.shards[shard].name, np.array(_counts(tiled))
     rows = array_of(tiled, neighbors_name(name), np.int32, counts[shard], 3)
@@ -173,7 +179,7 @@ def neighbor_pairs(tiled: TiledData, shard: int) -> Integers:
     is_right = (side >= 0) & (side < 3 * len(rows)) & (beyond >= 0) & (beyond < len(counts))
     is_right &= (there >= 0) & (there < counts[np.where(is_right, beyond, 0)])
     if not is_right.all() or not within(rows, -1, len(rows)):
-        raise damaged(tiled.directory / neighbors_name(name), "neighbours that are not there")
+        raise damaged(tiled.folder / neighbors_name(name), "neighbours that are not there")
     return as_pairs(shard, rows, links)
 
 
@@ -208,12 +214,12 @@ def report_of(tiled: TiledData) -> Report:
     order = np.argsort(left_out, kind="stable")
     representatives = np.concatenate([pairs[:, 1], np.full_like(skipped, -1)])
     return Report(
-        rows=tiled.npoints,
-        used=tiled.npoints - len(left_out),
-        duplicates=len(pairs),
-        overhangs=0,
-        skipped=len(skipped),
-        triangles=tiled.nsimplex,
+        n_rows=tiled.npoints,
+        n_used=tiled.npoints - len(left_out),
+        n_duplicates=len(pairs),
+        n_overhangs=0,
+        n_skipped=len(skipped),
+        n_triangles=tiled.nsimplex,
         policy="first",
         seconds={},
         left_out=left_out[order],
@@ -227,9 +233,9 @@ def surface_report(tiled: TiledSurfaceData) -> Report:
     overhangs = int(said["overhangs"])
     return replace(
         report,
-        duplicates=report.duplicates - overhangs,
-        overhangs=overhangs,
-        policy=said["duplicates"],
+        n_duplicates=report.n_duplicates - overhangs,
+        n_overhangs=overhangs,
+        policy=said["on_duplicate"],
         columns=tiled.schema.columns,
         color_depth=tiled.schema.color_depth,
         classes=tiled.classes,
@@ -265,7 +271,7 @@ def shard_faces(tiled: TiledSurfaceData, shard: Mapping[str, Any]) -> Rows:
     name = faces_name(shard["file"])
     faces: Rows = array_of(tiled, name, np.int32, shard["triangles"], 3)
     if not within(faces, 0, shard["vertices"]):
-        raise damaged(tiled.directory / name, "corners that are no vertices")
+        raise damaged(tiled.folder / name, "corners that are no vertices")
     return faces
 
 

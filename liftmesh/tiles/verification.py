@@ -41,11 +41,11 @@ def verify_tiled(
 ) -> Certificate:
     """Do what `Tiled.verify` says."""
     check_progress(progress)
-    tiled = UnprovedData(tiled.directory, tiled.manifest)
+    tiled = UnprovedData(tiled.folder, tiled.manifest)
     count, _ = as_threads(threads, _MANY)
     show = progress if progress is not None else lambda _: None
     source = _source_of(tiled) if points is None else points
-    place = tiled.directory if scratch is None else as_folder("scratch", scratch)
+    place = tiled.folder if scratch is None else as_folder("scratch", scratch)
     with working_folder(place, "verify") as folder:
         plan = _plan_of(tiled)
         proof = proof_of(tiled, plan, folder, count)
@@ -61,7 +61,7 @@ def verify_tiled(
 
 def _plan_of(tiled: TiledData) -> Plan:
     """Read where the tiles are: another plan cannot make wrong triangles right."""
-    path = tiled.directory / PLAN
+    path = tiled.folder / PLAN
     if digest_of(path) != tiled.manifest["files"][PLAN]["sha256"]:
         raise FormatError(f"{path}: damaged: tile the source again")
     return Plan.from_dict(load_json(path))
@@ -71,8 +71,8 @@ def _source_of(tiled: TiledData) -> list[str]:
     """List the files that were tiled."""
     entries = tiled.manifest["source"]
     if not all("path" in each for each in entries):
-        raise InputError(f"{tiled.directory} does not name the files of its points: give them")
-    paths = [os.path.normpath(tiled.directory / each["path"]) for each in entries]
+        raise InputError(f"{tiled.folder} does not name the files of its points: give them")
+    paths = [os.path.normpath(tiled.folder / each["path"]) for each in entries]
     for path in paths:
         if not Path(path).exists():
             raise InputError(f"{path} is missing, whose points were tiled: say where they are")
@@ -144,14 +144,14 @@ def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> C
         text = f"vertices - edges + triangles is {vertices - edges + triangles}, not 1"
         flaws = (Flaw("euler", 1, text), *flaws)
     return Certificate(
-        rows=tiled.npoints,
-        skipped=skipped,
-        vertices=vertices,
-        duplicates=proof.duplicates,
-        merged=0,
-        triangles=triangles,
-        edges=edges,
-        hull_edges=proof.hull_edges,
+        n_rows=tiled.npoints,
+        n_skipped=skipped,
+        n_vertices=vertices,
+        n_duplicates=proof.duplicates,
+        n_merged=0,
+        n_triangles=triangles,
+        n_edges=edges,
+        n_hull_edges=proof.hull_edges,
         flaws=flaws,
         points_sha256=digest,
         simplices_sha256=_sha256(tiled),

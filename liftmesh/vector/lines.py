@@ -9,6 +9,7 @@ from pathlib import Path
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
+from liftmesh.io.write import WriteResult, written_file
 from liftmesh.vector import geojson, geopackage
 from liftmesh.vector.files import read_shapes
 
@@ -37,13 +38,15 @@ def write_lines(
     columns: Mapping[str, Array],
     crs: str | None,
     layer: str,
-) -> None:
+) -> WriteResult:
     """Write lines with a value of each column, as the name of the file says."""
+    is_package = path.suffix.lower() == ".gpkg"
     with replacing(path) as stream:
-        if path.suffix.lower() == ".gpkg":
+        if is_package:
             geopackage.write_lines(stream, points, starts, columns, crs, layer)
-            return
-        rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-        properties = (dict(zip(columns, row, strict=True)) for row in rows)
-        parts = (points[begin:end] for begin, end in pairwise(starts.tolist()))
-        geojson.write_lines(stream, zip(properties, parts, strict=True), crs)
+        else:
+            rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+            properties = (dict(zip(columns, row, strict=True)) for row in rows)
+            parts = (points[begin:end] for begin, end in pairwise(starts.tolist()))
+            geojson.write_lines(stream, zip(properties, parts, strict=True), crs)
+    return written_file(path, "geopackage" if is_package else "geojson")

@@ -19,5 +19,5 @@ checked exactly before its times count. Then all contestants are timed in altern
     system_load   processor time that other programs took meanwhile
     profile/      instruction counts of the kernel
 
-The check of triangles is `second_opinion.py` of the tests.
+The check of triangles is `oracles/second_opinion.py`.
 """

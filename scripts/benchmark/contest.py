@@ -9,7 +9,6 @@ is its only round. A contestant that exceeds the time limit is not tried on larg
 from __future__ import annotations
 
 import hashlib
-import sys
 import tempfile
 from contextlib import ExitStack
 from math import ceil
@@ -19,16 +18,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from distributions import DISTRIBUTIONS
 from numpy.typing import NDArray
+from oracles.second_opinion import flaw
 
-from benchmark.contestants import SCRIPTS, Contestant
+from benchmark.contestants import Contestant
 from benchmark.peers import PEERS
 from benchmark.process import NoAnswerError, Process, TimeLimitError
 from benchmark.results import Calls, Measurement, Timing, Trial
 from benchmark.system_load import SystemLoad
-
-sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the check of triangles
-
-from second_opinion import flaw
 
 if TYPE_CHECKING:
     from benchmark.cases import Case

@@ -63,7 +63,7 @@ def lfres_indexed(_: int) -> Call:
     delaunay = import_module("liftmesh").delaunay
 
     def call(points: Points) -> Outputs:
-        triangulation = delaunay(points, method="lfres-indexed")
+        triangulation = delaunay(points, algorithm="lfres-indexed")
         return triangulation.simplices, triangulation.neighbors
 
     return call

@@ -1,8 +1,8 @@
 """What a cloud lost between two forms, value by value.
 
 Values are the same if their bits are: a NaN is the same whatever its payload, and a zero has its
-sign. Losses have the words of `Written.dropped`; what these do not tell has words of its own, such
-as ``type of class``, and what must never happen is a `ChangedError`.
+sign. Losses have the words of `WriteResult.dropped`; what these do not tell has words of its own,
+such as ``type of class``, and what must never happen is a `ChangedError`.
 """
 
 from __future__ import annotations
@@ -237,17 +237,17 @@ def _default(value: Any) -> Any:
 
 
 def unnamed(lost: Collection[str], dropped: Collection[str]) -> set[str]:
-    """Return the losses that `Written.dropped` does not name."""
+    """Return the losses that `WriteResult.dropped` does not name."""
     return {each for each in lost if not any(_means(text, each) for text in dropped)}
 
 
 def untrue(lost: Collection[str], dropped: Collection[str]) -> set[str]:
-    """Return what `Written.dropped` names and was not lost."""
+    """Return what `WriteResult.dropped` names and was not lost."""
     return {text for text in dropped if not any(_means(text, each) for each in lost)}
 
 
 def _means(text: str, loss: str) -> bool:
-    """Whether a text of `Written.dropped` tells a loss."""
+    """Whether a text of `WriteResult.dropped` tells a loss."""
     kind, _, name = loss.partition(" ")
     if kind == "attribute" and (text == name or text.startswith(f"{name} (")):
         return True

@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import copy
+import io
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from distributions import Points, polar
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.functions import EXACT, PLAIN, on_points
 from growth.planar import PLANAR
 from growth.weighted import FEW, weights_of
+
+import liftmesh
 from liftmesh.optional import load
 
 CELLS = ("areas", "centroids", "corner_kinds", "corner_sources", "empty", "neighbors", "not_simple",
-         "shared_lengths")  # fmt: skip
+         "shared_lengths", "sides")  # fmt: skip
 
 VORONOI = ("regions", "ridge_vertices", "ridge_dict", "ridge_points", "ridge_ends", "point_region",
            "region_vertices")  # fmt: skip
@@ -81,7 +82,7 @@ def transported(points: Points) -> Work:
     """Prepare one step of Newton's method at different positions."""
     distinct = np.unique(points, axis=0)
     masses, box = np.ones(len(distinct)), boxed(points)
-    return Work(lambda: liftmesh.transport(distinct, masses, domain=box, steps=1), len(distinct))
+    return Work(lambda: liftmesh.transport(distinct, masses, domain=box, max_iter=1), len(distinct))
 
 
 def by_density(points: Points) -> Work:
@@ -89,7 +90,7 @@ def by_density(points: Points) -> Work:
     side = int(len(points) ** 0.5) + 1
     image = np.arange(side * side).reshape(side, side)
     box = boxed(points)
-    return Work(lambda: liftmesh.lloyd(points, domain=box, density=image, steps=2), len(points))
+    return Work(lambda: liftmesh.lloyd(points, domain=box, density=image, max_iter=2), len(points))
 
 
 def queries_of(points: Points) -> Points:
@@ -129,7 +130,7 @@ def diagram_functions() -> Iterator[tuple[Any, ...]]:
     yield "voronoi around a hub", PLANAR, around_a_hub, ("uniform",)
     for name in CELLS:
         yield f"Cells.{name}", PLANAR, on_cells(lambda c, name=name: getattr(c, name)), FEW
-    lloyd = on_points(lambda points: liftmesh.lloyd(points, domain=boxed(points), steps=2))
+    lloyd = on_points(lambda points: liftmesh.lloyd(points, domain=boxed(points), max_iter=2))
     yield "lloyd", PLANAR, lloyd, ("uniform",)
     yield "natural_neighbors", PLANAR, neighbors_of, ("uniform",)
     found = on_neighbors(lambda n, values: n.interpolate(values))
@@ -140,9 +141,10 @@ def diagram_functions() -> Iterator[tuple[Any, ...]]:
     for name in ("rays", "regions", "ridge_dict", "ridge_vertices"):
         unclipped = on_cells(lambda c, name=name: getattr(c.unclipped, name))
         yield f"Unclipped.{name}", PLANAR, unclipped, ()
-    yield "Cells.sides", PLANAR, on_cells(liftmesh.Cells.sides), ()
     yield "Cells.to_shapely", PLANAR, on_cells(liftmesh.Cells.to_shapely), ("uniform",)
     yield "Cells.to_geodataframe", PLANAR, on_cells(liftmesh.Cells.to_geodataframe), ()
+    saved = on_cells(lambda c: c.save(io.BytesIO(), format="geojson"))
+    yield "Cells.save", PLANAR, saved, ()
 
 
 FUNCTIONS = tuple(diagram_functions())

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
 from growth.tiled import tiled_functions
+
+import liftmesh
 from liftmesh import Cloud, Triangulation
 
 PLAIN = ("uniform", "lattice", "circle and centre")
@@ -260,7 +260,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "delaunay in a metric", PLANAR, delaunay(metric=METRIC), ("uniform", *EXACT)
     yield "delaunay with rows left out", PLANAR, delaunay(nonfinite="skip"), ("few positions",)
     for method in ("lf", "lfres", "lfres-indexed"):
-        yield f"delaunay by {method}", PLANAR, delaunay(method=method), ("uniform",), 8
+        yield f"delaunay by {method}", PLANAR, delaunay(algorithm=method), ("uniform",), 8
     yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN
     for name in ("coplanar", "edges", "equations", "good", "vertex_neighbor_vertices"):
         yield f"Delaunay.{name}", PLANAR, on_scipys(lambda tri, name=name: getattr(tri, name)), ()
@@ -304,7 +304,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         on_triangulation(lambda t: t.plane_distance(t.points[0])),
         PLAIN,
     )
-    yield "lift", PLANAR, on_points(lambda points: liftmesh.lift(points, "median")), PLAIN
+    yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
     yield "LowerHull.above", PLANAR, on_hull(lambda hull: hull.above), PLAIN
@@ -319,14 +319,14 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield (
         "lower_hull by lf",
         SPATIAL,
-        on_points(lambda points: liftmesh.lower_hull(points, method="lf")),
+        on_points(lambda points: liftmesh.lower_hull(points, algorithm="lf")),
         ("lifted points",),
         8,
     )
     yield "triangulate", SPATIAL, triangulate()
     for policy in POLICIES:
         label = f"triangulate with the {policy} of duplicates"
-        yield label, SPATIAL, triangulate(duplicates=policy), ("towers", "random heights")
+        yield label, SPATIAL, triangulate(on_duplicate=policy), ("towers", "random heights")
     yield "triangulate on a fitted plane", SPATIAL, triangulate(plane="fit"), TERRAIN
     yield "triangulate on a plane", SPATIAL, triangulate(plane=(1, 2, 3)), TERRAIN
     yield "compare", SPATIAL, on_points(liftmesh.compare), TERRAIN, 16
@@ -356,8 +356,8 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "Cloud.select", SPATIAL, halves, TERRAIN
     yield "Cloud.with_color_depth", SPATIAL, deepened, TERRAIN
     yield "merge", SPATIAL, halved_and_merged, TERRAIN
-    for way in ("cell", "distance"):
-        yield f"thin by a {way}", SPATIAL, thinned(way), TERRAIN
+    for way in ("cell", "min_distance"):
+        yield f"thin by a {way.removeprefix('min_')}", SPATIAL, thinned(way), TERRAIN
     yield "thin at random", SPATIAL, on_points(lambda points: liftmesh.thin(points, random=9)), ()
     yield "as_cloud of an array", SPATIAL, adapted(np.asfortranarray), TERRAIN
     yield "as_cloud of lists", SPATIAL, adapted(lambda points: points.tolist()), TERRAIN

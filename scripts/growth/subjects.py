@@ -14,9 +14,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from beside import stream_of
-
-import liftmesh
+from files import stream_of
 from growth import cells, changing, disks, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
@@ -31,10 +29,13 @@ from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.planar import DEAR
 from growth.spatial import DEEP
+
+import liftmesh
 from liftmesh.io.registry import FORMATS
 
 if TYPE_CHECKING:
     from growth.families import Families
+
     from liftmesh.io.format import Format
 
 FILES: dict[str, Families] = {
@@ -94,8 +95,8 @@ CHUNKS = 16
 
 WITHOUT_DATA = {
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
-    "Relaxed": "a result, made by lloyd",
-    "Transported": "a result, made by transport",
+    "LloydResult": "a result, made by lloyd",
+    "TransportResult": "a result, made by transport",
     "Cells": "a result, made by voronoi; its methods and properties are watched",
     "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
     "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",
@@ -103,17 +104,17 @@ WITHOUT_DATA = {
     "ApolloniusGraph": "a result, made by apollonius; its methods are watched",
     "Adapter": "describes a conversion",
     "Format": "describes a format",
-    "Written": "tells what was written",
+    "WriteResult": "tells what was written",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "Flaw": "a result, made by verify",
-    "Offender": "a result, made by verify",
+    "Violation": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",
     "Comparison": "a result, made by compare; its methods are watched",
     "Contour": "a line of Contours",
     "Contours": "a result, made by Surface.contours; its methods are watched",
     "Counters": "a result, made by delaunay",
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
-    "Earthwork": "a result, made by Surface.cut_and_fill",
+    "CutFillResult": "a result, made by Surface.cut_and_fill",
     "Profile": "a result, made by Surface.profile",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
@@ -124,7 +125,7 @@ WITHOUT_DATA = {
     "Tiled": "a result, made by tile; its methods are watched",
     "TiledSurface": "a result, made by tile_surface; its methods are watched",
     "Triangulation": "a result, made by delaunay; its methods and properties are watched",
-    "Volume": "a result, made by Surface.volume",
+    "VolumeResult": "a result, made by Surface.volume",
 }
 """Public names that are not watched, each with the reason; nor are exceptions and the version."""
 

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.functions import near_the_middle
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
+
+import liftmesh
 from liftmesh import Surface, Triangulation
 
 HALVES = {
@@ -168,7 +168,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
     cut = on_surface(lambda found: found.volume(0.5))
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
-    inside = on_surface(lambda found: found.volume(0.5, polygon=[[0, 0], [1, 0], [0.5, 1]]))
+    inside = on_surface(lambda found: found.volume(0.5, within=[[0, 0], [1, 0], [0.5, 1]]))
     yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
     each = on_surface(lambda found: found.volume_by_polygon(HALVES, 0.5))
     yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST
@@ -189,7 +189,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.raster", PLANAR, rasters(), HARD_TO_WALK, LEAST
     hillshade = rasters(quantity="hillshade")
     yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
-    yield "Raster.centres", PLANAR, on_raster(liftmesh.Raster.centres), ("uniform",), LEAST
+    yield "Raster.centers", PLANAR, on_raster(liftmesh.Raster.centers), ("uniform",), LEAST
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 

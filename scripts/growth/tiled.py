@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.planar import PLANAR
 from growth.spatial import SPATIAL
+
+import liftmesh
 
 
 def tiled_by(work: Callable[..., object]) -> Prepare:
@@ -57,7 +57,7 @@ def proved(points: Points) -> Work:
 
 def pixels(tiled: liftmesh.TiledSurface) -> dict[str, Any]:
     """Lay about one pixel over each row."""
-    west, south, _, east, north, _ = tiled.extent
+    west, south, _, east, north, _ = tiled.box
     count = int(tiled.npoints**0.5) + 1
     transform = ((east - west) / count, 0, west, 0, (south - north) / count, north)
     return {"transform": transform, "shape": (count, count), "threads": 1}
@@ -65,19 +65,19 @@ def pixels(tiled: liftmesh.TiledSurface) -> dict[str, Any]:
 
 def saved(tiled: liftmesh.TiledSurface) -> object:
     """Write a raster beside the shards."""
-    return tiled.save_raster(Path(tiled.directory) / "raster.tif", **pixels(tiled))
+    return tiled.save_raster(Path(tiled.folder) / "raster.tif", **pixels(tiled))
 
 
 def lines(tiled: liftmesh.TiledSurface) -> object:
     """Find lines at four levels."""
-    return tiled.contours(np.linspace(tiled.extent[2], tiled.extent[5], 6)[1:-1])
+    return tiled.contours(np.linspace(tiled.box[2], tiled.box[5], 6)[1:-1])
 
 
 def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
     yield "tile_surface", PLANAR, tiled_by(liftmesh.tile_surface), ("uniform", "few positions")
     heights = ("random heights",)
-    for name in ("report", "vertices", "faces", "meshes"):
+    for name in ("report", "iter_vertices", "iter_faces", "iter_meshes"):
         yield f"TiledSurface.{name}", SPATIAL, on_surface_tiles(PARTS[name]), heights
     raster = on_surface_tiles(lambda tiled: tiled.raster(**pixels(tiled)))
     yield "TiledSurface.raster", SPATIAL, raster, heights
@@ -87,9 +87,9 @@ def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
 
 PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {
     "report": lambda tiled: tiled.report,
-    "vertices": lambda tiled: list(tiled.vertices()),
-    "faces": lambda tiled: list(tiled.faces()),
-    "meshes": lambda tiled: list(tiled.meshes()),
+    "iter_vertices": lambda tiled: list(tiled.iter_vertices()),
+    "iter_faces": lambda tiled: list(tiled.iter_faces()),
+    "iter_meshes": lambda tiled: list(tiled.iter_meshes()),
 }
 
 
@@ -101,16 +101,21 @@ def tiled_functions() -> Iterator[tuple[Any, ...]]:
         tiled_by(liftmesh.tile),
         ("uniform", "circle and centre", "two columns", "few positions"),
     )
-    opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.directory))
+    opened = on_tiles(lambda tiled: liftmesh.open_tiled(tiled.folder))
     yield "open_tiled", PLANAR, opened, ("uniform",)
-    yield "Tiled.compute", PLANAR, on_tiles(liftmesh.Tiled.compute), ("uniform",)
+    yield "Tiled.to_array", PLANAR, on_tiles(liftmesh.Tiled.to_array), ("uniform",)
     yield "Tiled.verify", PLANAR, proved, ("uniform", "circle and centre", "few positions")
     yield "Tiled.is_sound", PLANAR, on_tiles(liftmesh.Tiled.is_sound), ("uniform",)
-    linked = on_tiles(liftmesh.Tiled.compute_neighbors, neighbors=True)
-    yield "Tiled.compute_neighbors", PLANAR, linked, ("uniform",)
-    blocks = on_tiles(lambda tiled: list(tiled.neighbor_blocks()), neighbors=True)
-    yield "Tiled.neighbor_blocks", PLANAR, blocks, ("uniform",)
-    yield "Tiled.blocks", PLANAR, on_tiles(lambda tiled: list(tiled.blocks())), ("uniform",)
+    linked = on_tiles(liftmesh.Tiled.neighbors_to_array, neighbors=True)
+    yield "Tiled.neighbors_to_array", PLANAR, linked, ("uniform",)
+    blocks = on_tiles(lambda tiled: list(tiled.iter_neighbor_blocks()), neighbors=True)
+    yield "Tiled.iter_neighbor_blocks", PLANAR, blocks, ("uniform",)
+    yield (
+        "Tiled.iter_blocks",
+        PLANAR,
+        on_tiles(lambda tiled: list(tiled.iter_blocks())),
+        ("uniform",),
+    )
     for name in ("to_delayed", "to_dask_dataframe"):  # Dask takes long to import under callgrind
         yield f"Tiled.{name}", PLANAR, on_tiles(getattr(liftmesh.Tiled, name)), ()
         surface = on_surface_tiles(getattr(liftmesh.TiledSurface, name))

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.functions import EXACT, PLAIN
 from growth.planar import PLANAR
+
+import liftmesh
 from liftmesh import RegularTriangulation
 
 FEW = ("uniform", "lattice")
@@ -54,7 +54,7 @@ def by_radius(points: Points) -> Work:
 def under_the_hull(points: Points) -> Work:
     """Prepare a triangulation whose inner rows are all hidden."""
     weights = np.zeros(len(points))
-    weights[liftmesh.delaunay(points, threads=1).convex_hull[:, 0]] = 1e300
+    weights[liftmesh.delaunay(points, threads=1).convex_hull] = 1e300
     return Work(lambda: liftmesh.regular(points, weights=weights, threads=1), len(points))
 
 
@@ -91,7 +91,7 @@ def weighted_functions() -> Iterator[tuple[Any, ...]]:
     for name, call in (
         ("lift_points", lambda tri: tri.lift_points(tri.points)),
         ("plane_distance", lambda tri: tri.plane_distance(tri.points[0])),
-        ("lifted", partial(RegularTriangulation.lifted, q="median")),
+        ("lifted", partial(RegularTriangulation.lifted, apex="median")),
     ):
         yield f"RegularTriangulation.{name}", PLANAR, on_weighted(call), ()
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from liftmesh.paper.experiments import Trial
 from liftmesh.paper.printed import SQUARE, TABLES, TableName
-from liftmesh.planar.lifting import resolve_q
+from liftmesh.planar.lifting import resolve_apex
 
 TABLE_OF_CASE: dict[int, TableName] = {1: "5.1", 2: "5.2"}
 BITS = 10
@@ -25,7 +25,7 @@ def uniform(n: int, seed: int) -> Points:
 
 def vertex(case: int, points: Points) -> Vertex:
     """Return q: the origin in case 1, the median point in case 2."""
-    return resolve_q(TABLES[TABLE_OF_CASE[case]].q, points)
+    return resolve_apex(TABLES[TABLE_OF_CASE[case]].q, points)
 
 
 def generated(points: Points, _q: Vertex) -> Points:

@@ -44,9 +44,9 @@ def _triangulation(rows: np.ndarray) -> liftmesh.Triangulation:
 
 
 def _delaunay(rows: np.ndarray, rng: Generator) -> object:
-    method = ("auto", "lfres-indexed")[rng.integers(2)]
+    algorithm = ("auto", "lfres-indexed")[rng.integers(2)]
     return liftmesh.delaunay(
-        rows[:, :2], method=method, order=("engine", "canonical")[rng.integers(2)]
+        rows[:, :2], algorithm=algorithm, order=("engine", "canonical")[rng.integers(2)]
     )
 
 
@@ -62,7 +62,9 @@ def _of_two_threads(_: np.ndarray, rng: Generator) -> object:
 
 def _triangulate(rows: np.ndarray, rng: Generator) -> object:
     plane = ("xy", "fit", (1, 2, 3))[rng.integers(3)]
-    return liftmesh.triangulate(rows, plane=plane, duplicates=POLICIES[rng.integers(len(POLICIES))])
+    return liftmesh.triangulate(
+        rows, plane=plane, on_duplicate=POLICIES[rng.integers(len(POLICIES))]
+    )
 
 
 def _verify(rows: np.ndarray, rng: Generator) -> object:
@@ -128,7 +130,7 @@ def _wrong(rows: np.ndarray, rng: Generator) -> object:
         lambda: liftmesh.verify(broken, np.zeros((1, 3), np.int32)),
         lambda: liftmesh.delaunay(rows[:, :1]),
         lambda: liftmesh.delaunay(rows[:2]),
-        lambda: liftmesh.triangulate(rows, duplicates="error"),
+        lambda: liftmesh.triangulate(rows, on_duplicate="error"),
         lambda: liftmesh.triangulate(object()),
         lambda: liftmesh.read(io.BytesIO(), format="ply"),
         lambda: liftmesh.read("nowhere.ply"),

@@ -8,7 +8,7 @@ own. Triangles and neighbours are compared as sets, array by array; duplicates, 
 as they are. The points are small sets of every kind in `small_sets.py`, 3 to 100 rows with up to
 99 % duplicates, and each of `distributions.py`, which the new version runs with 1, 2 and 3 threads
 besides. One small set in `--oracle` is also compared with exact integers, by
-`tests/support/oracle.py`.
+`scripts/oracles/planar.py`.
 Exits with 1 at a difference, whose points are kept in a file.
 """
 
@@ -25,13 +25,11 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "support"))
 
 from distributions import DISTRIBUTIONS, Points
-from oracle import delaunay as by_definition, exact
+from oracles.planar import delaunay as by_definition, exact
 from small_sets import KINDS, small_set
-
-from versions.worker import Arrays  # noqa: TC001 - no time is saved
+from versions.worker import Arrays
 
 ROOT = Path(__file__).resolve().parents[2]
 TOGETHER = 1000  # small sets of one request
@@ -86,7 +84,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("python", help="the interpreter of the other version")
     parser.add_argument("--sets", type=int, default=20_000, help="number of small sets")

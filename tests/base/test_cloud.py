@@ -69,3 +69,10 @@ def test_a_depth_must_be_given_to_take_colors_as_such() -> None:
     cloud = Cloud(np.zeros((1, 3)), colors=np.zeros((1, 3), dtype=np.uint16))
     with pytest.raises(InputError, match=r"color_depth is None: give 8, 16, 32 or 64 bits$"):
         cloud.with_color_depth(None)  # type: ignore[arg-type]
+
+
+def test_bounds_are_those_of_rows_whose_position_is_finite() -> None:
+    rows = np.array([[3, 5, np.nan], [np.nan, 9, 0], [1, np.inf, 0], [-2, 7, 0]])
+    assert Cloud(rows).bounds == (-2, 5, 3, 7)
+    assert Cloud(rows.astype(np.float32)[:1]).bounds == (3, 5, 3, 5)
+    assert np.isnan(Cloud(rows[1:3]).bounds).tolist() == [True] * 4

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 import pytest
 import shapely
-from test_apollonius import (
+from sites import (
     anywhere,
     beside_a_large_one,
     between_two_large_ones,
@@ -38,10 +38,10 @@ HARBOUR = (
 
 
 def cells_of(
-    disks: Disks, domain: object = None, tolerance: float | None = None
+    disks: Disks, domain: object = None, max_deviation: float | None = None
 ) -> ApolloniusCells:
     return liftmesh.apollonius_diagram(
-        disks[:, :2], disks[:, 2], domain=domain, tolerance=tolerance
+        disks[:, :2], disks[:, 2], domain=domain, max_deviation=max_deviation
     )
 
 
@@ -81,7 +81,9 @@ def check(disks: Disks, cells: ApolloniusCells) -> None:
     rows, ahead = row_of_corners(cells), cells.corners[next_corners(cells)]
     for share in (0.0, 0.25, 0.5, 0.75):
         places = (1 - share) * cells.corners + share * ahead
-        assert excess(disks, places, rows) < 2.01 * cells.tolerance  # a place is so far off a side
+        assert (
+            excess(disks, places, rows) < 2.01 * cells.max_deviation
+        )  # a place is so far off a side
     inner = cells.beyond >= 0
     there = np.concatenate([cells.corners[inner], ahead[inner]], axis=1)
     back = np.concatenate([ahead[inner], cells.corners[inner]], axis=1)
@@ -101,8 +103,13 @@ def test_cells_fill_boxes_and_polygons(family: object) -> None:
         size = max(float((high - low).max()), 1.0)
         moved = shapely.affinity.translate(shapely.affinity.scale(HARBOUR, size, size), *low)
         part = (*low, *(low + size * np.array([0.3, 0.4])))
-        for domain, tolerance in ((None, None), (moved, None), (moved, size), (part, size / 1e4)):
-            check(disks, cells_of(disks, domain, tolerance))
+        for domain, max_deviation in (
+            (None, None),
+            (moved, None),
+            (moved, size),
+            (part, size / 1e4),
+        ):
+            check(disks, cells_of(disks, domain, max_deviation))
 
 
 def test_equal_radii_give_the_cells_of_voronoi() -> None:
@@ -169,8 +176,8 @@ def test_a_finer_tolerance_has_more_points_and_nearer_areas() -> None:
     disks = anywhere(np.random.default_rng(3), 30)
     exact = cells_of(disks, (0, 0, 1, 1), 1e-9).areas
     errors, counts = [], []
-    for tolerance in (1e-2, 1e-4, 1e-6):
-        cells = cells_of(disks, (0, 0, 1, 1), tolerance)
+    for max_deviation in (1e-2, 1e-4, 1e-6):
+        cells = cells_of(disks, (0, 0, 1, 1), max_deviation)
         errors.append(np.abs(cells.areas - exact).max())
         counts.append(len(cells.corners))
     assert errors[0] > 10 * errors[1] > 100 * errors[2]
@@ -184,18 +191,18 @@ def test_the_default_tolerance_follows_the_coordinates(exponent: int) -> None:
     for domain in (None, (0, 0, 1, 0.5)):
         box = None if domain is None else tuple(scale * value for value in domain)
         cells, scaled = cells_of(disks, domain), cells_of(scale * disks, box)
-        assert scaled.tolerance == scale * cells.tolerance
+        assert scaled.max_deviation == scale * cells.max_deviation
         np.testing.assert_allclose(scaled.corners / scale, cells.corners, rtol=1e-12)
         np.testing.assert_array_equal(scaled.parts, cells.parts)
 
 
-@pytest.mark.parametrize("tolerance", [1e9, 1e20, 1e300])
-def test_a_tolerance_beyond_the_domain_is_that_of_its_side(tolerance: float) -> None:
+@pytest.mark.parametrize("max_deviation", [1e9, 1e20, 1e300])
+def test_a_tolerance_beyond_the_domain_is_that_of_its_side(max_deviation: float) -> None:
     disks = anywhere(np.random.default_rng(18), 30)
-    cells, widest = cells_of(disks, HARBOUR, tolerance), cells_of(disks, HARBOUR, 3.1)
+    cells, widest = cells_of(disks, HARBOUR, max_deviation), cells_of(disks, HARBOUR, 3.1)
     check(disks, cells)
     np.testing.assert_array_equal(cells.corners, widest.corners)
-    sides, coarse = (cells.graph.cell_sides((0, 0, 1, 2), by) for by in (tolerance, 2.0))
+    sides, coarse = (cells.graph.cell_sides((0, 0, 1, 2), by) for by in (max_deviation, 2.0))
     assert all(np.array_equal(a, b) for (_, a), (_, b) in zip(sides, coarse, strict=True))
 
 
@@ -265,7 +272,7 @@ def test_rings_that_no_side_crosses_are_found_wherever_they_are() -> None:
         for x, y in places + (0.001 if domain is islands else -1e-7):
             apart = np.hypot(*(disks[:, :2] - (x, y)).T) - disks[:, 2]
             first, second = np.sort(apart)[:2]
-            if second - first > 3 * cells.tolerance:
+            if second - first > 3 * cells.max_deviation:
                 assert held[apart.argmin()].distance(shapely.Point(x, y)) < 1e-12
 
 
@@ -304,7 +311,7 @@ def test_corners_say_where_they_come_from() -> None:
         among = source[: 3 if kind == 0 else 2]
         assert row in among
         apart = np.hypot(*(disks[among, :2] - place).T) - disks[among, 2]
-        assert np.ptp(apart) < (2.01 * cells.tolerance if kind == 1 else 1e-14)
+        assert np.ptp(apart) < (2.01 * cells.max_deviation if kind == 1 else 1e-14)
         if kind == 1:
             a, b = domain.corners[source[2]], domain.corners[domain.following[source[2]]]
             assert shapely.LineString([a, b]).distance(shapely.Point(place)) < 1e-15
@@ -345,14 +352,26 @@ def test_disks_come_from_tables_and_geopandas() -> None:
 
 
 @pytest.mark.parametrize(
-    ("radii", "domain", "tolerance", "error", "message"),
+    ("radii", "domain", "max_deviation", "error", "message"),
     [
         ([1, -1.0], None, None, InputError, "row 1 has the radius -1.0"),
         ([1, np.nan], None, None, NonFiniteError, "row 1 has the radius nan: remove .* first$"),
-        ([1, 1.5], None, 0, InputError, "tolerance is 0: give a positive, finite number"),
-        ([1, 1.5], None, np.inf, InputError, "tolerance is inf: give a positive, finite number"),
-        ([1, 1.5], None, np.nan, InputError, "tolerance is nan: give a positive, finite number"),
-        ([1, 1.5], None, True, InputError, "tolerance is True: give a positive, finite number"),
+        ([1, 1.5], None, 0, InputError, "max_deviation is 0: give a positive, finite number"),
+        (
+            [1, 1.5],
+            None,
+            np.inf,
+            InputError,
+            "max_deviation is inf: give a positive, finite number",
+        ),
+        (
+            [1, 1.5],
+            None,
+            np.nan,
+            InputError,
+            "max_deviation is nan: give a positive, finite number",
+        ),
+        ([1, 1.5], None, True, InputError, "max_deviation is True: give a positive, finite number"),
         ([1, 1.5], None, -1e-3, InputError, "give a positive, finite number"),
         ([1, 1.5], None, 1e-20, InputError, "near the rounding of coordinates"),
         ([1, 1.5], (0, 0, 0, 1), None, InputError, "has no area"),
@@ -361,10 +380,12 @@ def test_disks_come_from_tables_and_geopandas() -> None:
     ],
 )
 def test_errors(
-    radii: object, domain: object, tolerance: object, error: type[Exception], message: str
+    radii: object, domain: object, max_deviation: object, error: type[Exception], message: str
 ) -> None:
     with pytest.raises(error, match=message):
-        liftmesh.apollonius_diagram([[0, 0], [4, 0]], radii, domain=domain, tolerance=tolerance)  # type: ignore[arg-type]
+        liftmesh.apollonius_diagram(
+            [[0, 0], [4, 0]], radii, domain=domain, max_deviation=max_deviation
+        )  # type: ignore[arg-type]
 
 
 def test_rows_that_are_not_finite_cannot_be_skipped() -> None:
@@ -386,10 +407,10 @@ def test_a_tolerance_of_too_many_points_is_refused_before_they_are_made(
     monkeypatch.setattr(Arcs, "_coarse", counting)
     rng = np.random.default_rng(19)
     disks = scale * np.c_[rng.random((30, 2)), rng.random(30) / 10]
-    text = f"tolerance is {2e-14 * scale!r}, by which arcs have more than 16,777,216 points: give a"
+    text = f"max_deviation is {2e-14 * scale!r}, by which arcs have more than 16,777,216 points"
     with pytest.raises(InputError, match=text):
         liftmesh.apollonius(disks[:, :2], disks[:, 2]).cell_sides(
-            (0, 0, scale, scale), tolerance=2e-14 * scale
+            (0, 0, scale, scale), max_deviation=2e-14 * scale
         )
     assert 0 < sum(made) < 20_000
 

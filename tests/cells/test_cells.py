@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 import shapely
 import shapely.affinity
-from checked_cells import check, domain_rings
 from hypothesis import given
 from numpy.typing import NDArray
-from rational_cells import cell_area, exact_point
+from oracles.cells import cell_area, check, domain_rings, exact_point
+from strategies import SITES
 
 import liftmesh
 
@@ -51,10 +51,6 @@ DOMAINS = {
     ),
     "slit": shapely.Polygon([(0, 0), (4, 0), (4, 4), (2.001, 4), (2, 1), (1.999, 4), (0, 4)]),
 }  # fmt: skip
-
-
-FEW = st.integers(-3, 6)
-SITES = st.lists(st.tuples(FEW, FEW), min_size=1, max_size=9).map(lambda p: np.array(p, float))
 
 
 @pytest.mark.slow

@@ -81,7 +81,7 @@ def test_a_large_image_is_cut_in_blocks() -> None:
 
 
 def test_lloyd_stipples_a_density() -> None:
-    found = liftmesh.lloyd(RNG.random((200, 2)), domain=UNIT, density=DISK, steps=60)
+    found = liftmesh.lloyd(RNG.random((200, 2)), domain=UNIT, density=DISK, max_iter=60)
     assert (np.diff(found.energies) < 0).all()
     inside = np.hypot(*(found.points - 0.5).T) < 15 / 48
     held = Measure(found.cells, as_density(DISK, found.cells.domain)).masses > 0
@@ -89,18 +89,18 @@ def test_lloyd_stipples_a_density() -> None:
     assert inside.sum() > 100
     ramp = np.tile(np.arange(64.0), (64, 1))
     start = np.c_[RNG.random(400) ** (2 / 3), RNG.random(400)]
-    along = liftmesh.lloyd(start, domain=UNIT, density=ramp, steps=60)
+    along = liftmesh.lloyd(start, domain=UNIT, density=ramp, max_iter=60)
     share = np.mean(along.points[:, 0] < 0.5)  # as many points as the root of the density says
     assert share == pytest.approx(0.5**1.5, abs=0.03)
     even = RNG.random((400, 2))
-    drawn = liftmesh.lloyd(even, domain=UNIT, density=ramp, steps=30).points
+    drawn = liftmesh.lloyd(even, domain=UNIT, density=ramp, max_iter=30).points
     assert drawn[:, 0].mean() > even[:, 0].mean() + 0.01
-    assert repr(along).startswith("<Relaxed: 400 rows, ")
+    assert repr(along).startswith("<LloydResult: 400 rows, ")
 
 
 def test_rows_without_mass_stay() -> None:
     points = [[0.05, 0.05], [0.15, 0.15], [0.6, 0.5]]
-    found = liftmesh.lloyd(points, domain=UNIT, density=DISK, steps=3)
+    found = liftmesh.lloyd(points, domain=UNIT, density=DISK, max_iter=3)
     assert found.points[0].tolist() == [0.05, 0.05]
     assert found.points[1, 0] > 0.3
 
@@ -147,7 +147,7 @@ SPARSE = {
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-3])
 def test_transport_of_a_density_that_is_mostly_zero(image: np.ndarray, tolerance: float) -> None:
     points = np.random.default_rng(7).random((20, 2))
-    found = liftmesh.transport(points, np.ones(20), domain=UNIT, density=image, tolerance=tolerance)
+    found = liftmesh.transport(points, np.ones(20), domain=UNIT, density=image, tol=tolerance)
     assert (found.converged, found.stalled) == (True, False)
     again = liftmesh.power_diagram(points, weights=found.weights, domain=UNIT)
     held = Measure(again, as_density(image, again.domain)).masses
@@ -157,7 +157,7 @@ def test_transport_of_a_density_that_is_mostly_zero(image: np.ndarray, tolerance
 
 def test_steps_used_up_are_no_stall() -> None:
     points = np.random.default_rng(7).random((20, 2))
-    found = liftmesh.transport(points, np.ones(20), domain=UNIT, density=disks(), steps=3)
+    found = liftmesh.transport(points, np.ones(20), domain=UNIT, density=disks(), max_iter=3)
     assert (found.converged, found.stalled, len(found.damping)) == (False, False, 3)
     assert "not converged after 3 steps" in repr(found)
 
@@ -214,7 +214,7 @@ def test_masses_of_every_magnitude() -> None:
         liftmesh.transport([[0, 0], [1, 0]], [1e-300, 1], domain=UNIT)
     with pytest.raises(liftmesh.InputError, match="masses are None: give a number for each of 2"):
         liftmesh.transport([[0, 0], [1, 0]], None, domain=UNIT)
-    some = liftmesh.lloyd([[0, 0], [1, 0]], domain=UNIT, tolerance=np.float32(1e-3))
+    some = liftmesh.lloyd([[0, 0], [1, 0]], domain=UNIT, tol=np.float32(1e-3))
     assert some.converged
 
 

@@ -38,7 +38,7 @@ def test_sources_without_heights(name: str) -> None:
     np.testing.assert_array_equal(by_radius.areas, expected.areas)
     plain = liftmesh.voronoi(source, domain=BOX)
     np.testing.assert_array_equal(plain.points, POINTS)
-    assert liftmesh.lloyd(source, domain=BOX, steps=1).points.shape == (20, 2)
+    assert liftmesh.lloyd(source, domain=BOX, max_iter=1).points.shape == (20, 2)
     assert liftmesh.transport(source, np.ones(20), domain=BOX).converged
     with pytest.raises(liftmesh.InputError, match="have no values of that name: there are 'size'"):
         liftmesh.power_diagram(source, weights="mass", domain=BOX)
@@ -62,6 +62,9 @@ def test_geometries_are_points_of_one_system() -> None:
         liftmesh.voronoi(POINTS, domain=BOX).areas,
         atol=1e-15,
     )
+    of_array = liftmesh.voronoi(GEOMETRIC.geometry.array, domain=domain)
+    np.testing.assert_array_equal(of_array.points, POINTS)
+    assert of_array.crs == "EPSG:32633"
     with pytest.raises(liftmesh.InputError, match="the points are in 'WGS 84 / UTM zone 33N'"):
         liftmesh.voronoi(GEOMETRIC, domain=domain.to_crs("EPSG:4326"))
     cloud = liftmesh.Cloud(np.c_[POINTS, np.ones(20)], crs="EPSG:4326")
@@ -72,8 +75,8 @@ def test_geometries_are_points_of_one_system() -> None:
         liftmesh.voronoi(GEOMETRIC),
         liftmesh.voronoi(POINTS, domain=domain),
         liftmesh.power_diagram(GEOMETRIC, weights="size"),
-        liftmesh.lloyd(POINTS, domain=domain, steps=1).cells,
-        liftmesh.lloyd(GEOMETRIC, domain=BOX, steps=1).cells,
+        liftmesh.lloyd(POINTS, domain=domain, max_iter=1).cells,
+        liftmesh.lloyd(GEOMETRIC, domain=BOX, max_iter=1).cells,
         liftmesh.transport(GEOMETRIC, np.ones(20), domain=BOX).cells,
     ):
         assert found.to_geodataframe().crs == found.crs == "EPSG:32633"

@@ -42,8 +42,8 @@ def test_cells_are_of_what_the_rows_were() -> None:
     points, weights = np.random.default_rng(18).random((2, 20, 2))
     weights = np.ascontiguousarray(weights[:, 0])
     cells = liftmesh.power_diagram(points, weights=weights, domain=(0, 0, 1, 1))
-    start = cells.sides()[0]
+    start = cells.sides[0]
     points += 5
     weights *= 9
-    np.testing.assert_array_equal(cells.sides()[0], start)
+    np.testing.assert_array_equal(cells.sides[0], start)
     assert not np.shares_memory(cells.points, points)

@@ -9,10 +9,9 @@ import hypothesis.strategies as st
 import numpy as np
 import pytest
 import shapely
-from checked_cells import check, domain_rings, exact_corners, rings_of
 from hypothesis import assume, given
-from rational_cells import area, cell_area, exact_point
-from test_cells import SITES
+from oracles.cells import area, cell_area, check, domain_rings, exact_corners, exact_point, rings_of
+from strategies import SITES
 
 import liftmesh
 from liftmesh.cells.domain import following_corners

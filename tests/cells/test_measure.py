@@ -36,11 +36,11 @@ def test_shares(value: Any, most: float) -> None:
 @pytest.mark.parametrize(
     ("value", "most", "message"),
     [
-        (0, 1, "tolerance is 0: give a number between 0 and 1"),
-        (1, 1, "tolerance is 1: give a number between 0 and 1"),
-        (-1, np.inf, "tolerance is -1: give a number from 0"),
-        (True, np.inf, "tolerance is True: give a number from 0"),
-        (np.nan, np.inf, "tolerance is nan: give a number from 0"),
+        (0, 1, "tol is 0: give a number between 0 and 1"),
+        (1, 1, "tol is 1: give a number between 0 and 1"),
+        (-1, np.inf, "tol is -1: give a number from 0"),
+        (True, np.inf, "tol is True: give a number from 0"),
+        (np.nan, np.inf, "tol is nan: give a number from 0"),
     ],
 )
 def test_what_is_no_share_is_refused(value: Any, most: float, message: str) -> None:

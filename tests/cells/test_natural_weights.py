@@ -6,12 +6,12 @@ import itertools
 from collections.abc import Iterator
 
 import hypothesis.strategies as st
+import neighbors as campaign
 import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings
-from neighbors import __main__ as campaign
-from rational_cells import cell_area, exact_point
+from oracles.cells import cell_area, exact_point
 
 import liftmesh
 

@@ -27,7 +27,7 @@ def test_the_energy_is_the_integral() -> None:
 @pytest.mark.parametrize("domain", [(0, 0, 2, 2), L_SHAPE])
 def test_lloyd_lowers_the_energy_to_centroidal_cells(domain) -> None:
     points = RNG.random((40, 2)) * 0.9
-    found = liftmesh.lloyd(points, domain=domain, steps=400, tolerance=1e-4)
+    found = liftmesh.lloyd(points, domain=domain, max_iter=400, tol=1e-4)
     assert found.converged
     assert (np.diff(found.energies) < 0).all()
     assert found.energies[0] == energy(liftmesh.voronoi(points, domain=domain))
@@ -39,19 +39,19 @@ def test_lloyd_lowers_the_energy_to_centroidal_cells(domain) -> None:
 @pytest.mark.parametrize("tolerance", [0.1, 0.01])
 def test_lloyd_ends_at_the_first_move_within_a_share_of_a_cell(tolerance: float) -> None:
     points = RNG.random((100, 2))
-    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance)
+    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tol=tolerance)
     steps = len(found.energies) - 2  # one less
-    before = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tolerance=tolerance, steps=steps)
+    before = liftmesh.lloyd(points, domain=(0, 0, 1, 1), tol=tolerance, max_iter=steps)
     assert (found.converged, before.converged) == (True, False)
     assert found.largest_move <= 0.1 * tolerance < before.largest_move  # the side of a cell is 0.1
 
 
 def test_lloyd_tells_what_it_has_not_done() -> None:
     points = RNG.random((40, 2))
-    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), steps=2)
+    found = liftmesh.lloyd(points, domain=(0, 0, 1, 1), max_iter=2)
     assert (len(found.energies), found.converged) == (3, False)
     assert found.largest_move > 0
-    still = liftmesh.lloyd(points, domain=(0, 0, 1, 1), steps=0)
+    still = liftmesh.lloyd(points, domain=(0, 0, 1, 1), max_iter=0)
     np.testing.assert_array_equal(still.points, points)
     twice = liftmesh.lloyd([[0.5, 0.5], [0.5, 0.5], [9, 9]], domain=(0, 0, 1, 1))
     assert twice.points.tolist() == [[0.5, 0.5], [0.5, 0.5], [9, 9]]
@@ -84,7 +84,7 @@ def test_two_sites_are_divided_by_hand() -> None:
 def test_sites_may_be_outside(offset: float) -> None:
     points = RNG.random((60, 2)) * 0.4 + offset
     domain = shapely.Polygon(L_SHAPE, [[(0.2, 0.2), (0.4, 0.2), (0.4, 0.4)]])
-    found = liftmesh.transport(points, np.ones(60), domain=domain, tolerance=1e-6)
+    found = liftmesh.transport(points, np.ones(60), domain=domain, tol=1e-6)
     assert found.converged
     np.testing.assert_allclose(found.cells.areas, domain.area / 60, rtol=1e-3)
 
@@ -97,7 +97,7 @@ def test_sites_on_a_line() -> None:
 
 def test_steps_end() -> None:
     found = liftmesh.transport(
-        RNG.random((50, 2)), RNG.random(50) + 1, domain=(0, 0, 1, 1), steps=1
+        RNG.random((50, 2)), RNG.random(50) + 1, domain=(0, 0, 1, 1), max_iter=1
     )
     assert (len(found.damping), found.converged) == (1, False)
 
@@ -119,12 +119,12 @@ def test_bad_input_is_named() -> None:
     apart = shapely.MultiPolygon([shapely.box(0, 0, 1, 1), shapely.box(2, 0, 3, 1)])
     with pytest.raises(liftmesh.InputError, match="domain has 2 parts"):
         liftmesh.transport(pair, [1, 1], domain=apart)
-    with pytest.raises(liftmesh.InputError, match="tolerance is 0"):
-        liftmesh.transport(pair, [1, 1], domain=box, tolerance=0)
-    with pytest.raises(liftmesh.InputError, match="tolerance is -1"):
-        liftmesh.lloyd(pair, tolerance=-1)
-    with pytest.raises(liftmesh.InputError, match="steps is -1"):
-        liftmesh.lloyd(pair, steps=-1)
+    with pytest.raises(liftmesh.InputError, match="tol is 0"):
+        liftmesh.transport(pair, [1, 1], domain=box, tol=0)
+    with pytest.raises(liftmesh.InputError, match="tol is -1"):
+        liftmesh.lloyd(pair, tol=-1)
+    with pytest.raises(liftmesh.InputError, match="max_iter is -1"):
+        liftmesh.lloyd(pair, max_iter=-1)
     with pytest.raises(liftmesh.InputError, match="exceeds float64"):
         liftmesh.lloyd(pair, domain=(0, 0, 1e200, 1e200))
     with pytest.raises(liftmesh.InputError, match="exceeds float64"):

@@ -81,7 +81,7 @@ def test_without_a_command_comes_the_help():
         (["triangulate"], ["IN", "(see liftmesh triangulate --help)"]),
         (["triangulate", "a.ply"], ["OUT"]),
         (["info", "a.ply", "--colour"], ["--colour"]),
-        (["triangulate", "a.ply", "b.ply", "--duplicates", "some"], ["some", "first", "mean"]),
+        (["triangulate", "a.ply", "b.ply", "--on-duplicate", "some"], ["some", "first", "mean"]),
         (
             ["triangulate", "a.ply", "b.ply", "--plane", "up"],
             ["'up'", "fit, NX,NY,NZ, A,B,C,D"],
@@ -89,9 +89,9 @@ def test_without_a_command_comes_the_help():
         (["triangulate", "a.ply", "b.ply", "--threads", "0"], ["--threads is 0", "from 1 to 1024"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "9999"], ["--threads is 9999"]),
         (["triangulate", "a.ply", "b.ply", "--threads", "two"], ["--threads", "whole number"]),
-        (["compare", "a.ply", "--q", "1,2,3"], ["'1,2,3'", "median, origin or a finite QX,QY"]),
+        (["compare", "a.ply", "--apex", "1,2,3"], ["'1,2,3'", "median, origin or a finite X,Y"]),
         (["compare", "a.ply", "--proofs", "-1"], ["--proofs"]),
-        (["info", "-"], ["stdin", "--from"]),
+        (["info", "-"], ["stdin", "--input-format"]),
     ],
 )
 def test_wrong_usage(words, parts):
@@ -103,7 +103,11 @@ def test_python_options_in_messages_become_options_of_the_command(tmp_path):
     done = liftmesh("triangulate", tmp_path / "cloud.csv", tmp_path / "mesh.ply")
     failed(done, exit_codes.BAD_INPUT, "row 2", "--nonfinite skip")
     (tmp_path / "cloud").write_text("0 0 0\n")
-    failed(liftmesh("info", tmp_path / "cloud"), exit_codes.BAD_INPUT, "--from FORMAT")
+    failed(
+        liftmesh("info", tmp_path / "cloud"),
+        exit_codes.BAD_INPUT,
+        "give the format with --input-format",
+    )
 
 
 @pytest.mark.parametrize("place", ["first", "last"])
@@ -178,7 +182,7 @@ def test_main_runs_in_a_process_too(capsys):
     [
         ["info", "data/hill.csv"],
         ["info", "data/hill.csv", "--json"],
-        ["triangulate", "data/jacksboro.ply", "-", "--format", "obj"],
+        ["triangulate", "data/jacksboro.ply", "-", "--output-format", "obj"],
         ["--help"],
     ],
 )

@@ -55,7 +55,7 @@ def test_the_terrain_is_right_on_both_sides(tmp_path):
 
 
 def test_a_wrong_hull_is_exit_code_1_with_proofs(far):
-    done = liftmesh("compare", far, "--q", "origin", "--proofs", "3")
+    done = liftmesh("compare", far, "--apex", "origin", "--proofs", "3")
     assert (done.returncode, done.stderr) == (exit_codes.DIFFERENT, "")
     assert "whose heights are rounded, is wrong: " in done.stdout
     assert "points lost" in done.stdout
@@ -66,16 +66,16 @@ def test_a_wrong_hull_is_exit_code_1_with_proofs(far):
 
 
 def test_the_whole_difference_in_json(far):
-    done = liftmesh("compare", far, "--q", "origin", "--json")
+    done = liftmesh("compare", far, "--apex", "origin", "--json")
     assert done.returncode == exit_codes.DIFFERENT
     told = json.loads(done.stdout)
-    result = lm.compare(far, q="origin", max_proofs=4)
+    result = lm.compare(far, apex="origin", max_proofs=4)
     assert told["verdict"] == "different"
     assert told["lost_rows"] == result.lost.tolist()
     for name in ("missing", "wrong", "lost"):
-        assert told[name] == len(getattr(result, name)) > 0
-    assert told["triangles"] == told["identical"] + told["cocircular"] + told["missing"]
-    assert told["lower_facets"] == told["identical"] + told["cocircular"] + told["wrong"]
+        assert told[f"n_{name}"] == len(getattr(result, name)) > 0
+    assert told["n_triangles"] == told["n_identical"] + told["n_cocircular"] + told["n_missing"]
+    assert told["n_lower_facets"] == told["n_identical"] + told["n_cocircular"] + told["n_wrong"]
     for proof, expected in zip(told["proofs"], result.proofs, strict=True):
         assert tuple(proof["rows"]) == expected.rows
         values = [(row, Fraction(value)) for row, value in proof["determinants"]]
@@ -95,13 +95,13 @@ def test_no_hull_is_exit_code_1_too(tmp_path):
     assert "hull.ply was not written" in done.stdout
 
 
-@pytest.mark.parametrize("q", ["median", "origin", "-3.5,1e2"])
-def test_vertices_of_the_paraboloid(q, tmp_path):
-    done = liftmesh("compare", HILL, "--q", q, "--lower", tmp_path / "lower.ply", "--json")
+@pytest.mark.parametrize("apex", ["median", "origin", "-3.5,1e2"])
+def test_vertices_of_the_paraboloid(apex, tmp_path):
+    done = liftmesh("compare", HILL, "--apex", apex, "--lower", tmp_path / "lower.ply", "--json")
     told = json.loads(done.stdout)
     assert (done.returncode, told["verdict"]) == (0, "identical")
     planar = lm.read(HILL).points[:, :2]
-    assert np.array_equal(lm.read(tmp_path / "lower.ply").points, lm.lift(planar, told["q"]))
+    assert np.array_equal(lm.read(tmp_path / "lower.ply").points, lm.lift(planar, told["apex"]))
 
 
 def test_a_hull_that_other_programs_open(tmp_path):
@@ -125,7 +125,7 @@ def test_a_plane(tmp_path):
 
 @pytest.mark.slow
 def test_a_terminal_shows_the_table_in_colour(far):
-    shown, code = on_terminal("compare", far, "--q", "origin", "--proofs", "2")
+    shown, code = on_terminal("compare", far, "--apex", "origin", "--proofs", "2")
     assert code == exit_codes.DIFFERENT
     told = without_escapes(shown)
     assert "comparing 500 rows with trimesh's convex hull" in told

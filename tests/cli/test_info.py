@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import rasterio
 from commands import COMMAND, PLAIN, ROOT, TERRAIN, failed, liftmesh, process
-from lidar import records
+from files.las import records
 from scipy.spatial.distance import cdist
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
-from liftmesh.cli.summary import summarise
+from liftmesh.cli.info import summarise
 
 
 def summary_of(path):
@@ -112,8 +112,8 @@ def test_duplicates_and_overhangs_are_those_of_the_report():
     rows = rng.integers(0, 6, (200, 3)).astype(float)
     rows[rng.random(200) < 0.2, 0] *= -0.0
     summary, report = summarise(lm.Cloud(rows)), lm.triangulate(rows).report
-    assert (summary.duplicates, summary.overhangs) == (report.duplicates, report.overhangs)
-    assert summary.positions == report.used
+    assert (summary.duplicates, summary.overhangs) == (report.n_duplicates, report.n_overhangs)
+    assert summary.positions == report.n_used
 
 
 def test_rows_that_are_not_finite_are_counted_and_left_out(tmp_path):
@@ -174,7 +174,7 @@ def test_a_mesh_with_colours(tmp_path):
 
 def test_stdin():
     content = TERRAIN.read_bytes()
-    done = process("info", "-", "--from", "ply", stdin=content, text=False)
+    done = process("info", "-", "--input-format", "ply", stdin=content, text=False)
     assert done.returncode == 0
     assert b"138,632" in done.stdout
 

@@ -12,7 +12,7 @@ import laspy
 import numpy as np
 import pytest
 from commands import COMMAND, PLAIN, liftmesh, process
-from lidar import copc, encoded, patched, tile
+from files.las import copc, encoded, patched, tile
 
 import liftmesh as lm
 
@@ -50,7 +50,9 @@ def test_a_pipe_takes_the_same_rows_as_a_file(kind: str, folder: Path) -> None:
     lm.write(folder / "tile.las", lm.read(folder / "tile.laz"))
     data = (folder / f"tile.{kind}").read_bytes()
     assert liftmesh("triangulate", f"tile.{kind}", "a.ply", cwd=folder).returncode == 0
-    done = process("triangulate", "-", "b.ply", "--from", kind, cwd=folder, stdin=data, text=False)
+    done = process(
+        "triangulate", "-", "b.ply", "--input-format", kind, cwd=folder, stdin=data, text=False
+    )
     assert "ground (class 2): 296 of 600 rows" in done.stderr.decode()
     file, pipe = (lm.read(folder / name) for name in ("a.ply", "b.ply"))
     assert np.array_equal(file.points, pipe.points)
@@ -58,10 +60,10 @@ def test_a_pipe_takes_the_same_rows_as_a_file(kind: str, folder: Path) -> None:
 
 
 def test_options_choose_other_rows(folder: Path) -> None:
-    words = ("triangulate", "tile.laz", "tin.ply", "--classes", "all", "--withheld", "--json")
+    words = ("triangulate", "tile.laz", "tin.ply", "--all-classes", "--withheld", "--json")
     done = liftmesh(*words, cwd=folder)
-    assert json.loads(done.stdout)["rows"] == COUNT
-    words = ("--classes", "2,9", "--returns", "last", "--bbox", "500000,5400000,500900,5400900")
+    assert json.loads(done.stdout)["n_rows"] == COUNT
+    words = ("--classes", "2,9", "--returns", "last", "--bounds", "500000,5400000,500900,5400900")
     words += ("--z-range", "5,45", "--every", "2", "--json", "--overwrite")
     done = liftmesh("triangulate", "tile.laz", "tin.ply", *words, cwd=folder)
     report = json.loads(done.stdout)
@@ -69,12 +71,12 @@ def test_options_choose_other_rows(folder: Path) -> None:
         folder / "tile.laz",
         classes=(2, 9),
         returns="last",
-        bbox=(500000, 5400000, 500900, 5400900),
+        bounds=(500000, 5400000, 500900, 5400900),
         z_range=(5, 45),
         every=2,
         withheld=False,
     )
-    assert report["rows"] == len(chosen) > 30
+    assert report["n_rows"] == len(chosen) > 30
     (note, *_) = report["notes"]
     numbers = [int(each.replace(",", "")) for each in re.findall(r"[\d,]*\d", note)]
     assert numbers[0] == len(chosen)
@@ -137,7 +139,7 @@ def test_comparing_takes_the_ground(folder: Path) -> None:
 def test_tables_are_taken_whole(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x,y,z,class\n0,0,1,2\n1,0,1,5\n0,1,1,2\n")
     done = liftmesh("triangulate", "a.csv", "a.ply", "--json", cwd=tmp_path)
-    assert json.loads(done.stdout)["rows"] == 3
+    assert json.loads(done.stdout)["n_rows"] == 3
 
 
 def test_nothing_is_left_of_a_tile(folder: Path) -> None:
@@ -152,11 +154,12 @@ def test_nothing_is_left_of_a_tile(folder: Path) -> None:
 
 
 WRONG = {
-    ("--classes", "trees"): "--classes 'trees' is unknown: give ground, all or as 2,9",
+    ("--classes", "trees"): "--classes is 'trees': give ground, or numbers as 2,9",
+    ("--classes", "all"): "--classes is 'all': give --all-classes",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
-    ("--bbox", "1,2,3"): "--bbox is [1.0, 2.0, 3.0]: give x0, y0, x1, y1",
-    ("--bbox", "a,b"): "--bbox 'a,b' is no list of numbers",
+    ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give xmin, ymin, xmax, ymax",
+    ("--bounds", "a,b"): "--bounds is 'a': give a number",
     ("--z-range", "3,1"): "--z-range is [3.0, 1.0]: give z0, z1 with z0 <= z1",
     ("--every", "0"): "--every is 0: give a whole number from 1",
 }
@@ -225,11 +228,17 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     (folder / "tile.copc.laz").write_bytes(copc(tile(COUNT, point_format=6, version="1.4")))
     shown = liftmesh("info", "tile.copc.laz", cwd=folder).stdout
     assert re.search(r"copc +3 levels, spacing 16 at the first", shown)
-    words = ("--resolution", "20", "--bbox", "500000,5400000,500500,5400900", "--classes", "all")
+    words = (
+        "--copc-resolution",
+        "20",
+        "--bounds",
+        "500000,5400000,500500,5400900",
+        "--all-classes",
+    )
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
-    done = liftmesh("info", "tile.laz", "--resolution", "0", cwd=folder)
-    assert "--resolution '0' is not a positive number" in done.stderr
+    done = liftmesh("info", "tile.laz", "--copc-resolution", "0", cwd=folder)
+    assert "--copc-resolution is 0: give a positive number" in done.stderr
 
 
 @pytest.mark.parametrize(
@@ -255,7 +264,7 @@ def test_info_says_when_and_by_what(
 
 
 def test_a_pipe_is_read_like_a_file(folder: Path) -> None:
-    words = ("triangulate", "-", "tin.ply", "--from", "laz")
+    words = ("triangulate", "-", "tin.ply", "--input-format", "laz")
     data = (folder / "tile.laz").read_bytes()
     done = subprocess.run(
         [*COMMAND, *words], input=data, capture_output=True, cwd=folder, env=PLAIN, check=True

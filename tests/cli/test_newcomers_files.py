@@ -196,7 +196,7 @@ def test_a_mesh_of_trimesh_in_any_format_is_triangulated_anew(kind: str, tmp_pat
     read = liftmesh.read(tmp_path / f"a.{kind}")
     surface = liftmesh.triangulate(tmp_path / f"a.{kind}")
     assert len(surface.vertices) == 200
-    assert surface.report.used == 200
+    assert surface.report.n_used == 200
     assert read.faces is not None
     assert len(read.faces) == len(FACES)
     extent = np.sort(POINTS - UTM, axis=0)

@@ -235,7 +235,7 @@ def test_a_frame_of_the_same_dump(read: Any) -> None:
     assert surface.vertices[:3].tolist() == POINTS
     assert surface.report.columns == {"x": "x", "y": "y", "z": "z"}
     assert surface.attributes["id"].tolist() == [1, 2, 3, 4]
-    assert "column measured_at" in str(surface.metadata["skipped"])
+    assert "column measured_at" in str(surface.metadata["not_read"])
 
 
 def test_a_frame_whose_heights_are_text_is_refused() -> None:
@@ -274,4 +274,4 @@ def test_a_scene_of_two_clouds() -> None:
     scene.add_geometry(trimesh.PointCloud(POINTS), transform=moved)
     surface = lm.triangulate(scene)
     assert surface.vertices[:, 0].tolist() == [x + dx for dx in (0, 10) for x, _, _ in POINTS]
-    assert surface.report.used == 6
+    assert surface.report.n_used == 6

@@ -14,7 +14,7 @@ import pytest
 from commands import COMMAND, failed, liftmesh as run
 
 import liftmesh
-from liftmesh.cli.application import COMMANDS, application
+from liftmesh.cli.application import COMMANDS, Command
 
 POINTS = np.random.default_rng(0).random((40, 3)) * 9
 LINE = ("--along", "98,98", "--along", "105,105")
@@ -28,7 +28,7 @@ WRITING = [
     ("profile", "a.las", "old.geojson", *LINE),
     ("raster", "a.las", "old.tif", "--resolution", "1"),
     ("contour", "a.las", "old.geojson", "--interval", "1"),
-    ("solid", "a.las", "old.stl", "--base", "-1"),
+    ("solid", "a.las", "old.stl", "--base-height", "-1"),
     ("voronoi", "a.las", "old.svg"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
@@ -66,9 +66,7 @@ def test_a_file_that_exists_is_replaced_if_asked_only(words: tuple[str, ...], fo
 
 
 def test_every_command_that_writes_a_file_has_the_option() -> None:
-    options = {
-        each.name: each.callback.__annotations__ for each in application(()).registered_commands
-    }
+    options = {name: {each.name for each in Command(name).params} for name in COMMANDS}
     assert {name for name in COMMANDS if "overwrite" not in options[name]} == {
         *("tile", "paper"),  # to folders, which have their own rules
         *("info", "volume"),  # nothing
@@ -82,10 +80,26 @@ def test_every_command_that_writes_a_file_has_the_option() -> None:
         ("triangulate", "a.las", "link.las"),
         ("triangulate", "a.las", "hard.las"),
         ("triangulate", "a.las", "tiles/../a.las"),
-        ("triangulate", "a.las", "plane.txt", "--plane", "plane.txt", "--format", "xyz"),
-        ("triangulate", "a.las", "box.geojson", "--polygon", "box.geojson", "--format", "ply"),
-        ("triangulate", "a.las", "lots.dbf", "--polygon", "lots.shp", "--format", "ply"),
-        ("voronoi", "a.las", "lots.prj", "--domain", "lots.shp", "--format", "ply"),
+        ("triangulate", "a.las", "plane.txt", "--plane", "plane.txt", "--output-format", "xyz"),
+        (
+            "triangulate",
+            "a.las",
+            "box.geojson",
+            "--trim-polygon",
+            "box.geojson",
+            "--output-format",
+            "ply",
+        ),
+        (
+            "triangulate",
+            "a.las",
+            "lots.dbf",
+            "--trim-polygon",
+            "lots.shp",
+            "--output-format",
+            "ply",
+        ),
+        ("voronoi", "a.las", "lots.prj", "--domain", "lots.shp", "--output-format", "ply"),
         ("voronoi", "a.las", "box.geojson", "--domain", "box.geojson"),
         ("sample", "a.las", "b.las", "--at", "b.las"),
         ("profile", "a.las", "mesh.ply", "--along", "mesh.ply"),
@@ -129,7 +143,7 @@ def test_the_parts_of_a_model_are_never_replaced(kind: str, name: str, tmp_path:
     (tmp_path / "wall.png").write_bytes(b"wall")
     (tmp_path / "other.ply").write_bytes(b"other")
     before = contents(tmp_path)
-    words = ("triangulate", f"a.{kind}", name, "--format", "ply", "--overwrite")
+    words = ("triangulate", f"a.{kind}", name, "--output-format", "ply", "--overwrite")
     failed(run(*words, cwd=tmp_path), 2, f"{name} is a part of a.{kind}", "give another name")
     assert contents(tmp_path) == before
     done = run("triangulate", f"a.{kind}", "other.ply", "--overwrite", cwd=tmp_path)
@@ -137,7 +151,7 @@ def test_the_parts_of_a_model_are_never_replaced(kind: str, name: str, tmp_path:
 
 
 def test_what_stdin_reads_is_an_input(folder: Path) -> None:
-    words = [*COMMAND, "triangulate", "-", "mesh.ply", "--from", "ply", "--overwrite"]
+    words = [*COMMAND, "triangulate", "-", "mesh.ply", "--input-format", "ply", "--overwrite"]
     with (folder / "mesh.ply").open("rb") as stream:
         done = subprocess.run(words, cwd=folder, stdin=stream, stderr=subprocess.PIPE, check=False)
     assert (done.returncode, b"mesh.ply is read as -" in done.stderr) == (2, True)
@@ -147,7 +161,7 @@ def test_what_holds_nothing_is_replaced(folder: Path) -> None:
     (folder / "empty.ply").touch()
     for target in ("empty.ply", "new.ply"):
         assert run("triangulate", "a.las", target, cwd=folder).returncode == 0
-    words = ("triangulate", "a.las", "/dev/null", "--format", "ply")
+    words = ("triangulate", "a.las", "/dev/null", "--output-format", "ply")
     assert run(*words, cwd=folder).returncode == 0
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import shapely
 from commands import failed, liftmesh as run, process
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh.terrain.profile import drape
@@ -101,7 +101,7 @@ def test_corners_of_a_table_and_a_cloud(tin: Path, tmp_path: Path) -> None:
     (tmp_path / "line.csv").write_text("x,y\n10,10\n20,30\n")
     liftmesh.write(tmp_path / "line.ply", np.column_stack([SECOND, [7, 9]]))
     expected = surface().profile(SECOND).points
-    done = process("profile", tin, "-", "--format", "csv", "--along", tmp_path / "line.csv")
+    done = process("profile", tin, "-", "--output-format", "csv", "--along", tmp_path / "line.csv")
     assert done.returncode == 0, done.stderr
     assert "of 1 line" in done.stderr
     lines = done.stdout.splitlines()
@@ -174,7 +174,7 @@ def test_planes_that_are_turned_have_no_system(tmp_path: Path) -> None:
     surface = liftmesh.triangulate(wall, plane="xz", crs="EPSG:25832")
     assert drape(surface, [[[0, 3], [4, 4]]]).crs is None
     np.savetxt(tmp_path / "wall.csv", wall, "%g", ",", header="x,y,z", comments="")
-    words = ["--plane", "xz", "--from-crs", "EPSG:25832", "--along", "0,3", "--along", "4,4"]
+    words = ["--plane", "xz", "--src-crs", "EPSG:25832", "--along", "0,3", "--along", "4,4"]
     done = run("profile", "wall.csv", "out.geojson", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "crs" not in json.loads((tmp_path / "out.geojson").read_text())

@@ -80,7 +80,7 @@ def test_heights_of_a_grid_become_rows() -> None:
 
 
 def test_a_system_without_heights_is_not_asked_for_one_without() -> None:
-    cause = r"where the rows are, .*: give another one of the file with crs=$"
+    cause = r"where the rows are, .*: give another one of the file with src_crs=$"
     with pytest.raises(InputError, match=cause):
         transform(np.array([[-100.0, 40.0, 0.0]]), "EPSG:4267", "EPSG:4269")
 
@@ -94,7 +94,7 @@ def test_overhangs_that_a_surface_leaves_out_are_said(tmp_path: Path) -> None:
         assert "wall.xyz: 2 overhangs left out: where rows share x and y" in done.stderr
     np.savetxt(tmp_path / "bare.xyz", XYZ)
     assert "overhang" not in command("volume", "bare.xyz", cwd=tmp_path).stderr
-    done = command("triangulate", "wall.xyz", "high.ply", "--duplicates", "highest", cwd=tmp_path)
+    done = command("triangulate", "wall.xyz", "high.ply", "--on-duplicate", "highest", cwd=tmp_path)
     assert done.returncode == 0
     assert "overhang" not in command("volume", "high.ply", cwd=tmp_path).stderr
 

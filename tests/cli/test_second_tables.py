@@ -37,11 +37,11 @@ def test_what_the_error_recommends_reads_the_points(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_points_of_stdin_have_a_format_of_their_own(folder: Path) -> None:
-    words = ("sample", "tin.ply", "-", "--format", "csv", "--at", "-")
+    words = ("sample", "tin.ply", "-", "--output-format", "csv", "--at", "-")
     done = process(*words, cwd=folder, stdin=MARKS)
     assert done.returncode == 2
-    assert "stdin has no suffix: give its format with --at-format" in done.stderr
-    words = (*words, "--at-format", "csv", "--at-columns", "id,x,y,z")
+    assert "stdin has no suffix: give its format with --at-input-format" in done.stderr
+    words = (*words, "--at-input-format", "csv", "--at-columns", "id,x,y,z")
     done = process(*words, cwd=folder, stdin=MARKS)
     assert done.stdout == "x,y,z,given_z\n4.5,2.0,4.5,4.4\n5.25,3.0,5.25,5.5\n"
 
@@ -51,7 +51,7 @@ def test_options_of_both_tables_are_told_apart(folder: Path) -> None:
     (folder / "places").write_text("a line\n1 2\n")
     words = ("sample", "cloud.csv", "out.xyz", "--columns", "id,y,x,z", "--at", "places")
     words = (*words, "--overwrite")
-    own = ("--at-format", "xyz", "--at-skip-rows", "1")
+    own = ("--at-input-format", "xyz", "--at-skip-rows", "1")
     assert run(*words, *own, cwd=folder).returncode == 0
     assert (folder / "out.xyz").read_text() == "1.0 2.0 1.0\n"
     for option, value in (("--at-skip-rows", "-1"), ("--at-decimal", "x"), ("--at-nodata", "")):

@@ -13,11 +13,11 @@ import liftmesh as lm
 
 
 def test_a_terrain_within_a_distance(tmp_path: Path) -> None:
-    done = liftmesh("simplify", TERRAIN, "few.ply", "--tolerance", "40", "--json", cwd=tmp_path)
+    done = liftmesh("simplify", TERRAIN, "few.ply", "--max-error", "40", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     mesh = lm.read(tmp_path / "few.ply")
-    assert (told["kept"], told["triangles"]) == (len(mesh), len(mesh.faces))
+    assert (told["kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
     assert told["error"] <= 40
     assert told["kept"] < told["positions"] / 10
     assert lm.verify(tmp_path / "few.ply").canonical
@@ -38,12 +38,14 @@ def test_a_report_for_people(tmp_path: Path) -> None:
     ("words", "message"),
     [
         ((), "give --max-error or --max-points"),
-        (("--max-error", "x"), "--max-error 'x' is not a distance"),
-        (("--max-error", "-1"), "is not a distance"),
-        (("--tolerance", "nan"), "--tolerance 'nan' is not a distance"),
-        (("--tolerance", "20", "--max-error", "1"), "--max-error and --tolerance are the same"),
+        (("--max-error", "x"), "--max-error is 'x': give 0 or"),
+        (("--max-error", "-1"), "give 0 or a positive number"),
+        (("--max-error", "nan"), "--max-error is nan: give 0 or"),
         (("--max-points", "2"), "--max-points"),
-        (("--max-error", "1", "--resolution", "2,5"), "--resolution '2,5' is not a positive"),
+        (
+            ("--max-error", "1", "--copc-resolution", "2,5"),
+            "--copc-resolution is '2,5': give a positive",
+        ),
     ],
 )
 def test_what_is_asked_wrongly(words: tuple[str, ...], message: str, tmp_path: Path) -> None:

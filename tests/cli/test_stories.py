@@ -20,7 +20,8 @@ import pytest
 import rasterio
 import trimesh
 from commands import liftmesh as run
-from lidar import encoded, records
+from files.geotiff import elevation_model
+from files.las import encoded, records
 from numpy.typing import NDArray
 
 import liftmesh
@@ -58,19 +59,6 @@ def tile(path: Path, crs: str | None, origin: tuple[float, float]) -> laspy.LasD
     return las
 
 
-def elevation_model(
-    path: Path, heights: np.ndarray, pixel: float, crs: str | None = None,
-    corner: tuple[float, float] = (0.0, 0.0),
-) -> None:  # fmt: skip
-    rows, columns = heights.shape
-    transform = rasterio.Affine(pixel, 0, corner[0], 0, -pixel, corner[1] + pixel * rows)
-    with rasterio.open(
-        path, "w", driver="GTiff", count=1, height=rows, width=columns, dtype=heights.dtype,
-        transform=transform, crs=crs,
-    ) as file:  # fmt: skip
-        file.write(heights, 1)
-
-
 def hills(rows: int, columns: int) -> np.ndarray:
     y, x = np.mgrid[:rows, :columns]
     return 300 + 40 * np.sin(x / 7) * np.cos(y / 5) + x
@@ -88,8 +76,8 @@ def test_a_surveyor_makes_a_terrain_model_and_contours(tmp_path: Path) -> None:
     mesh = liftmesh.read(tmp_path / "tin.ply")
     assert np.array_equal(mesh.points, np.asarray(las.xyz)[ground])
     assert np.array_equal(mesh.colors[:, 0], (np.asarray(las.red)[ground] / 65535 * 255).round())
-    assert told["triangles"] - told["trimmed"] == len(mesh.faces)
-    assert told["trimmed"] > 0
+    assert told["n_triangles"] - told["n_trimmed"] == len(mesh.faces)
+    assert told["n_trimmed"] > 0
     assert "+ NAP height" in mesh.crs
 
     done("liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415", tmp_path)
@@ -145,10 +133,10 @@ def test_a_cartographer_simplifies_an_elevation_model(tmp_path: Path) -> None:
     # Single precision moves y by more than a millionth of the size, 22 km, and x by 1/64: less.
     corner, pixel = (299_003 + 17 / 64, 5_258_341.25), 450.0
     elevation_model(tmp_path / "dem_01.tif", heights, pixel, "EPSG:32755", corner)
-    done("liftmesh simplify dem_01.tif tin.xml --tolerance 1", tmp_path)
-    said = done("liftmesh simplify dem_01.tif tin.glb --tolerance 1", tmp_path)
+    done("liftmesh simplify dem_01.tif tin.xml --max-error 1", tmp_path)
+    said = done("liftmesh simplify dem_01.tif tin.glb --max-error 1", tmp_path)
     assert "float32, so the origin (299228, 5258566, 0) was subtracted" in said
-    words = "liftmesh simplify dem_01.tif tin.glb --tolerance 1 --json --overwrite"
+    words = "liftmesh simplify dem_01.tif tin.glb --max-error 1 --json --overwrite"
     assert json.loads(done(words, tmp_path))["origin"] == [299228, 5258566, 0]
     y, x = np.mgrid[:40, :50]
     places = pixel * np.column_stack([x.ravel() + 0.5, 39.5 - y.ravel()]) + corner
@@ -167,12 +155,12 @@ def test_a_maker_prints_a_solid(tmp_path: Path) -> None:
     heights = hills(20, 30)
     elevation_model(tmp_path / "jacksboro.tif", heights, 1.0)
     surface = liftmesh.triangulate(tmp_path / "jacksboro.tif")
-    done("liftmesh solid jacksboro.tif fault.stl --base 236", tmp_path)
+    done("liftmesh solid jacksboro.tif fault.stl --base-height 236", tmp_path)
     solid = trimesh.load(tmp_path / "fault.stl")
     assert solid.is_watertight
     assert solid.volume == pytest.approx(surface.volume(236.0).net, rel=1e-6)
 
-    done("liftmesh solid jacksboro.tif fault.3mf --base 226", tmp_path)
+    done("liftmesh solid jacksboro.tif fault.3mf --base-height 226", tmp_path)
     model = lib3mf.get_wrapper().CreateModel()
     reader = model.QueryReader("3mf")
     reader.SetStrictModeActive(True)
@@ -188,12 +176,12 @@ def test_a_modeller_asks_for_heights(tmp_path: Path) -> None:
     las = tile(tmp_path / "autzen_trim.las", "EPSG:2992", (636000.0, 849000.0))
     done("liftmesh triangulate autzen_trim.las autzen.ply --classes 2", tmp_path)
     (tmp_path / "points.csv").write_text("x,y\n636010.125,849020.3625\n636000,849200\n")
-    line = "liftmesh sample autzen.ply heights.csv --at points.csv --method sibson"
+    line = "liftmesh sample autzen.ply heights.csv --at points.csv --interpolation sibson"
     done(line, tmp_path)
     rows = [each.split(",") for each in (tmp_path / "heights.csv").read_text().splitlines()]
     ground = np.asarray(las.xyz)[np.asarray(las.classification) == 2]
     query = np.array([[636010.125, 849020.3625]])
-    expected = liftmesh.triangulate(ground).sample(query, method="sibson")
+    expected = liftmesh.triangulate(ground).sample(query, interpolation="sibson")
     assert float(rows[1][2]) == expected[0]
     assert abs(expected[0] - (np.sin(10.125 / 9) * 4 + 20.3625 / 20)) < 0.1
     assert rows[2][2] == ""
@@ -249,15 +237,15 @@ FLAWS = {
     "triangulate nodata.tif o.ply": "nodata.tif: none of 20 samples has a value",
     "triangulate nodata.agr o.ply": "nodata.agr: none of 2 samples has a value",
     "triangulate utm.laz o.ply --classes 40": "utm.laz: none of 3,638 rows meets",
-    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --to-crs",
+    "triangulate utm.laz rd.laz o.ply": "utm.laz and rd.laz have different .*: give --dst-crs",
     "triangulate feet.laz o.xml": "x, y and z are foot and metre, but LandXML has one for all",
     "triangulate band.tif o.xml": "x, y and z are metre and foot, but LandXML has one for all",
     "triangulate band.tif o.3mf": "x, y and z are metre and foot, but 3MF has one for all",
-    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --from-crs$",
+    "triangulate odd.ply o.xml": "unit of 'EPSG:999999' is not known, but LandXML .* --src-crs$",
     "triangulate cut.laz o.ply": "cut.laz: LAZ: the table of chunks should begin at byte .* trunc",
     "triangulate head.laz o.ply": r"begin at byte [\d,]+, but the file has 300: it is truncated",
     "triangulate lies.laz o.ply": "lies.laz: byte 100: the header states 2,147,483,647 records",
-    "triangulate odd.ply o.ply --to-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG:n",
+    "triangulate odd.ply o.ply --dst-crs EPSG:25832": "'EPSG:999999' is unknown: give WKT or EPSG",
 }
 
 

@@ -46,7 +46,7 @@ def names(folder: Path) -> set[str]:
         "verify mesh.ply --certificate new.json",
         "verify mesh.ply --certificate -",
         "compare cloud.ply --lower new.ply --hull new.obj",
-        "triangulate cloud.ply - --format ply",
+        "triangulate cloud.ply - --output-format ply",
         "triangulate cloud.ply new.ply --json",
         "--help",
         "--version",
@@ -64,7 +64,9 @@ def test_a_result_without_stdout_is_refused_before_anything_is_written(
     assert names(folder) == before
 
 
-@pytest.mark.parametrize("words", ["info - --from ply", "triangulate - new.ply --from ply"])
+@pytest.mark.parametrize(
+    "words", ["info - --input-format ply", "triangulate - new.ply --input-format ply"]
+)
 def test_input_without_stdin_is_refused(words: str, folder: Path) -> None:
     before = names(folder)
     done = run(words, "<&-", folder)
@@ -191,5 +193,5 @@ def test_a_name_that_the_terminal_cannot_show(words: str, folder: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", ["npz", "3mf", "las", "glb"])
 def test_a_device_takes_every_format(kind: str, folder: Path) -> None:
-    done = run(f"triangulate cloud.ply /dev/null --format {kind}", "", folder)
+    done = run(f"triangulate cloud.ply /dev/null --output-format {kind}", "", folder)
     assert done.returncode == 0, done.stderr

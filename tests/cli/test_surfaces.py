@@ -14,7 +14,7 @@ import rasterio
 import trimesh
 from commands import failed, liftmesh as run, process
 from hypothesis import given, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh.cli.sample import _EmptyFields
@@ -41,8 +41,8 @@ def test_a_mesh_is_trimmed_before_it_is_written(tin, tmp_path) -> None:
         "triangulate", tmp_path / "meadow.csv", tin, "--max-edge", "12", "--json", "--overwrite"
     )
     found = json.loads(done.stdout)
-    assert found["trimmed"] == whole.trim(max_edge=12).mask.sum()
-    assert found["triangles"] == len(whole.faces)
+    assert found["n_trimmed"] == whole.trim(max_edge=12).mask.sum()
+    assert found["n_triangles"] == len(whole.faces)
 
 
 def test_a_raster_has_the_heights_of_the_surface(tin, tmp_path) -> None:
@@ -58,8 +58,16 @@ def test_a_raster_has_the_heights_of_the_surface(tin, tmp_path) -> None:
 
 
 def test_rasters_of_other_quantities(tin, tmp_path) -> None:
-    words = ("--resolution", "2,1", "--bounds", "0,0,50,50", "--quantity", "hillshade", "--json")
-    done = run("raster", tin, tmp_path / "s.tif", *words, "--cog", "--compress", "none")
+    words = (
+        "--resolution",
+        "2,1",
+        "--raster-bounds",
+        "0,0,50,50",
+        "--quantity",
+        "hillshade",
+        "--json",
+    )
+    done = run("raster", tin, tmp_path / "s.tif", *words, "--cog", "--compress", "none", "--json")
     found = json.loads(done.stdout)
     assert (found["rows"], found["columns"], found["quantity"]) == (50, 25, "hillshade")
     with rasterio.open(tmp_path / "s.tif") as file:
@@ -68,18 +76,18 @@ def test_rasters_of_other_quantities(tin, tmp_path) -> None:
 
 
 def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
-    words = ("--resolution", "5", "--method", "sibson", "--double")
+    words = ("--resolution", "5", "--interpolation", "sibson", "--double")
     assert run("raster", tin, tmp_path / "dtm.tif", *words).returncode == 0
     with rasterio.open(tmp_path / "dtm.tif") as file:
-        expected = surface().raster(5, method="sibson").values
+        expected = surface().raster(5, interpolation="sibson").values
         np.testing.assert_array_equal(file.read(1), expected)
 
 
 def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
-    words = ("--interval", "2", "--min-length", "5", "--base", "1")
+    words = ("--interval", "2", "--min-length", "5", "--contour-base", "1")
     done = run("contour", tin, tmp_path / "lines.geojson", *words)
     assert done.returncode == 0, done.stderr
-    expected = surface().contours(interval=2, base=1).longer_than(5)
+    expected = surface().contours(interval=2, contour_base=1).longer_than(5)
     tree = json.loads((tmp_path / "lines.geojson").read_text())
     found = [each["geometry"]["coordinates"] for each in tree["features"]]
     assert found == [line.points.tolist() for line in expected]
@@ -93,7 +101,7 @@ def test_faces_are_left_out_by_radius_and_polygon(tin, tmp_path) -> None:
     ring = [[10, 10], [60, 10], [60, 70], [10, 70]]
     area = tmp_path / "area.geojson"
     area.write_text(json.dumps({"type": "Polygon", "coordinates": [ring]}))
-    words = ("--levels", "-1,2", "--polygon", area, "--max-radius", "9", "--json")
+    words = ("--levels", "-1,2", "--trim-polygon", area, "--max-radius", "9", "--json")
     done = run("contour", tin, tmp_path / "lines.gpkg", *words)
     expected = surface().trim(polygon=ring, max_radius=9).contours([-1, 2])
     assert json.loads(done.stdout)["length"] == pytest.approx(expected.lengths.sum())
@@ -101,7 +109,7 @@ def test_faces_are_left_out_by_radius_and_polygon(tin, tmp_path) -> None:
 
 
 def test_a_solid_is_written(tin, tmp_path) -> None:
-    words = ("--base", "-50", "--longest", "100", "--z-factor", "2", "--pinched", "trim")
+    words = ("--base-height", "-50", "--longest", "100", "--z-factor", "2", "--pinched", "trim")
     said = json.loads(run("solid", tin, tmp_path / "s.stl", *words, "--json").stdout)
     found = trimesh.load(tmp_path / "s.stl")
     assert found.is_volume
@@ -152,10 +160,10 @@ def test_stdout_has_the_bytes_of_a_file(kind: str, tin, tmp_path) -> None:
     (tmp_path / "at.csv").write_text("x,y,nan,id\n20,20,1,7\n99,50,,8\n50,50,nan,9\n")
     words = ("--at", "at.csv", "--json")
     done = run("sample", tin, f"out.{kind}", *words, cwd=tmp_path)
-    told = {"path": f"out.{kind}", "method": "linear", "points": 3, "known": 2}
+    told = {"path": f"out.{kind}", "interpolation": "linear", "points": 3, "known": 2}
     told |= {"classes": {}, "transformation": None}
     assert (json.loads(done.stdout), done.stderr) == (told, "")
-    printed = process("sample", tin, "-", "--format", kind, *words, cwd=tmp_path, text=False)
+    printed = process("sample", tin, "-", "--output-format", kind, *words, cwd=tmp_path, text=False)
     assert printed.stdout == (tmp_path / f"out.{kind}").read_bytes()
     assert json.loads(printed.stderr) == told | {"path": "-"}
     lines = [
@@ -203,11 +211,11 @@ def test_what_a_solid_does_not_keep_of_its_surface_is_said(tmp_path) -> None:
     liftmesh.triangulate(cloud, crs="EPSG:28992").save(tmp_path / "full.ply")
     lost = "; a solid does not keep colors, normals, id\n"
     for target, own in (("s.3mf", "3mf does not keep crs"), ("s.ply", "")):
-        done = run("solid", "full.ply", target, "--base", "0", cwd=tmp_path)
+        done = run("solid", "full.ply", target, "--base-height", "0", cwd=tmp_path)
         assert done.returncode == 0, done.stderr
         assert done.stdout.endswith(lost)
         assert own in done.stdout
-    words = ("full.ply", "t.3mf", "--base", "0", "--longest", "90", "--json")
+    words = ("full.ply", "t.3mf", "--base-height", "0", "--longest", "90", "--json")
     told = json.loads(run("solid", *words, cwd=tmp_path).stdout)
     assert told["dropped"][:4] == ["colors", "normals", "crs", "id"]
 
@@ -226,11 +234,15 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
     ("words", "code", "said"),
     [
         (("raster", "tin.ply", "out.tif", "--resolution", "0"), 2, "give a positive number"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "fine"), 2, "'fine' is not a number"),
+        (("raster", "tin.ply", "out.tif", "--resolution", "fine"), 2, "is 'fine': give a"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1,2,3"), 2, "resolution is"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1e-12"), 3, "too many"),
         (("raster", "tin.ply", "out.tif"), 2, "--resolution"),
-        (("raster", "tin.ply", "out.tif", "--resolution", "1", "--bounds", "1,2"), 2, "bounds"),
+        (
+            ("raster", "tin.ply", "out.tif", "--resolution", "1", "--raster-bounds", "1,2"),
+            2,
+            "bounds",
+        ),
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--crs", "EPSG:1"), 2, "EPSG:1"),
         (("raster", "tin.ply", "out.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "tin.ply", "no/out.tif", "--resolution", "1"), 3, "does not exist"),
@@ -250,38 +262,70 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("contour", "none.ply", "lines.kml", "--interval", "1"), 3, "lines.kml: contours are"),
         (("raster", "none.ply", "out.tif", "--resolution", "1"), 3, "none.ply: No such file"),
         (("raster", "bent.ply", "out.tif", "--resolution", "1"), 3, "bent.ply: face 0, of the"),
-        (("contour", "tin.ply", "out.geojson", "--interval", "0"), 2, "not a positive number"),
+        (("contour", "tin.ply", "out.geojson", "--interval", "0"), 2, "give a positive number"),
         (("contour", "tin.ply", "out.geojson", "--interval", "1e-9"), 3, "levels: give a larger"),
-        (("contour", "tin.ply", "out.geojson", "--interval", "1", "--base", "x"), 2, "--base"),
+        (
+            ("contour", "tin.ply", "out.geojson", "--interval", "1", "--contour-base", "x"),
+            2,
+            "--contour-base",
+        ),
         (("contour", "tin.ply", "out.geojson", "--interval", "1", "--boundary-only"), 2, "needs"),
         (("contour", "tin.ply", "out.geojson", "--interval", "1", "--max-edge", "1e-9"), 3, "left"),
         (("contour", "tin.ply", "out.geojson"), 2, "either --interval or --levels"),
-        (("contour", "tin.ply", "out.geojson", "--levels", "1,x"), 2, "'x' is not a number"),
-        (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--polygon", "none.gpkg"), 3, "none"),
-        (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--polygon", "at.csv"), 3, "at.csv"),
+        (("contour", "tin.ply", "out.geojson", "--levels", "1,x"), 2, "is 'x': give a"),
+        (
+            ("contour", "tin.ply", "o.gpkg", "--levels", "1", "--trim-polygon", "none.gpkg"),
+            3,
+            "none",
+        ),
+        (
+            ("contour", "tin.ply", "o.gpkg", "--levels", "1", "--trim-polygon", "at.csv"),
+            3,
+            "at.csv",
+        ),
         (("contour", "tin.ply", "o.gpkg", "--levels", "1", "--max-radius", "0"), 2, "positive"),
         (("contour", "tin.ply", "no/out.geojson", "--interval", "1"), 3, "does not exist"),
         (("sample", "tin.ply", "out.csv", "--at", "none.csv"), 3, "none.csv: No such file"),
         (("sample", "tin.ply", "out.csv"), 2, "--at"),
-        (("solid", "tin.ply", "out.stl"), 2, "either --base or --thickness"),
-        (("solid", "tin.ply", "out.stl", "--base", "1", "--z-factor", "2"), 2, "needs --longest"),
-        (("solid", "tin.ply", "out.stl", "--base", "1e9"), 3, "reaches its base"),
-        (("solid", "tin.ply", "out.stl", "--thickness", "0"), 2, "not a positive number"),
-        (("solid", "none.ply", "out.png", "--base", "0"), 3, "out.png"),
-        (("sample", "tin.ply", "out.csv", "--at", "at.csv", "--method", "cubic"), 2, "--method"),
+        (("solid", "tin.ply", "out.stl"), 2, "either --base-height or --thickness"),
+        (
+            ("solid", "tin.ply", "out.stl", "--base-height", "1", "--z-factor", "2"),
+            2,
+            "needs --longest",
+        ),
+        (("solid", "tin.ply", "out.stl", "--base-height", "1e9"), 3, "reaches its base"),
+        (("solid", "tin.ply", "out.stl", "--thickness", "0"), 2, "give a positive number"),
+        (("solid", "none.ply", "out.png", "--base-height", "0"), 3, "out.png"),
+        (
+            ("sample", "tin.ply", "out.csv", "--at", "at.csv", "--interpolation", "cubic"),
+            2,
+            "--interpolation",
+        ),
         (("sample", "tin.ply", "out.what", "--at", "at.csv"), 3, "out.what"),
         (("sample", "tin.ply", "at.csv", "--at", "at.csv"), 2, "same file"),
         (("raster", "tin.ply", "o.tif", "--resolution", "1e-5"), 3, "pixels are too many"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "'nan' is not a number"),
+        (("raster", "tin.ply", "o.tif", "--resolution", "nan"), 2, "is nan: give a"),
         (("raster", "tin.ply", "o.tif", "--resolution", "-1"), 2, "--resolution is -1.0: give"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "one of none"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--bounds", "3,3,0,0"), 2, "--bounds"),
-        (("raster", "none.ply", "o.tif", "--resolution", "0"), 2, "--resolution is 0.0: give a"),
-        (("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "0,0,1"), 2, "--bounds"),
         (
-            ("raster", "none.ply", "o.tif", "--resolution", "1", "--bounds", "10,10,0,0"),
+            ("raster", "tin.ply", "o.tif", "--resolution", "1", "--compress", "x"),
             2,
-            "--bounds are [10.0, 10.0, 0.0, 0.0]: give xmin, ymin, xmax, ymax (see liftmesh",
+            "--compress 'x' is unknown: give",
+        ),
+        (
+            ("raster", "tin.ply", "o.tif", "--resolution", "1", "--raster-bounds", "3,3,0,0"),
+            2,
+            "--raster-bounds",
+        ),
+        (("raster", "none.ply", "o.tif", "--resolution", "0"), 2, "--resolution is 0.0: give a"),
+        (
+            ("raster", "none.ply", "o.tif", "--resolution", "1", "--raster-bounds", "0,0,1"),
+            2,
+            "--raster-bounds",
+        ),
+        (
+            ("raster", "none.ply", "o.tif", "--resolution", "1", "--raster-bounds", "10,10,0,0"),
+            2,
+            "--raster-bounds are [10.0, 10.0, 0.0, 0.0]: give xmin, ymin, xmax, ymax (see liftmesh",
         ),
         (
             (
@@ -290,10 +334,10 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
                 "o.tif",
                 "--resolution=1",
                 "--quantity=slope",
-                "--method=sibson",
+                "--interpolation=sibson",
             ),
             2,
-            "slope is that of faces: leave out --method sibson",
+            "slope is that of faces: leave out --interpolation sibson",
         ),
         (
             ("contour", "none.ply", "o.geojson", "--interval", "1", "--min-length", "-1"),
@@ -301,7 +345,11 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
             "--min-length is -1.0: give a number, not below zero",
         ),
         (("raster", "nan.csv", "o.tif", "--resolution", "1"), 3, "with --nonfinite skip"),
-        (("raster", "tin.ply", "o.tif", "--resolution", "1", "--polygon", "far.json"), 3, "faces"),
+        (
+            ("raster", "tin.ply", "o.tif", "--resolution", "1", "--trim-polygon", "far.json"),
+            3,
+            "faces",
+        ),
         (("contour", "tin.ply", "o.geojson", "--interval", "1e-12"), 3, "--interval is 1e-12"),
         (
             ("contour", "tin.ply", "o.geojson", "--interval", "1", "--min-length", "-1"),
@@ -310,13 +358,17 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         ),
         (("sample", "tin.ply", "o.csv", "--at", "names.csv"), 3, "has no column x or y"),
         (("sample", "nan.csv", "o.csv", "--at", "at.csv"), 3, "with --nonfinite skip"),
-        (("volume", "utm.ply", "dutch.ply"), 3, "give --to-crs, which transforms both"),
-        (("volume", "tin.ply", "--level", "nan"), 2, "--level 'nan' is not a number"),
+        (("volume", "utm.ply", "dutch.ply"), 3, "read both with the same --dst-crs"),
+        (("volume", "tin.ply", "--level", "nan"), 2, "--level is nan: give a"),
         (("volume", "tin.ply", "--within", "far.json"), 3, "no area in common with the faces"),
-        (("solid", "tin.ply", "o.stl", "--base", "nan"), 2, "--base 'nan' is not a number"),
+        (
+            ("solid", "tin.ply", "o.stl", "--base-height", "nan"),
+            2,
+            "--base-height is nan: give a",
+        ),
         (("thin", "nan.csv", "o.ply", "--adaptive", "3"), 3, "remove such rows first"),
-        (("thin", "tin.ply", "o.ply", "--cell", "nan"), 2, "--cell 'nan' is not a positive"),
-        (("triangulate", "meadow.csv", "out.ply", "--max-edge", "-1"), 2, "not a positive number"),
+        (("thin", "tin.ply", "o.ply", "--cell", "nan"), 2, "--cell is nan: give a positive"),
+        (("triangulate", "meadow.csv", "out.ply", "--max-edge", "-1"), 2, "give a positive number"),
         (("triangulate", "meadow.csv", "out.ply", "--boundary-only"), 2, "needs --max-edge"),
     ],
 )

@@ -39,8 +39,8 @@ def test_counts_as_json(folder: Path) -> None:
     told = json.loads(done.stdout)
     expected = liftmesh.delaunay(POINTS)
     assert told["folder"] == str(folder / "out")
-    assert (told["rows"], told["triangles"]) == (3_000, expected.nsimplex)
-    assert told["duplicates"] == len(expected.duplicates)
+    assert (told["n_rows"], told["n_triangles"]) == (3_000, expected.nsimplex)
+    assert told["n_duplicates"] == len(expected.duplicates)
     assert told["merges"]["tiles"] == 1
     assert liftmesh.open_tiled(folder / "out").manifest["tile_rows"] == 2_500_000
     assert list((folder / "scratch").iterdir()) == []
@@ -52,7 +52,7 @@ def test_shards_in_other_formats_with_neighbors(folder: Path) -> None:
         assert command(*words, cwd=folder).returncode == 0
         found = liftmesh.open_tiled(folder / shards)
         assert {path.suffix for path in found.shards} == {f".{shards}"}
-        assert found.compute_neighbors().shape == (found.nsimplex, 3)
+        assert found.neighbors_to_array().shape == (found.nsimplex, 3)
         assert command("verify", shards, cwd=folder).returncode == 0
 
 
@@ -66,10 +66,12 @@ def test_a_run_goes_on_and_begins_anew(folder: Path) -> None:
     done = command(*words, cwd=folder)
     assert done.returncode == 3
     assert "holds the triangles of other points" in done.stderr
-    assert "or replace them with --anew\n" in done.stderr
+    assert "or replace them with --restart\n" in done.stderr
     done = command("tile", "b.npy", "out", "--tile-rows", 400, "--neighbors", cwd=folder)
-    assert "with --tile-rows 500, not 400: use the same, or begin anew with --anew" in done.stderr
-    assert command(*words, "--anew", cwd=folder).returncode == 0
+    assert (
+        "with --tile-rows 500, not 400: use the same, or begin anew with --restart" in done.stderr
+    )
+    assert command(*words, "--restart", cwd=folder).returncode == 0
     assert liftmesh.open_tiled(folder / "out").npoints == 900
 
 
@@ -85,8 +87,8 @@ def test_a_surface_of_a_table_is_read_as_its_options_say(folder: Path) -> None:
     assert command("verify", "out", cwd=folder).returncode == 0
     cloud = np.column_stack((POINTS[:200, 0] + 0.5, POINTS[:200, 1], POINTS[:200].sum(axis=1)))
     expected = liftmesh.tile_surface(cloud, folder / "expected")
-    assert found.compute().tolist() == expected.compute().tolist()
-    for name, value in (("--skip-rows", "1"), ("--from-crs", "EPSG:25832")):
+    assert found.to_array().tolist() == expected.to_array().tolist()
+    for name, value in (("--skip-rows", "1"), ("--src-crs", "EPSG:25832")):
         done = command("tile", "survey.csv", "other", name, value, cwd=folder)
         assert (done.returncode, f"error: {name} is for surfaces" in done.stderr) == (2, True)
         done = command("contour", "out", "o.gpkg", "--interval", 9, name, value, cwd=folder)
@@ -112,7 +114,7 @@ def test_progress_on_a_terminal(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["a.npy", "out", "--memory", "much"], 2, "--memory 'much' is not a size"),
+        (["a.npy", "out", "--memory", "much"], 2, "--memory is 'much': give a size"),
         (["a.npy", "out", "--tile-rows", "3"], 2, "--tile-rows"),
         (["a.npy", "out", "--shards", "obj"], 2, "--shards"),
         (["a.npy", "out", "--workers", "0"], 2, "--workers"),
@@ -147,7 +149,7 @@ def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -
 
 @pytest.mark.parametrize(
     "words",
-    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base 0",
+    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base-height 0",
      "triangulate out o.ply", "profile out o.csv --along 0,0 --along 1,1"],
 )  # fmt: skip
 def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> None:

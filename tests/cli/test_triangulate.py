@@ -13,7 +13,7 @@ import trimesh
 from commands import ROOT, TERRAIN, failed, liftmesh, on_terminal, process, without_escapes
 
 import liftmesh as lm
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.cli import exit_codes
 
 HILL = ROOT / "data" / "hill.csv"
@@ -38,9 +38,9 @@ def test_a_file_becomes_a_mesh(name, tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
-@pytest.mark.parametrize("method", get_args(Method))
-def test_every_method_of_the_library_is_one_of_the_command(method, tmp_path):
-    succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--method", method, cwd=tmp_path))
+@pytest.mark.parametrize("algorithm", get_args(Algorithm))
+def test_every_method_of_the_library_is_one_of_the_command(algorithm, tmp_path):
+    succeeded(liftmesh("triangulate", HILL, "mesh.ply", "--algorithm", algorithm, cwd=tmp_path))
     faces = lm.read(tmp_path / "mesh.ply").faces
     expected = lm.triangulate(HILL).faces
     assert set(map(frozenset, faces.tolist())) == set(map(frozenset, expected.tolist()))
@@ -54,27 +54,27 @@ def test_the_terrain(tmp_path):
 
 def test_every_row_is_accounted_for(tmp_path):
     out = succeeded(
-        liftmesh("triangulate", OVERHANG, "mesh.ply", "--duplicates", "highest", cwd=tmp_path)
+        liftmesh("triangulate", OVERHANG, "mesh.ply", "--on-duplicate", "highest", cwd=tmp_path)
     )
     told = dict(re.findall(r"^(\S.*?)  +(.*)$", out, flags=re.MULTILINE))
-    report = lm.triangulate(OVERHANG, duplicates="highest").report
+    report = lm.triangulate(OVERHANG, on_duplicate="highest").report
     for name in ("rows", "used", "duplicates", "overhangs", "triangles"):
-        assert told[name] == str(getattr(report, name))
+        assert told[name] == str(getattr(report, f"n_{name}"))
     assert told["not finite"] == "0"
     assert re.fullmatch(r"read \d+\.\d\d  triangulate \d+\.\d\d  write \d+\.\d\d", told["seconds"])
 
 
 @pytest.mark.parametrize("policy", ["first", "last", "lowest", "highest", "mean"])
 def test_policies(policy, tmp_path):
-    succeeded(liftmesh("triangulate", OVERHANG, tmp_path / "m.ply", "--duplicates", policy))
-    expected = lm.triangulate(OVERHANG, duplicates=policy)
+    succeeded(liftmesh("triangulate", OVERHANG, tmp_path / "m.ply", "--on-duplicate", policy))
+    expected = lm.triangulate(OVERHANG, on_duplicate=policy)
     mesh = lm.read(tmp_path / "m.ply")
     assert np.array_equal(mesh.faces, expected.faces)
     assert np.array_equal(mesh.points, expected.vertices)
 
 
 def test_colliding_rows_can_be_an_error(tmp_path):
-    done = liftmesh("triangulate", OVERHANG, tmp_path / "m.ply", "--duplicates", "error")
+    done = liftmesh("triangulate", OVERHANG, tmp_path / "m.ply", "--on-duplicate", "error")
     failed(done, exit_codes.BAD_INPUT, "row")
     assert list(tmp_path.iterdir()) == []
 
@@ -123,8 +123,8 @@ def test_a_bad_matrix_is_refused(content, parts, tmp_path):
     ("target", "code", "parts"),
     [
         ("mesh.xyzzy", exit_codes.BAD_INPUT, ["mesh.xyzzy", "'xyzzy'", ".ply"]),
-        ("mesh", exit_codes.USAGE, ["no suffix", "--format"]),
-        ("-", exit_codes.USAGE, ["--format"]),
+        ("mesh", exit_codes.USAGE, ["no suffix", "--output-format"]),
+        ("-", exit_codes.USAGE, ["--output-format"]),
         ("no/such/mesh.ply", exit_codes.BAD_INPUT, ["no/such: ", "the folder does not exist"]),
         ("folder.ply", exit_codes.BAD_INPUT, ["folder.ply", "is a folder"]),
     ],
@@ -160,7 +160,7 @@ def test_a_broken_file_is_told_in_one_line(name, content, parts, tmp_path):
 @pytest.mark.parametrize("unbuffered", ["", "1"])
 def test_streams(unbuffered):
     done = process(
-        *("triangulate", "-", "-", "--from", "csv", "--format", "ply"),
+        *("triangulate", "-", "-", "--input-format", "csv", "--output-format", "ply"),
         stdin=HILL.read_bytes(),
         text=False,
         env={"PYTHONUNBUFFERED": unbuffered},
@@ -173,7 +173,7 @@ def test_streams(unbuffered):
 
 def test_streams_with_json():
     done = process(
-        *("triangulate", str(HILL), "-", "--json", "--format", "stl"), stdin=b"", text=False
+        *("triangulate", str(HILL), "-", "--json", "--output-format", "stl"), stdin=b"", text=False
     )
     assert done.returncode == 0
     told = json.loads(done.stderr)
@@ -182,7 +182,7 @@ def test_streams_with_json():
 
 
 def test_a_format_in_place_of_the_suffix(tmp_path):
-    succeeded(liftmesh("triangulate", HILL, "mesh.dat", "--format", "obj", cwd=tmp_path))
+    succeeded(liftmesh("triangulate", HILL, "mesh.dat", "--output-format", "obj", cwd=tmp_path))
     assert (tmp_path / "mesh.dat").read_bytes().startswith(b"# liftmesh\nv ")
 
 
@@ -201,7 +201,11 @@ def test_json(tmp_path):
     report = lm.triangulate(OVERHANG).report
     assert told["path"] == "mesh.ply"
     assert told["bytes"] == (tmp_path / "mesh.ply").stat().st_size
-    assert (told["rows"], told["used"], told["overhangs"]) == (25, report.used, report.overhangs)
+    assert (told["n_rows"], told["n_used"], told["n_overhangs"]) == (
+        25,
+        report.n_used,
+        report.n_overhangs,
+    )
     assert told["left_out"] == report.left_out.tolist()
     assert set(told["seconds"]) == {"read", "triangulate", "write"}
 

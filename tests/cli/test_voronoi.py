@@ -58,8 +58,8 @@ def test_power_cells_in_a_geopackage(table: Path, option: str) -> None:
     told = json.loads(done.stdout)
     box = (-1, -1, 11, 11)
     expected = liftmesh.power_diagram(POINTS, **{option: SIZES}, domain=box)
-    assert told["hidden"] == len(expected.hidden)
-    assert told["cells"] == 60 - len(expected.empty)
+    assert told["n_hidden"] == len(expected.hidden)
+    assert told["n_cells"] == 60 - len(expected.empty)
     assert told["domain"] == "the box (-1.0, -1.0, 11.0, 11.0)"
     frame = geopandas.read_file(table.parent / "out.gpkg")
     np.testing.assert_array_equal(frame["pupils"], np.arange(60))
@@ -68,13 +68,15 @@ def test_power_cells_in_a_geopackage(table: Path, option: str) -> None:
 
 
 def test_the_default_box_is_said_and_pictures_are_drawn(table: Path) -> None:
-    done = process("voronoi", table, "-", "--format", "svg", cwd=table.parent)
+    done = process("voronoi", table, "-", "--output-format", "svg", cwd=table.parent)
     assert done.returncode == 0, done.stderr
     assert "widened by" in done.stderr
     assert "svg does not keep" in done.stderr
     root = ET.parse(io.StringIO(done.stdout)).getroot()
     assert len(root) == 60
-    named = process("voronoi", table, "-", "--format", "svg", "--domain", "box", cwd=table.parent)
+    named = process(
+        "voronoi", table, "-", "--output-format", "svg", "--domain", "bounds", cwd=table.parent
+    )
     assert named.stdout == done.stdout
 
 
@@ -160,8 +162,12 @@ def test_what_a_file_of_shapes_leaves_unclear_is_a_note(tmp_path: Path) -> None:
 
 WRONG = [
     (["out.obj"], 3, "cells are not written as '.obj': give one of .geojson"),
-    (["out", "--format", "tiff"], 3, "cells are not written as 'tiff': give one of geojson"),
-    (["-"], 2, "stdout has no suffix: give the format with --format geojson"),
+    (
+        ["out", "--output-format", "tiff"],
+        3,
+        "cells are not written as 'tiff': give one of",
+    ),
+    (["-"], 2, "stdout has no suffix: give the format with --output-format geojson"),
     (["out.svg", "--domain", "none.geojson"], 2, "'none.geojson' is no file, and no box"),
     (["out.svg", "--domain", "0,0,1"], 2, "a box is XMIN,YMIN,XMAX,YMAX"),
     (
@@ -172,7 +178,7 @@ WRONG = [
     (["out.svg", "--domain", "points.gpkg"], 3, "geometry 1 is Point"),
     (["out.svg", "--domain", "0,0,0,1"], 3, "which has no area"),
     (["out.svg", "--weights", "weight"], 3, "the points have no values of that name"),
-    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both weights and radii"),
+    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both --weights and --radii"),
 ]
 
 
@@ -187,27 +193,32 @@ def test_errors_are_one_line(table: Path, words: list[str], code: int, said: str
 def test_cells_of_disks(table: Path) -> None:
     box = (0, 0, 10, 10)
     words = ("--domain", "0,0,10,10", "--disks", "size")
-    done = command("voronoi", table, "out.gpkg", *words, "--tolerance", "0.05", cwd=table.parent)
+    done = command(
+        "voronoi", table, "out.gpkg", *words, "--max-deviation", "0.05", cwd=table.parent
+    )
     assert done.returncode == 0, done.stderr
     assert "arcs are polylines within 0.05" in " ".join(done.stdout.split())
-    expected = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box, tolerance=0.05)
+    expected = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box, max_deviation=0.05)
     frame = geopandas.read_file(table.parent / "out.gpkg")
     assert frame["area"].tolist() == expected.areas.tolist()
     full = expected.areas > 0
     np.testing.assert_allclose(frame.geometry.area[full], expected.areas[full], rtol=1e-9)
     told = command("voronoi", table, "out.ply", *words, "--json", cwd=table.parent)
     default = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box)
-    assert json.loads(told.stdout)["tolerance"] == default.tolerance
-    assert json.loads(told.stdout)["hidden"] == len(default.hidden)
+    assert json.loads(told.stdout)["max_deviation"] == default.max_deviation
+    assert json.loads(told.stdout)["n_hidden"] == len(default.hidden)
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
         (("--disks", "size", "--radii", "size"), "other cells than --weights and --radii"),
-        (("--tolerance", "0.1"), "--tolerance needs --disks"),
+        (("--max-deviation", "0.1"), "--max-deviation needs --disks"),
         (("--disks", "reach"), "no values of that name: there are 'size', 'pupils'"),
-        (("--disks", "size", "--tolerance", "-1"), "tolerance is -1.0: give a positive, finite"),
+        (
+            ("--disks", "size", "--max-deviation", "-1"),
+            "--max-deviation is -1.0: give a positive, finite",
+        ),
     ],
 )
 def test_wrong_options_of_disks(table: Path, words: tuple[str, ...], message: str) -> None:

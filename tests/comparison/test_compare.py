@@ -8,10 +8,10 @@ from fractions import Fraction
 from functools import partial
 
 import numpy as np
-import oracle
 import pytest
 import trimesh
 from clouds import FAMILIES
+from oracles import planar as oracle
 
 import liftmesh
 from liftmesh.comparison.differences import (
@@ -43,9 +43,9 @@ def unit_circle(n):
 
 def counted(result):
     """Counts that must hold whatever the points."""
-    assert result.triangles == result.identical + result.cocircular + len(result.missing)
-    assert len(result.lower) == result.identical + result.cocircular + len(result.wrong)
-    assert result.violations == 0
+    assert result.n_triangles == result.n_identical + result.n_cocircular + len(result.missing)
+    assert len(result.lower) == result.n_identical + result.n_cocircular + len(result.wrong)
+    assert result.n_violations == 0
     assert str(result)
     return result
 
@@ -62,19 +62,19 @@ def cells_of(points):
 def test_scattered_points_are_identical():
     result = counted(liftmesh.compare(uniform(3000)))
     assert result.verdict == "identical"
-    assert result.identical == result.triangles == len(result.lower)
+    assert result.n_identical == result.n_triangles == len(result.lower)
     assert result.agrees
     assert len(result.proofs) == len(result.lost) == 0
     assert set(result.seconds) == {"liftmesh", "trimesh"}
     assert min(result.seconds.values()) > 0
 
 
-@pytest.mark.parametrize("q", ["median", "origin", (3.0, -4.0)])
-def test_a_lattice_differs_only_inside_cocircular_cells(q):
-    result = counted(liftmesh.compare(grid(25, 30), q=q))
+@pytest.mark.parametrize("apex", ["median", "origin", (3.0, -4.0)])
+def test_a_lattice_differs_only_inside_cocircular_cells(apex):
+    result = counted(liftmesh.compare(grid(25, 30), apex=apex))
     assert result.verdict == "cocircular"
-    assert result.cocircular == 2 * result.cells > 0
-    assert result.identical + result.cocircular == 2 * 24 * 29
+    assert result.n_cocircular == 2 * result.n_cells > 0
+    assert result.n_identical + result.n_cocircular == 2 * 24 * 29
     assert len(result.missing) == len(result.wrong) == len(result.lost) == 0
     assert result.agrees
     assert "cocircular cells" in result.conclusion()
@@ -84,20 +84,20 @@ def test_large_cells_are_cut_otherwise_too():
     circle = np.array(
         [p for p in np.ndindex(131, 131) if (p[0] - 65) ** 2 + (p[1] - 65) ** 2 == 4225]
     )
-    result = counted(liftmesh.compare(circle, q=(0.0, 0.0)))
+    result = counted(liftmesh.compare(circle, apex=(0.0, 0.0)))
     assert result.verdict == "cocircular"
-    assert (result.cells, result.identical + result.cocircular) == (1, len(circle) - 2)
+    assert (result.n_cells, result.n_identical + result.n_cocircular) == (1, len(circle) - 2)
 
 
 def test_far_points_with_the_origin_as_vertex_lose_qhull_its_way():
     points = uniform(2000, size=0.1, origin=UTM)
-    result = counted(liftmesh.compare(points, q="origin", max_proofs=6))
+    result = counted(liftmesh.compare(points, apex="origin", max_proofs=6))
     assert result.verdict == "different"
     assert not result.agrees
     assert len(result.lost) > 1000
     assert len(result.missing) > 3000
     assert "points lost" in result.conclusion()
-    assert counted(liftmesh.compare(points, q="median")).verdict == "identical"
+    assert counted(liftmesh.compare(points, apex="median")).verdict == "identical"
 
 
 def test_nearly_cocircular_points_are_too_close_for_qhull():
@@ -131,17 +131,17 @@ def test_a_hull_that_fails_is_reported(points, words):
     assert words in result.conclusion()
     assert not result.agrees
     assert len(result.hull) == len(result.lower) == len(result.trimesh_hull().faces) == 0
-    assert len(result.missing) == result.triangles
+    assert len(result.missing) == result.n_triangles
     assert result.proofs == ()
     assert "\n" not in result.error
 
 
-@pytest.mark.parametrize("q", ["median", "origin"])
+@pytest.mark.parametrize("apex", ["median", "origin"])
 @pytest.mark.parametrize("family", FAMILIES)
-def test_each_verdict_agrees_with_exact_integers(family, q):
+def test_each_verdict_agrees_with_exact_integers(family, apex):
     points = FAMILIES[family](40, np.random.default_rng(7))
     try:
-        result = counted(liftmesh.compare(points, q=q))
+        result = counted(liftmesh.compare(points, apex=apex))
     except liftmesh.DegenerateInputError:
         return
     cells, lattice = cells_of(points)
@@ -179,7 +179,7 @@ def determinant(points, a, b, c, d):
 
 def test_proofs_are_exact_and_name_the_right_side():
     points = uniform(2000, size=100.0, origin=UTM)
-    result = counted(liftmesh.compare(points, q="origin", max_proofs=8))
+    result = counted(liftmesh.compare(points, apex="origin", max_proofs=8))
     assert {proof.claim for proof in result.proofs} == {"wrong facet", "right triangle"}
     assert len(result.proofs) == min(8, len(result.wrong) + len(result.missing))
     for proof in result.proofs:
@@ -208,7 +208,7 @@ def test_a_proof_is_asked_of_the_wrong_side():
 
 def test_proofs_read_well():
     result = liftmesh.compare(
-        [[9e9, 0], [9e9 + 4, 0], [9e9, 4], [9e9 + 3, 3], [9e9 + 1, 1]], q="origin"
+        [[9e9, 0], [9e9 + 4, 0], [9e9, 4], [9e9 + 3, 3], [9e9 + 1, 1]], apex="origin"
     )
     assert str(result.proofs[0]) == (
         "trimesh's facet (0, 1, 3) is wrong: row 4 lies strictly inside its circle, "
@@ -231,7 +231,7 @@ def test_the_number_of_proofs_is_limited_and_counts_are_not(limit):
 
 def test_a_cell_that_is_not_covered_once_is_not_excused():
     steps = np.array([[2, 2], [2, 1], [1, 3], [1, 0], [0, 3]])
-    result = counted(liftmesh.compare(steps * 0.1 + UTM, q="origin"))
+    result = counted(liftmesh.compare(steps * 0.1 + UTM, apex="origin"))
     assert result.verdict == "different"
     broken = [proof for proof in result.proofs if proof.claim == "broken cell"]
     assert len(broken) == 1
@@ -249,12 +249,12 @@ def test_a_wrong_triangulation_is_convicted_as_well():
         points=points,
         simplices=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32),
         neighbors=np.array([[-1, 1, -1], [-1, -1, 0]], dtype=np.int32),
-        hull=np.arange(4, dtype=np.int32),
+        convex_hull=np.arange(4, dtype=np.int32),
         duplicates=np.empty((0, 2), dtype=np.int32),
         skipped=np.empty(0, dtype=np.int32),
     )
     result = liftmesh.compare(flipped)
-    assert (result.violations, result.verdict) == (1, "different")
+    assert (result.n_violations, result.verdict) == (1, "different")
     assert "liftmesh's triangulation is wrong" in result.conclusion()
     assert result.proofs[0].claim == "wrong triangle"
     assert result.proofs[0].determinants == ((3, determinant(points, 0, 1, 2, 3)),)
@@ -279,10 +279,10 @@ def test_facets_are_rows_of_the_caller_whatever_is_left_out():
 
 def test_the_hulls_are_meshes_on_the_same_vertices(tmp_path):
     points = uniform(300, origin=(10.0, 20.0))
-    result = liftmesh.compare(points, q=(10.0, 20.0))
+    result = liftmesh.compare(points, apex=(10.0, 20.0))
     lower, hull, facets = result.lower_hull(), result.trimesh_hull(), result.trimesh_lower_facets()
     for vertices in (lower.vertices, hull.points, facets.points):
-        assert np.array_equal(vertices, lift(points, q=(10.0, 20.0)))
+        assert np.array_equal(vertices, lift(points, apex=(10.0, 20.0)))
     solid = trimesh.Trimesh(hull.points, hull.faces, process=False)
     assert solid.is_watertight
     assert solid.volume > 0
@@ -297,7 +297,7 @@ def test_lower_facets_are_chosen_by_the_exact_orientation():
     result = liftmesh.compare(points)
     n_z = liftmesh.orient2d(*points[result.hull.T])
     assert len(result.lower) == (n_z < 0).sum()
-    assert result.vertical == (n_z == 0).sum()
+    assert result.n_vertical == (n_z == 0).sum()
 
 
 def test_rows_that_centring_makes_equal_are_counted():
@@ -305,7 +305,7 @@ def test_rows_that_centring_makes_equal_are_counted():
         [uniform(20, size=1e6), [[1e-12, 0.0], [2e-12, 0.0]], uniform(20, size=1e6) + 1]
     )
     result = counted(liftmesh.compare(points))
-    assert result.coincident == 1
+    assert result.n_coincident == 1
     assert result.lost.tolist() == [21]
     assert "equal once lifted" in str(result)
 
@@ -354,12 +354,12 @@ def test_a_triangulation_is_not_computed_anew():
 
 def test_the_default_vertex_is_the_median():
     points = uniform(51, origin=UTM)
-    assert liftmesh.compare(points).q == tuple(np.median(points, axis=0))
+    assert liftmesh.compare(points).apex == tuple(np.median(points, axis=0))
 
 
 def test_bad_input_is_refused():
     with pytest.raises(liftmesh.InputError, match="'middle'"):
-        liftmesh.compare(uniform(5), q="middle")
+        liftmesh.compare(uniform(5), apex="middle")
     with pytest.raises(liftmesh.DegenerateInputError):
         liftmesh.compare([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]])
     with pytest.raises(FileNotFoundError):

@@ -3,78 +3,22 @@
 from __future__ import annotations
 
 import itertools
-import subprocess
-import sys
-import textwrap
 import threading
-from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
 from clouds import FAMILIES
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 
-# The signal comes when this program has run for a time of its own, however busy the machine is.
-LONG_RUN = textwrap.dedent(
-    """
-    import signal, sys, time
-    import numpy as np
-    import liftmesh
-
-    rng = np.random.default_rng(0)
-    points = {points}
-    {prepare}
-    liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])  # what it imports is no part of the run
-    signal.signal(signal.SIGPROF, signal.default_int_handler)  # that of Ctrl-C
-    delay, began = float(sys.argv[1]), time.process_time()
-    signal.setitimer(signal.ITIMER_PROF, delay)
-    try:
-        {call}
-    except KeyboardInterrupt:
-        print("interrupted", time.process_time() - began - delay, flush=True)
-    else:
-        print("finished", flush=True)
-    """
-)
 CIRCLE = "np.exp(1j * rng.uniform(0, 2 * np.pi, 8_000_000)).view(float).reshape(-1, 2)"
 UNIFORM = "rng.random((8_000_000, 2))"
 MILLION_COPIES_AND_MORE = "np.repeat(rng.random((3_000_000, 2)), 3, axis=0)"
 DENORMAL = "rng.integers(0, 2**20, (8_000_000, 2)) * 2.0**-1074"
 TWO_COLUMNS = "np.column_stack((rng.integers(0, 2, 500_000), rng.random(500_000)))"
 ONE_COLUMN = "np.column_stack((np.zeros(6_000_000), rng.random(6_000_000)))"
-
-
-class Ticker:
-    """Counts in a second thread how often Python code runs while the first one is busy."""
-
-    def __enter__(self) -> Ticker:
-        self.ticks = 0
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run)
-        self._thread.start()
-        return self
-
-    def _run(self) -> None:
-        while not self._stop.wait(0.001):
-            self.ticks += 1
-
-    def __exit__(self, *error: object) -> None:
-        self._stop.set()
-        self._thread.join()
-
-
-def assert_another_thread_runs(call: Callable[[], object]) -> None:
-    """Try again where it does not: it may wait for a processor as long as a call takes."""
-    assert any(ticks_during(call) > 20 for _ in range(100))
-
-
-def ticks_during(call: Callable[[], object]) -> int:
-    with Ticker() as ticker:
-        before = ticker.ticks
-        call()
-        return ticker.ticks - before
 
 
 @pytest.mark.parametrize("family", ["uniform", "circle"])
@@ -227,19 +171,3 @@ def test_ctrl_c_stops_long_clipping_within_a_second() -> None:
         call="[clip(dual, domain) for _ in range(9)]",
     )
     assert seconds_to_stop(program, 0.3) < 1.0
-
-
-def seconds_to_stop(program: str, delay: float) -> float:
-    """Interrupt a program; how long it computes until it hears that, in its own seconds of CPU.
-
-    A call that never looks for signals hears this one at its end, after seconds.
-    """
-    child = subprocess.run(
-        [sys.executable, "-c", program, str(delay)],
-        capture_output=True,
-        text=True,
-        timeout=300,
-        check=False,
-    )
-    assert child.stdout.startswith("interrupted"), child.stdout + child.stderr
-    return float(child.stdout.split()[1])

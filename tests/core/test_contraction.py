@@ -27,9 +27,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 import twin
+from clouds import nearly_cocircular
 from native.instructions import beyond_sse2, fused
 from numpy.typing import NDArray
-from test_predicates import nearly_cocircular
 
 from liftmesh import _kernel
 

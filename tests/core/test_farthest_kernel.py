@@ -8,7 +8,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from regular_oracle import Site, regular
-from test_regular_kernel import FAMILIES, SETS, exponents, giants
+from sites import FAMILIES, SETS, exponents, giants
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows

@@ -155,7 +155,7 @@ def test_too_many_rows_are_refused_before_any_copy(dtype: type, columns: int) ->
 
 @pytest.mark.parametrize(
     "options",
-    [{"method": "fastest"}, {"nonfinite": "ignore"}, {"order": "random"}],
+    [{"algorithm": "fastest"}, {"nonfinite": "ignore"}, {"order": "random"}],
     ids=lambda options: next(iter(options)),
 )
 def test_unknown_options_name_the_choices(options: dict[str, str]) -> None:
@@ -248,8 +248,8 @@ def test_an_infinite_longdouble_and_a_signalling_nan_are_not_finite() -> None:
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("value", [LONG("1e4000"), 10**400])
 def test_options_beyond_float64_are_refused(value: object) -> None:
-    with pytest.raises(liftmesh.InputError, match="q is "):
-        liftmesh.lift(SQUARE, q=(value, 0))
+    with pytest.raises(liftmesh.InputError, match="apex is "):
+        liftmesh.lift(SQUARE, apex=(value, 0))
     with pytest.raises(liftmesh.InputError, match="plane "):
         liftmesh.triangulate(np.eye(3), plane=(0, 0, value))
 

@@ -13,7 +13,7 @@ import pytest
 from fuzz.round_trip import FindError
 from fuzz.text_numbers import check, lines_of, printed, same_bits, value_of
 from hypothesis import example, given, settings, strategies as st
-from test_concurrency import assert_another_thread_runs
+from stopped import assert_another_thread_runs
 
 from liftmesh import _kernel
 

@@ -9,11 +9,12 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
-import oracle
 import pytest
+from clouds import nearly_cocircular
 from hypothesis import given, settings, strategies as st
 from numpy.random import Generator
 from numpy.typing import NDArray
+from oracles import planar as oracle
 
 import liftmesh
 
@@ -87,14 +88,6 @@ def nearly_collinear(shape: tuple[int, ...], rng: Generator) -> NDArray[np.float
     along = one_exponent((*shape[:-1], 1), rng)
     direction = rng.uniform(-1, 1, (shape[0],) + (1,) * (len(shape) - 2) + (2,))
     points = along * direction
-    return points + rng.integers(-1, 2, shape) * np.spacing(points)
-
-
-def nearly_cocircular(shape: tuple[int, ...], rng: Generator) -> NDArray[np.float64]:
-    """Rounded points of a circle, far from the origin, some moved by an ulp."""
-    angle = rng.uniform(0, 2 * np.pi, shape[:-1])
-    center = rng.choice([0.0, 1.0, 1e3, 5.2e6, 1e15], (shape[0],) + (1,) * (len(shape) - 1))
-    points = center + np.stack((np.cos(angle), np.sin(angle)), axis=-1) * 7.25
     return points + rng.integers(-1, 2, shape) * np.spacing(points)
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.base.options import MOST_THREADS, VARIABLE, Method, as_threads
+from liftmesh.base.options import MOST_THREADS, VARIABLE, Algorithm, as_threads
 from liftmesh.errors import DegenerateInputError, InputError
 
 Points = NDArray[np.float64]
@@ -93,8 +93,8 @@ class TestOneResult:
     @settings(max_examples=60)
     def test_for_few_points_by_every_method(self, family, n, threads):
         points = FAMILIES[family](n, np.random.default_rng(n))
-        for method in get_args(Method) if n < 60 else ("auto", "lfres-indexed"):
-            assert outcome(points, method, threads) == outcome(points, method, 1)
+        for algorithm in get_args(Algorithm) if n < 60 else ("auto", "lfres-indexed"):
+            assert outcome(points, algorithm, threads) == outcome(points, algorithm, 1)
 
     @given(
         st.sampled_from(sorted(FAMILIES)),
@@ -131,17 +131,17 @@ class TestOneResult:
     def test_of_surfaces(self):
         points = np.random.default_rng(1).random((30_000, 3))
         points[20_000:, :2] = points[:10_000, :2]
-        alone = liftmesh.triangulate(points, duplicates="highest", threads=1)
+        alone = liftmesh.triangulate(points, on_duplicate="highest", threads=1)
         for threads in (2, 5, None):
-            surface = liftmesh.triangulate(points, duplicates="highest", threads=threads)
+            surface = liftmesh.triangulate(points, on_duplicate="highest", threads=threads)
             assert surface.faces.tobytes() == alone.faces.tobytes()
             assert surface.report.left_out.tobytes() == alone.report.left_out.tobytes()
 
 
-def outcome(points: Points, method: Method, threads: int) -> list[bytes] | str:
+def outcome(points: Points, algorithm: Algorithm, threads: int) -> list[bytes] | str:
     """What a run gives, or how it fails."""
     try:
-        return bits(liftmesh.delaunay(points, method=method, threads=threads))
+        return bits(liftmesh.delaunay(points, algorithm=algorithm, threads=threads))
     except DegenerateInputError as error:
         return str(error)
 
@@ -202,13 +202,13 @@ class TestHowMany:
     def test_few_rows_take_few_whatever_is_asked(self, tmp_path):
         program = f"""
             few = np.random.default_rng(0).random((400, 2))
-            for method in {get_args(Method)}:
-                print(*begun(lambda: liftmesh.delaunay(few, method=method, threads=64)))
+            for algorithm in {get_args(Algorithm)}:
+                print(*begun(lambda: liftmesh.delaunay(few, algorithm=algorithm, threads=64)))
             few = np.random.default_rng(0).random((3 * {_kernel.ROWS_PER_THREAD}, 2))
             print(*begun(lambda: liftmesh.delaunay(few, threads=64)))
         """
         *none, last = output(program, tmp_path).splitlines()
-        assert none == ["0 0"] * len(get_args(Method))
+        assert none == ["0 0"] * len(get_args(Algorithm))
         assert last == "2 2"
 
     @pytest.mark.parametrize("limit", [2, 4])

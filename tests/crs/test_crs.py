@@ -12,7 +12,7 @@ import numpy as np
 import pyproj
 import pytest
 from commands import liftmesh
-from lidar import encoded, record, records, tile, with_records
+from files.las import encoded, record, records, tile, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, FormatError, InputError
@@ -111,11 +111,11 @@ POINTS = np.array([[9.0, 48.0, 1], [9.1, 48.0, 2], [9.0, 48.1, 3]])
 
 
 def test_degrees_are_a_warning_and_geocentric_coordinates_are_refused() -> None:
-    with pytest.warns(DataWarning, match=r"x and y are degrees \(WGS 84\), .*with to_crs="):
+    with pytest.warns(DataWarning, match=r"x and y are degrees \(WGS 84\), .*with dst_crs="):
         lm.triangulate(Cloud(POINTS, crs="EPSG:4326"))
     with pytest.warns(DataWarning, match="the units differ"):
         lm.triangulate(Cloud(POINTS, crs="EPSG:25832+6360"))
-    with pytest.raises(InputError, match=r"are geocentric \(WGS 84\), .* to_crs= a projected"):
+    with pytest.raises(InputError, match=r"are geocentric \(WGS 84\), .* dst_crs= a projected"):
         lm.triangulate(Cloud(POINTS, crs="EPSG:4978"))
     with pytest.warns(DataWarning, match="geocentric"):
         lm.triangulate(Cloud(POINTS, crs="EPSG:4978"), plane=(0, 0, 1))
@@ -129,14 +129,14 @@ def lidar(crs: str, points: np.ndarray = POINTS) -> bytes:
 
 def test_coordinates_are_transformed_as_pyproj_does() -> None:
     data = lidar("EPSG:4326")
-    found = lm.read(io.BytesIO(data), format="las", to_crs="EPSG:25832")
+    found = lm.read(io.BytesIO(data), format="las", dst_crs="EPSG:25832")
     change = pyproj.Transformer.from_crs("EPSG:4326", "EPSG:25832", always_xy=True)
     whole = lm.read(io.BytesIO(data), format="las")
     assert np.array_equal(found.points, np.column_stack(change.transform(*whole.points.T)))
     assert found.crs == "EPSG:25832"
     scale = [0.01, 0.01, 1e-7]  # as fine on the ground
     assert found.metadata["las"] == {"version": "1.4", "point_format": 6, "scale": scale}
-    parts = [*lm.read_chunks(io.BytesIO(data), rows=1, format="las", to_crs="EPSG:25832")]
+    parts = [*lm.read_chunks(io.BytesIO(data), rows=1, format="las", dst_crs="EPSG:25832")]
     assert np.array_equal(np.concatenate([each.points for each in parts]), found.points)
     lm.triangulate(found)
 
@@ -144,40 +144,40 @@ def test_coordinates_are_transformed_as_pyproj_does() -> None:
 def test_what_cannot_be_transformed() -> None:
     data = lidar("EPSG:4326")
     with pytest.raises(InputError, match=r"<stream>: .*'EPSG:999999' is unknown: give WKT or EPSG"):
-        lm.read(io.BytesIO(data), format="las", to_crs="EPSG:999999")
+        lm.read(io.BytesIO(data), format="las", dst_crs="EPSG:999999")
     for crs in ("+proj=utm +zone=32", "\ud800", 'A["\ud800"]', 25832):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
-            lm.read(io.BytesIO(data), format="las", to_crs=crs)
-    with pytest.raises(InputError, match=r"<stream>: to_crs= needs .*: read them with crs="):
-        lm.read(io.BytesIO(b"1 2 3\n"), format="xyz", to_crs="EPSG:25832")
+            lm.read(io.BytesIO(data), format="las", dst_crs=crs)
+    with pytest.raises(InputError, match=r"<stream>: dst_crs= needs .*: read them with src_crs="):
+        lm.read(io.BytesIO(b"1 2 3\n"), format="xyz", dst_crs="EPSG:25832")
     far = lidar("EPSG:4326", np.array([[9.0, 48, 1], [9.0, 91, 2]]))
     with pytest.raises(InputError, match=r"row 1, \(9\.0, 91\.0, 2\.0\), has no place in 'EPSG"):
-        lm.read(io.BytesIO(far), format="las", to_crs="EPSG:25832")
+        lm.read(io.BytesIO(far), format="las", dst_crs="EPSG:25832")
     with pytest.raises(
         InputError, match=r"or it needs a grid .* give the system without heights, or"
     ):
-        lm.read(io.BytesIO(lidar("EPSG:7415")), format="las", to_crs="EPSG:4979")
+        lm.read(io.BytesIO(lidar("EPSG:7415")), format="las", dst_crs="EPSG:4979")
 
 
 def test_a_system_that_the_file_does_not_state(tmp_path: Path) -> None:
     rows = b"9 48 1\n10 48 2\n9 49 3\n"
-    found = lm.read(io.BytesIO(rows), format="xyz", crs="EPSG:4326", to_crs="EPSG:25832")
+    found = lm.read(io.BytesIO(rows), format="xyz", src_crs="EPSG:4326", dst_crs="EPSG:25832")
     stated = lidar("EPSG:4326", np.array([[9.0, 48, 1], [10, 48, 2], [9, 49, 3]]))
-    expected = lm.read(io.BytesIO(stated), format="las", to_crs="EPSG:25832")
+    expected = lm.read(io.BytesIO(stated), format="las", dst_crs="EPSG:25832")
     assert np.array_equal(found.points, expected.points)
-    (part,) = lm.read_chunks(io.BytesIO(rows), format="xyz", crs="EPSG:4326")
+    (part,) = lm.read_chunks(io.BytesIO(rows), format="xyz", src_crs="EPSG:4326")
     with pytest.warns(DataWarning, match="x and y are degrees"):
         lm.triangulate(part)
     assert part.crs == "EPSG:4326"
     with pytest.raises(InputError, match="the coordinate system '' is unknown"):
-        lm.read(io.BytesIO(rows), format="xyz", crs="")
+        lm.read(io.BytesIO(rows), format="xyz", src_crs="")
     (tmp_path / "a.xyz").write_bytes(rows)
-    words = ("triangulate", "a.xyz", "a.ply", "--to-crs", "EPSG:25832")
+    words = ("triangulate", "a.xyz", "a.ply", "--dst-crs", "EPSG:25832")
     done = liftmesh(*words, cwd=tmp_path)
     assert done.returncode == 3
-    assert "--to-crs needs the coordinate system of the points" in done.stderr
-    assert "read them with --from-crs\n" in done.stderr
-    assert liftmesh(*words, "--from-crs", "EPSG:4326", cwd=tmp_path).returncode == 0
+    assert "--dst-crs needs the coordinate system of the points" in done.stderr
+    assert "read them with --src-crs\n" in done.stderr
+    assert liftmesh(*words, "--src-crs", "EPSG:4326", cwd=tmp_path).returncode == 0
     assert np.array_equal(lm.read(tmp_path / "a.ply").points, found.points)
 
 
@@ -185,16 +185,18 @@ def test_commands_say_what_the_units_are(tmp_path: Path) -> None:
     (tmp_path / "a.las").write_bytes(lidar("EPSG:4326"))
     done = liftmesh("info", "a.las", cwd=tmp_path)
     assert "units       x: degree, y: degree, z: not stated" in done.stdout
-    line = "a.las: x and y are degrees (WGS 84), which are no lengths: transform them with --to-crs"
+    line = (
+        "a.las: x and y are degrees (WGS 84), which are no lengths: transform them with --dst-crs"
+    )
     assert line in done.stderr
     done = liftmesh(
-        "triangulate", "a.las", "a.ply", "--to-crs", "EPSG:25832", "--json", cwd=tmp_path
+        "triangulate", "a.las", "a.ply", "--dst-crs", "EPSG:25832", "--json", cwd=tmp_path
     )
     assert done.returncode == 0
     assert "degrees" not in done.stderr
     found = json.loads(liftmesh("info", "a.ply", "--json", cwd=tmp_path).stdout)
     assert (found["crs"], found["units"]) == ("EPSG:25832", ["metre", "metre", None])
-    done = liftmesh("triangulate", "a.las", "b.ply", "--to-crs", "EPSG:99", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.las", "b.ply", "--dst-crs", "EPSG:99", cwd=tmp_path)
     assert done.returncode == 3
     assert "error: a.las: the coordinate system 'EPSG:99' is unknown" in done.stderr
     assert not (tmp_path / "b.ply").exists()
@@ -205,7 +207,7 @@ def test_a_geocentric_tile_is_refused_in_one_line(tmp_path: Path) -> None:
     done = liftmesh("triangulate", "a.las", "a.ply", cwd=tmp_path)
     assert done.returncode == 3
     assert "error: a.las: the coordinates are geocentric" in done.stderr
-    assert "--to-crs" in done.stderr
+    assert "--dst-crs" in done.stderr
 
 
 def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -216,7 +218,7 @@ def test_the_hint_without_pyproj(monkeypatch: pytest.MonkeyPatch, tmp_path: Path
         assert parse_crs("EPSG:25832") is None
         assert parse_crs('PROJCS["a",UNIT["metre",1]]') is not None
         with pytest.raises(lm.MissingDependencyError, match=r"pip install 'liftmesh\[terrain\]'"):
-            lm.read(io.BytesIO(lidar_text()), format="las", to_crs="EPSG:25832")
+            lm.read(io.BytesIO(lidar_text()), format="las", dst_crs="EPSG:25832")
         said = liftmesh("info", "a.ply", cwd=tmp_path).stderr
         assert "not known (pip install 'liftmesh[terrain]' looks up numbers)\n" in said
     finally:
@@ -243,9 +245,9 @@ def test_formats_that_cannot_hold_a_system_say_so() -> None:
 def test_what_is_given_must_be_a_system(crs: Any, tmp_path: Path) -> None:
     for read in (lm.read, lm.read_chunks):
         with pytest.raises(InputError, match=r"^the coordinate system .* is unknown: give WKT or"):
-            read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=crs)
+            read(io.BytesIO(b"0 0 1\n"), format="xyz", src_crs=crs)
     (tmp_path / "a.csv").write_text("x,y,z\n0,0,1\n1,0,1\n0,1,1\n")
-    done = liftmesh("triangulate", "a.csv", "a.ply", "--from-crs", str(crs), cwd=tmp_path)
+    done = liftmesh("triangulate", "a.csv", "a.ply", "--src-crs", str(crs), cwd=tmp_path)
     assert done.returncode == 3
     assert "is unknown: give WKT or EPSG:n" in done.stderr
 
@@ -254,26 +256,26 @@ def test_a_system_in_place_of_the_stated_one_is_said(tmp_path: Path) -> None:
     cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
     lm.write(tmp_path / "a.ply", cloud)
     words = "a.ply: states ETRS89 / UTM zone 32N; taken as ETRS89 / UTM zone 33N"
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25833", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--src-crs", "EPSG:25833", cwd=tmp_path)
     assert words in done.stderr
-    assert lm.read(tmp_path / "a.ply", crs="EPSG:25833").metadata["stated_crs"] == "EPSG:25832"
+    assert lm.read(tmp_path / "a.ply", src_crs="EPSG:25833").metadata["stated_crs"] == "EPSG:25832"
     assert "stated_crs" not in lm.read(tmp_path / "b.ply").metadata
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--from-crs", "EPSG:25832", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--src-crs", "EPSG:25832", cwd=tmp_path)
     assert "taken as" not in done.stderr
-    words = ("--from-crs", "EPSG:25833", "--to-crs", "EPSG:25832")
+    words = ("--src-crs", "EPSG:25833", "--dst-crs", "EPSG:25832")
     done = liftmesh("triangulate", "a.ply", "c.ply", *words, cwd=tmp_path)
-    assert "a.ply: states ETRS89 / UTM zone 32N; --from-crs says another system" in done.stderr
+    assert "a.ply: states ETRS89 / UTM zone 32N; --src-crs says another system" in done.stderr
 
 
 def test_degrees_that_were_asked_for(tmp_path: Path) -> None:
     cloud = Cloud(np.array([[5e5, 5e6, 1], [5e5 + 9, 5e6, 1], [5e5, 5e6 + 9, 1]]), crs="EPSG:25832")
     lm.write(tmp_path / "a.ply", cloud)
-    done = liftmesh("triangulate", "a.ply", "b.ply", "--to-crs", "EPSG:4326", cwd=tmp_path)
-    assert "are no lengths: name a projected system with --to-crs\n" in done.stderr
+    done = liftmesh("triangulate", "a.ply", "b.ply", "--dst-crs", "EPSG:4326", cwd=tmp_path)
+    assert "are no lengths: name a projected system with --dst-crs\n" in done.stderr
     done = liftmesh("triangulate", "b.ply", "c.ply", cwd=tmp_path)
-    assert "are no lengths: transform them with --to-crs\n" in done.stderr
+    assert "are no lengths: transform them with --dst-crs\n" in done.stderr
 
 
 def test_no_system_is_no_error() -> None:
     with pytest.raises(FormatError, match="not a LAS file"):
-        lm.read(io.BytesIO(b"LASG" + bytes(400)), format="las", to_crs="EPSG:25832")
+        lm.read(io.BytesIO(b"LASG" + bytes(400)), format="las", dst_crs="EPSG:25832")

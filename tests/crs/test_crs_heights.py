@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rasterio
 from affine import Affine
-from lidar import encoded, geo_keys, record, records, with_records
+from files.las import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, InputError
@@ -19,10 +19,10 @@ FEET = np.array([[6_000_000.0, 2_000_000.0, 1000.0], [6_000_100.0, 2_000_000.0, 
 HEIGHTS = np.arange(12.0).reshape(3, 4) / 7 + 100
 
 
-def read(points: np.ndarray, to_crs: str, **keys: int) -> Cloud:
+def read(points: np.ndarray, dst_crs: str, **keys: int) -> Cloud:
     data = encoded(records(points, 6, version="1.4", offset=(0, 0, 0)))
     made = record(b"LASF_Projection", 34735, geo_keys(**keys))
-    return lm.read(io.BytesIO(with_records(data, made)), format="las", to_crs=to_crs)
+    return lm.read(io.BytesIO(with_records(data, made)), format="las", dst_crs=dst_crs)
 
 
 def names(crs: str | None) -> tuple[str | None, ...]:
@@ -101,19 +101,19 @@ def test_heights_of_a_band_in_another_system(
     unit: str, source: str, target: str, factor: float
 ) -> None:
     data = band_in(unit)
-    found = lm.read(io.BytesIO(data), format="tif", crs=source, to_crs=target)
+    found = lm.read(io.BytesIO(data), format="tif", src_crs=source, dst_crs=target)
     np.testing.assert_allclose(found.points[:, 2], HEIGHTS.ravel() * factor, rtol=1e-15)
     states_heights = "+" in source + target
     layout = found.metadata["raster"]
     assert layout.get("unit") == (None if states_heights or not unit else unit)
     assert layout["width"] == 4
-    chunks = [*lm.read_chunks(io.BytesIO(data), format="tif", crs=source, to_crs=target)]
+    chunks = [*lm.read_chunks(io.BytesIO(data), format="tif", src_crs=source, dst_crs=target)]
     assert np.array_equal(chunks[0].points, found.points)
 
 
 def test_a_unit_that_is_not_known_is_not_converted() -> None:
     data = band_in("cubits")
-    found = lm.read(io.BytesIO(data), format="tif", crs="EPSG:26910", to_crs="EPSG:32610")
+    found = lm.read(io.BytesIO(data), format="tif", src_crs="EPSG:26910", dst_crs="EPSG:32610")
     assert found.metadata["raster"]["unit"] == "cubits"
     with pytest.raises(InputError, match=r"heights are in 'cubits', .*: give a system without hei"):
-        lm.read(io.BytesIO(data), format="tif", crs="EPSG:26910", to_crs="EPSG:26910+5703")
+        lm.read(io.BytesIO(data), format="tif", src_crs="EPSG:26910", dst_crs="EPSG:26910+5703")

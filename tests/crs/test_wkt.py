@@ -81,7 +81,7 @@ def test_texts_that_name_files_reach_nobody(
         lambda: look_up(text),
         lambda: check_system(text),
         lambda: validate_geotiff_options(text, None),
-        lambda: lm.read(io.BytesIO(b"0 0 1\n"), format="xyz", crs=text),
+        lambda: lm.read(io.BytesIO(b"0 0 1\n"), format="xyz", src_crs=text),
     ):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
             refused()
@@ -122,12 +122,12 @@ def test_heights_of_a_named_grid_are_kept_and_not_converted() -> None:
     stream = io.BytesIO()
     lm.write(stream, Cloud(points, crs=crs), format="ply")
     stream.seek(0)
-    found = lm.read(stream, format="ply", to_crs="EPSG:26911")
+    found = lm.read(stream, format="ply", dst_crs="EPSG:26911")
     assert found.points[:, 2].tolist() == [7, 8, 9]
     assert found.crs == "EPSG:26911+5703"
     stream.seek(0)
     with pytest.raises(InputError, match=r"are those of a grid \(PROJ4_GRIDS\), and no file"):
-        lm.read(stream, format="ply", to_crs="EPSG:4979")
+        lm.read(stream, format="ply", dst_crs="EPSG:4979")
     assert validate_geotiff_options(crs, None) is not None
 
 
@@ -216,7 +216,7 @@ def test_commands_open_no_files_of_a_system(tmp_path: Path) -> None:
     lm.write(tmp_path / "a.ply", Cloud(points, crs=evil))
     lm.write(tmp_path / "b.ply", Cloud(points, crs="EPSG:25833"))
     for words in (
-        ("triangulate", "a.ply", "o.ply", "--to-crs", "EPSG:25833"),
+        ("triangulate", "a.ply", "o.ply", "--dst-crs", "EPSG:25833"),
         ("raster", "a.ply", "o.tif", "--resolution", "50"),
         ("contour", "a.ply", "o.gpkg", "--interval", "100"),
     ):
@@ -228,7 +228,7 @@ def test_commands_open_no_files_of_a_system(tmp_path: Path) -> None:
     named: Any = {"type": "name", "properties": {"name": evil}}
     polygon = {"type": "Polygon", "crs": named, "coordinates": square}
     (tmp_path / "c.geojson").write_text(json.dumps(polygon))
-    done = liftmesh("triangulate", "b.ply", "o.ply", "--polygon", "c.geojson", cwd=tmp_path)
+    done = liftmesh("triangulate", "b.ply", "o.ply", "--trim-polygon", "c.geojson", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     cells = lm.voronoi(points[:, :2], domain=(499000, 4999000, 502000, 5002000))
     object.__setattr__(cells.domain, "crs", evil)
@@ -249,7 +249,7 @@ def test_grids_are_not_fetched(monkeypatch: pytest.MonkeyPatch) -> None:
     pyproj.network.set_network_enabled(active=True)
     try:
         rows = io.BytesIO(b"9 48 1\n")
-        lm.read(rows, format="xyz", crs="EPSG:4326", to_crs="EPSG:25832")
+        lm.read(rows, format="xyz", src_crs="EPSG:4326", dst_crs="EPSG:25832")
         assert pyproj.network.is_network_enabled()
     finally:
         pyproj.network.set_network_enabled(active=was)

@@ -9,55 +9,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from apollonius_oracle import apollonius as by_definition
-
-import liftmesh
-from liftmesh import ApolloniusGraph, InputError, NonFiniteError
-
-Disks = np.ndarray
-ON_A_CIRCLE = np.array(
-    [(3, 4), (4, 3), (5, 0), (0, 5), (-3, 4), (-4, 3), (-5, 0), (0, -5), (3, -4), (-4, -3)]
+from sites import (
+    anywhere,
+    beside_a_large_one,
+    between_two_large_ones,
+    graph_of,
+    in_a_row,
+    on_lattice,
+    touching_a_circle,
+    triangles,
 )
 
-
-def graph_of(disks: Disks) -> ApolloniusGraph:
-    return liftmesh.apollonius(disks[:, :2], disks[:, 2])
-
-
-def triangles(graph: ApolloniusGraph) -> set[tuple[int, ...]]:
-    return {tuple(row) for row in graph.simplices.tolist()}
-
-
-def on_lattice(rng: np.random.Generator, n: int) -> Disks:
-    size, radius = rng.choice([2, 3, 5, 40]), rng.choice([1, 2, 6, 20])
-    return np.c_[rng.integers(0, size, (n, 2)), rng.integers(0, radius, n)].astype(float)
-
-
-def in_a_row(rng: np.random.Generator, n: int) -> Disks:
-    return np.c_[rng.integers(0, 9, n), np.zeros(n), rng.integers(0, 3, n)].astype(float)
-
-
-def anywhere(rng: np.random.Generator, n: int) -> Disks:
-    return np.c_[rng.random((n, 2)), rng.random(n) * rng.choice([0.01, 0.3, 1])]
-
-
-def touching_a_circle(rng: np.random.Generator, n: int) -> Disks:
-    """Return disks that touch one circle of radius 5, some of them at the same point."""
-    times = rng.integers(1, 6, n)
-    centers = ON_A_CIRCLE[rng.integers(0, len(ON_A_CIRCLE), n)] * times[:, None]
-    return np.c_[centers, 5.0 * times - 5]
-
-
-def beside_a_large_one(rng: np.random.Generator, n: int) -> Disks:
-    small = np.c_[rng.integers(-60, 60, (n - 1, 2)), rng.integers(0, 5, n - 1)]
-    return np.vstack([[0, 0, rng.integers(10, 60)], small]).astype(float)
-
-
-def between_two_large_ones(rng: np.random.Generator, n: int) -> Disks:
-    """Return disks whose edges come in two pieces: which one another disk takes is to be told."""
-    gap, radius = rng.integers(1, 4), rng.integers(5, 40)
-    small = np.c_[rng.integers(-3, 4, n), rng.integers(-12, 13, n), rng.integers(0, 3, n) * 0.5]
-    large = [[-radius - gap, 0, radius], [radius + gap, 0, radius]]
-    return np.vstack([large, small[: max(n - 2, 1)]]).astype(float)
+import liftmesh
+from liftmesh import InputError, NonFiniteError
 
 
 @pytest.mark.parametrize(
@@ -160,9 +124,8 @@ def test_neighbors_share_an_edge_and_the_outer_ones_are_the_hull() -> None:
             other = graph.simplices[beside[k]].tolist()
             at = next(j for j in range(3) if (other[j], other[j - 2]) == (b, a))
             assert graph.neighbors[beside[k]][at - 1] == t
-    assert sorted(outer) == sorted(map(tuple, graph.convex_hull.tolist()))
-    hull = graph.convex_hull
-    assert (hull[:, 1] == np.roll(hull[:, 0], -1)).all()
+    hull = graph.convex_hull.tolist()
+    assert sorted(outer) == sorted(zip(hull, hull[1:] + hull[:1], strict=True))
     seen = len(graph.radii) - len(graph.hidden)
     assert len(graph.edges) == seen + len(graph.simplices) - 1  # Euler
 
@@ -176,7 +139,7 @@ def test_a_small_disk_between_two_large_ones_has_two_triangles() -> None:
 
 def test_few_disks_have_no_triangle_but_neighbors() -> None:
     assert len(liftmesh.apollonius(np.empty((0, 2)), []).edges) == 0
-    assert liftmesh.apollonius([[1, 2]], [3]).convex_hull.shape == (0, 2)
+    assert liftmesh.apollonius([[1, 2]], [3]).convex_hull.shape == (0,)
     pair = liftmesh.apollonius([[0, 0], [5, 0], [0, 0]], [1, 2, 1])
     assert pair.edges.tolist() == [[0, 1]]
     assert pair.duplicates.tolist() == [[2, 0]]
@@ -217,8 +180,8 @@ def test_a_row_that_is_too_wide_alone_is_named_once() -> None:
 def test_disks_on_one_tangent_follow_each_other_on_the_hull() -> None:
     order = [2, 0, 3, 1]
     disks = np.array([[0, 1, 1], [4, 1, 1], [8, 1, 1], [14, 1, 1]], dtype=float)[order]
-    pairs = liftmesh.apollonius(disks[:, :2], disks[:, 2]).convex_hull
-    along = [(order[a], order[b]) for a, b in pairs]
+    hull = liftmesh.apollonius(disks[:, :2], disks[:, 2]).convex_hull
+    along = [(order[a], order[b]) for a, b in zip(hull, np.roll(hull, -1), strict=True)]
     assert sorted(along) == [(0, 1), (1, 0), (1, 2), (2, 1), (2, 3), (3, 2)]
 
 
@@ -306,9 +269,9 @@ def test_errors_of_boxes_and_tolerances() -> None:
     graph = liftmesh.apollonius([[0, 0], [4, 0]], [1, 1])
     for box, tolerance, message in (
         ((0, 0, 1), 0.1, "four finite numbers"),
-        ((0, 0, 0, 1), 0.1, "the least x and y, then the greatest"),
+        ((0, 0, 0, 1), 0.1, "give xmin, ymin, xmax, ymax"),
         ((0, 0, 1, 1), 0.0, "give a positive, finite number"),
-        ((0, 0, 1e9, 1), 1e-9, "near the rounding of coordinates of the box: give 1.4e-05"),
+        ((0, 0, 1e9, 1), 1e-9, "near the rounding of coordinates there: give 1.4e-05"),
     ):
         with pytest.raises(InputError, match=message):
             graph.cell_sides(box, tolerance)  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError, NonFiniteError
-from liftmesh.disks.apollonius import as_chord_tolerance
+from liftmesh.disks.apollonius import as_max_deviation
 from liftmesh.disks.graph import are_finite, as_disks
 from liftmesh.disks.sides import (
     Sides,
@@ -73,19 +73,19 @@ def test_powers_of_disks_nearly_inside_others_keep_their_digits() -> None:
 
 
 def test_tolerances_of_chords() -> None:
-    assert as_chord_tolerance(0.5, BOX) == 0.5
-    assert as_chord_tolerance(1e300, (0, 0, 1, 2)) == 2
+    assert as_max_deviation(0.5, BOX) == 0.5
+    assert as_max_deviation(1e300, (0, 0, 1, 2)) == 2
 
 
 @pytest.mark.parametrize(
-    ("tolerance", "message"),
+    ("max_deviation", "message"),
     [
-        ("wide", "tolerance is 'wide': give real numbers"),
-        (True, "tolerance is True: give a positive, finite number"),
-        (0, "tolerance is 0: give a positive, finite number"),
-        (1e-20, "tolerance is 1e-20, near the rounding of coordinates of the box: give"),
+        ("wide", "max_deviation is 'wide': give real numbers"),
+        (True, "max_deviation is True: give a positive, finite number"),
+        (0, "max_deviation is 0: give a positive, finite number"),
+        (1e-20, "max_deviation is 1e-20, near the rounding of coordinates there: give"),
     ],
 )
-def test_what_is_no_tolerance_is_refused(tolerance: object, message: str) -> None:
+def test_what_is_no_tolerance_is_refused(max_deviation: object, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        as_chord_tolerance(tolerance, BOX)  # type: ignore[arg-type]
+        as_max_deviation(max_deviation, BOX)  # type: ignore[arg-type]

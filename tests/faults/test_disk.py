@@ -165,8 +165,8 @@ def test_a_device_that_cannot_be_read(kind: str) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        ["triangulate", "data/hill.csv", "-", "--format", "ply"],
-        ["triangulate", "data/jacksboro.ply", "-", "--format", "obj"],
+        ["triangulate", "data/hill.csv", "-", "--output-format", "ply"],
+        ["triangulate", "data/jacksboro.ply", "-", "--output-format", "obj"],
         ["info", "data/hill.csv"],
         ["info", "data/hill.csv", "--json"],
         ["compare", "data/hill.csv"],

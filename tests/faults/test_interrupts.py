@@ -74,7 +74,7 @@ def verifying(_: Path) -> object:
 
 
 def triangulating(_: Path) -> object:
-    return liftmesh.triangulate(CLOUD, plane="fit", duplicates="mean").faces.tobytes()
+    return liftmesh.triangulate(CLOUD, plane="fit", on_duplicate="mean").faces.tobytes()
 
 
 def rastering(folder: Path) -> object:

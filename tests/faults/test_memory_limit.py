@@ -55,7 +55,7 @@ SWEEP = """
 
     def tiles():
         with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).compute()
+            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).to_array()
 
     verb, _, kind = name.partition(" ")
     made = {"xyz": text, "raster": grid}.get(kind, lambda: wrote(kind).tobytes())
@@ -67,9 +67,9 @@ SWEEP = """
         "disks": lambda: liftmesh.apollonius(planar, radii).simplices,
         "regular": lambda: liftmesh.regular(planar, radii=radii, threads=int(kind)).simplices,
         "tiles": tiles,
-        "wrap": lambda: liftmesh.delaunay(planar, method=kind).simplices,
+        "wrap": lambda: liftmesh.delaunay(planar, algorithm=kind).simplices,
         "hull": lambda: liftmesh.lower_hull(points).faces,
-        "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), duplicates="mean").faces,
+        "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), on_duplicate="mean").faces,
         "check": lambda: np.array([bool(verify(planar, tri.simplices, threads=int(kind)))]),
         "find": lambda: tri.find_simplex(planar),
         "predicates": lambda: liftmesh.orient2d(planar, planar[::-1], planar[0]),
@@ -79,7 +79,7 @@ SWEEP = """
     run = runs[verb]
 
     def small():
-        return liftmesh.triangulate(few).report.triangles
+        return liftmesh.triangulate(few).report.n_triangles
 
     small()
     expected, before = run().copy(), None
@@ -244,7 +244,7 @@ SHAPES = """
 @pytest.mark.parametrize(
     "words",
     [
-        "sample cloud.npy out.csv --at pts.gpkg --method sibson --overwrite",
+        "sample cloud.npy out.csv --at pts.gpkg --interpolation sibson --overwrite",
         "volume cloud.npy --within lot.geojson --json",
     ],
     ids=lambda words: words.split()[0],

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import liftmesh
-from liftmesh import Cloud, Format, FormatError, InputError, Written
+from liftmesh import Cloud, Format, FormatError, InputError, WriteResult
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.io.format import CONTENT, NEEDS
 from liftmesh.io.metadata import user_entries
@@ -105,7 +105,7 @@ LAST_BITS = "last bits of coordinates, whose decimals are the same"
 """What LAS says instead of double precision where only the rounding of binary numbers differs."""
 
 
-def round_trip(cloud: Cloud, kind: str, options: dict[str, str]) -> tuple[Cloud, Written]:
+def round_trip(cloud: Cloud, kind: str, options: dict[str, str]) -> tuple[Cloud, WriteResult]:
     stream = io.BytesIO()
     written = liftmesh.write(stream, cloud, format=kind, **options)
     return liftmesh.read(io.BytesIO(stream.getvalue()), format=kind), written

@@ -105,7 +105,7 @@ def test_landxml_states_the_number_that_a_system_has(crs: str, code: str | None)
 @pytest.mark.parametrize(
     ("crs", "cause"),
     [
-        ("EPSG:4326", r"geographic \(WGS 84\), but .* holds lengths: transform them with to_crs="),
+        ("EPSG:4326", r"geographic \(WGS 84\), but .* holds lengths: transform them with dst_crs="),
         ("EPSG:2225+5703", r"US survey foot and metre, but .* has one for all"),
         (FEET.format("0.5"), r"the unit is foot of 0.5 m, but"),
         ("EPSG:999999", r"the unit of 'EPSG:999999' is not known, .* states one: state"),

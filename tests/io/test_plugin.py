@@ -54,7 +54,7 @@ back = liftmesh.read("square.tri1")
 assert back.points.tobytes() == surface.vertices.tobytes()
 assert back.faces.tobytes() == surface.faces.tobytes()
 assert back.metadata["format"] == "tri1"
-assert liftmesh.triangulate("square.tri1").report.triangles == 1
+assert liftmesh.triangulate("square.tri1").report.n_triangles == 1
 assert len(liftmesh.read(io.BytesIO(b"tri1\\nv 1 2 3\\n"), format="TRI1")) == 1
 assert known_formats()["tri1"].suffixes == (".tri1",)
 

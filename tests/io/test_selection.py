@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from file_samples import assert_same_bits, saved
-from lidar import COUNTS, RETURNS, UTM, encoded, records, tile
+from files.las import COUNTS, RETURNS, UTM, encoded, records, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
@@ -38,12 +38,12 @@ CASES: dict[str, tuple[dict[str, Any], Any]] = {
     "last returns": ({"returns": "last"}, LAST),
     "first returns": ({"returns": "first"}, np.resize(RETURNS == 1, COUNT)),
     "only returns": ({"returns": "only"}, np.resize((RETURNS == 1) & (COUNTS == 1), COUNT)),
-    "a box": ({"bbox": BOX}, INSIDE),
+    "a box": ({"bounds": BOX}, INSIDE),
     "heights": ({"z_range": (10, 20)}, (Z >= 10) & (Z <= 20)),
     "heights to the top": ({"z_range": (10, np.inf)}, Z >= 10),
     "everything": ({"every": COUNT}, np.arange(COUNT) == 0),
     "beyond everything": ({"every": 10**30}, np.arange(COUNT) == 0),
-    "a class in a box": ({"classes": 2, "bbox": BOX}, (CLASS == 2) & INSIDE),
+    "a class in a box": ({"classes": 2, "bounds": BOX}, (CLASS == 2) & INSIDE),
 }
 
 
@@ -86,7 +86,7 @@ def test_every_nth_of_the_rows_that_are_left() -> None:
 def test_a_box_and_heights_have_their_borders() -> None:
     points = np.array([[0, 0, 0], [1, 0, 1], [1, 1, 2], [1.5, 1, 3]]) + UTM
     data = encoded(records(points, 0))
-    assert len(read(data, bbox=(UTM[0], UTM[1], UTM[0] + 1, UTM[1] + 1))) == 3
+    assert len(read(data, bounds=(UTM[0], UTM[1], UTM[0] + 1, UTM[1] + 1))) == 3
     assert len(read(data, z_range=(1, 2))) == 2
 
 
@@ -137,7 +137,7 @@ def test_faces_are_left_out_and_named() -> None:
     mesh = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
     found = read(saved(mesh, "ply"), "ply", every=2)
     assert found.faces is None
-    assert found.metadata["skipped"] == ("1 faces (rows were selected)",)
+    assert found.metadata["not_read"] == ("1 faces (rows were selected)",)
 
 
 def test_nothing_is_left() -> None:
@@ -159,10 +159,10 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "half a class": ({"classes": 2.5}, r"classes is 2.5: give numbers"),
     "true": ({"classes": [True]}, r"classes is \[True\]: give numbers"),
     "returns": ({"returns": "second"}, r"returns is 'second': give one of 'first', 'last', 'only'"),
-    "three sides": ({"bbox": (0, 0, 1)}, r"bbox is \(0, 0, 1\): give x0, y0, x1, y1"),
-    "a box inside out": ({"bbox": (1, 0, 0, 1)}, r"bbox is \(1, 0, 0, 1\): give x0"),
-    "a box of NaN": ({"bbox": (np.nan, 0, 0, 1)}, r"bbox is .*: give x0"),
-    "a box of words": ({"bbox": "abcd"}, r"bbox is 'abcd': give x0"),
+    "three sides": ({"bounds": (0, 0, 1)}, r"bounds is \(0, 0, 1\): give xmin, ymin, xmax, ymax"),
+    "a box inside out": ({"bounds": (1, 0, 0, 1)}, r"bounds is \(1, 0, 0, 1\): give x0"),
+    "a box of NaN": ({"bounds": (np.nan, 0, 0, 1)}, r"bounds is .*: give x0"),
+    "a box of words": ({"bounds": "abcd"}, r"bounds is 'abcd': give x0"),
     "a height": ({"z_range": 5}, r"z_range is 5: give z0, z1"),
     "heights upside down": ({"z_range": (5, 4)}, r"z_range is \(5, 4\): give z0, z1"),
     "every zeroth": ({"every": 0}, "every is 0: give a whole number from 1"),

@@ -7,9 +7,9 @@ from fractions import Fraction
 from itertools import combinations
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import assume, given, settings, strategies as st
+from oracles import planar as oracle
 from paper_positions import (
     ON_CIRCLE,
     Planar,

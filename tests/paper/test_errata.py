@@ -61,7 +61,7 @@ def test_four_coplanar_points_have_overlapping_lower_facets() -> None:
     assert all(is_lower_facet(*(square[i] for i in abp), square) for abp in facets)
     assert is_lifting(square, facets)  # still: but four triangles of area 1/2 in a square of area 1
     assert len(lower_facets(square, lf(square))) == 2
-    assert len(liftmesh.delaunay([[0, 0], [1, 0], [1, 1], [0, 1]], method="lf").simplices) == 2
+    assert len(liftmesh.delaunay([[0, 0], [1, 0], [1, 1], [0, 1]], algorithm="lf").simplices) == 2
 
 
 def test_mu_is_not_the_lifting_of_definition_2_2() -> None:
@@ -176,7 +176,7 @@ def test_the_procedures_run_past_the_last_point() -> None:
 def test_three_points_are_enough() -> None:
     space = [mu(u, ORIGIN) for u in [(0, 0), (1, 0), (0, 1)]]
     assert len(lower_facets(space, lf(space))) == 1
-    assert len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf").simplices) == 1
+    assert len(liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf").simplices) == 1
 
 
 FOUR = [(0, Fraction(-1, 2)), (0, Fraction(1, 2)), (1, 0), (-1, 0)]
@@ -193,7 +193,7 @@ def test_algorithm_2_misses_what_lies_beyond_the_first_edge(moves_e: bool) -> No
         assert len(found) == 1
     assert len(lower_facets(space, lf(space))) == 2
     q = tuple(map(float, Q_OF_FOUR))
-    assert len(liftmesh.delaunay(np.array(FOUR, float), method="lf", q=q).simplices) == 2
+    assert len(liftmesh.delaunay(np.array(FOUR, float), algorithm="lf", apex=q).simplices) == 2
 
 
 def test_algorithm_2_does_not_end_where_e_is_not_moved() -> None:
@@ -223,7 +223,7 @@ def test_the_worst_case_is_cubic_not_quadratic(method: str) -> None:
     looked_at = []
     for n in (40, 80, 160, 320):
         t = np.arange(n, 0, -1.0)
-        counters = liftmesh.delaunay(np.column_stack((t, t * t)), method=method).counters
+        counters = liftmesh.delaunay(np.column_stack((t, t * t)), algorithm=method).counters
         assert counters is not None
         looked_at.append(counters.points)
         assert counters.points > n**3 / 6.5
@@ -284,7 +284,7 @@ def test_the_formulas_of_procedure_3_drown_in_rounding_where_q_is_far() -> None:
     ellipse = Ellipse(Plane.through(*(mu(u, q) for u in corners)), q)
     assert ellipse.circle.squared_radius == Fraction(1, 2)
     assert ellipse.plane.position(mu(inside, q)) == "below"
-    triangulation = liftmesh.delaunay([*corners, inside], method="lfres", q=q)
+    triangulation = liftmesh.delaunay([*corners, inside], algorithm="lfres", apex=q)
     facets = sorted(map(sorted, triangulation.simplices.tolist()))
     assert facets == [[0, 1, 3], [0, 2, 3], [1, 2, 3]]
 

@@ -64,7 +64,7 @@ def test_a_measurement_tells_what_the_methods_did(measured):
         trial = group[0].trial
         assert [m.method for m in group] == list(METHODS)
         for m in group:
-            result = lm.delaunay(trial.points(), method=m.method, q=trial.q)
+            result = lm.delaunay(trial.points(), algorithm=m.method, apex=trial.q)
             assert m.facets == len(result.simplices)
             assert 0 < m.fastest <= m.seconds <= m.slowest
             assert m.runs > 0

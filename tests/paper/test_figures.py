@@ -24,7 +24,7 @@ from liftmesh.paper.pictures import cross_section, first_edge, lifting, region
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.tables import Row, summarise
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import REJECTIONS, lift, resolve_q
+from liftmesh.planar.lifting import REJECTIONS, lift, resolve_apex
 from liftmesh.predicates import incircle, orient2d
 
 Array = NDArray[np.float64]
@@ -191,7 +191,7 @@ def test_4_3_the_bounds_are_those_of_the_ellipse(drawn: dict[str, Figure]) -> No
 def test_5_the_data_lie_on_the_paraboloid(drawn: dict[str, Figure], name: str, q: Any) -> None:
     first, second = drawn[name].axes
     x, y, z = first.collections[0]._offsets3d
-    qx, qy = resolve_q(q, np.column_stack([np.asarray(x), np.asarray(y)]))
+    qx, qy = resolve_apex(q, np.column_stack([np.asarray(x), np.asarray(y)]))
     assert len(z) == lifting.COUNT == 1_000
     assert min(x.min(), y.min()) >= 0
     assert max(x.max(), y.max()) <= 200

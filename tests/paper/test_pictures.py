@@ -28,7 +28,7 @@ def test_the_nearest_point_and_the_farthest_are_on_the_line_to_q() -> None:
 
 
 def test_the_near_side_of_the_paraboloid_hides_the_far_one() -> None:
-    sides = lift([[-1.0, 0.0], [1.0, 0.0]])
+    sides = lift([[-1.0, 0.0], [1.0, 0.0]], "origin")
     assert behind_paraboloid(sides, style.View(0, 5)).tolist() == [True, False]
 
 

@@ -98,7 +98,7 @@ def test_case_2_is_better_for_where_the_wrapping_starts() -> None:
     assert all(first.lf > 1.8 * second.lf for first, second in zip(CASE_1, CASE_2, strict=True))
     points = np.random.default_rng(11).random((500, 2)) * 200
     planes = {
-        q: liftmesh.delaunay(points, method="lf", q=q).counters.candidate_planes
+        q: liftmesh.delaunay(points, algorithm="lf", apex=q).counters.candidate_planes
         for q in ("median", "origin", (200, 0), (200, 200), (0, 200))
     }
     middle = planes.pop("median")

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import assume, given, settings
+from oracles import planar as oracle
 from paper_positions import (
     Planar,
     lower_facets_by_definition,
@@ -70,7 +70,9 @@ def test_the_compiled_procedures_find_the_same_facets(
     expected = oracle.delaunay_by_definition(points)
     assume(expected)
     vertex = tuple(map(float, q))
-    simplices = liftmesh.delaunay(np.array(points), method=method, q=vertex).simplices.tolist()
+    simplices = liftmesh.delaunay(
+        np.array(points), algorithm=method, apex=vertex
+    ).simplices.tolist()
     found = triangles(points, simplices)
     assert len(found) == len(expected)
     assert set(found) == expected
@@ -82,6 +84,6 @@ def test_the_compiled_lf_finds_the_lower_hull_of_any_set(points: list[Exact]) ->
     expected = lower_facets_by_definition(points)
     assume(expected)
     for method in ("lf", "auto"):
-        faces = liftmesh.lower_hull(np.array(points, dtype=np.float64), method=method).faces
+        faces = liftmesh.lower_hull(np.array(points, dtype=np.float64), algorithm=method).faces
         assert len(faces) == len(expected)
         assert {frozenset(points[i] for i in face) for face in faces.tolist()} == expected

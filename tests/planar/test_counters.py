@@ -23,53 +23,53 @@ VERTICES: list[Any] = [
 ]
 
 
-def counters(points: ArrayLike, method: str, q: Any = "origin") -> liftmesh.Counters:
-    found = liftmesh.delaunay(points, method=method, q=q).counters
+def counters(points: ArrayLike, algorithm: str, apex: Any = "origin") -> liftmesh.Counters:
+    found = liftmesh.delaunay(points, algorithm=algorithm, apex=apex).counters
     assert found is not None
     return found
 
 
-@pytest.mark.parametrize("method", ["auto", "divide-and-conquer"])
-def test_divide_and_conquer_counts_nothing(method: str) -> None:
-    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method).counters is None
+@pytest.mark.parametrize("algorithm", ["auto", "divide-and-conquer"])
+def test_divide_and_conquer_counts_nothing(algorithm: str) -> None:
+    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm).counters is None
 
 
 @pytest.mark.parametrize("family", ["uniform", "tenth-lattice", "integer-circles", "duplicates"])
-@pytest.mark.parametrize("q", VERTICES, ids=str)
-def test_lfres_tries_the_planes_of_lf_and_looks_at_the_same_points(family: str, q: Any) -> None:
+@pytest.mark.parametrize("apex", VERTICES, ids=str)
+def test_lfres_tries_the_planes_of_lf_and_looks_at_the_same_points(family: str, apex: Any) -> None:
     points = FAMILIES[family](150, np.random.default_rng(2))
-    lf, lfres = counters(points, "lf", q), counters(points, "lfres", q)
+    lf, lfres = counters(points, "lf", apex), counters(points, "lfres", apex)
     assert (lfres.calls, lfres.candidate_planes) == (lf.calls, lf.candidate_planes)
     assert lfres.points == lf.evaluations == lf.points
     assert not any(lf.rejected.values())
 
 
-@pytest.mark.parametrize("q", ["origin", "median", (50.0, 300.0)], ids=str)
-def test_the_region_spares_most_dot_products(q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median", (50.0, 300.0)], ids=str)
+def test_the_region_spares_most_dot_products(apex: Any) -> None:
     points = FAMILIES["uniform"](1000, np.random.default_rng(3)) * 200
-    lf, lfres = counters(points, "lf", q), counters(points, "lfres", q)
+    lf, lfres = counters(points, "lf", apex), counters(points, "lfres", apex)
     assert lfres.evaluations < lf.evaluations / 4
     assert min(lfres.rejected[f"4.3 ({k})"] for k in ("i", "ii", "iii", "iv", "v")) > 0
     assert 0 < lfres.rejected["4.4"] < lf.candidate_planes
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("family", ["uniform", "lattice", "circle", "duplicates"])
-def test_each_facet_and_each_rim_edge_takes_one_call(method: str, family: str) -> None:
+def test_each_facet_and_each_rim_edge_takes_one_call(algorithm: str, family: str) -> None:
     points = FAMILIES[family](200, np.random.default_rng(5))
-    result = liftmesh.delaunay(points, method=method, q="median")
+    result = liftmesh.delaunay(points, algorithm=algorithm, apex="median")
     assert result.counters is not None
     assert result.counters.calls == len(result.simplices) + len(result.convex_hull)
     assert result.counters.candidate_planes >= len(result.simplices)
     assert 0 <= result.counters.undecided <= result.counters.evaluations
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_only_what_is_nearly_cocircular_is_left_to_the_exact_predicate(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_only_what_is_nearly_cocircular_is_left_to_the_exact_predicate(algorithm: str) -> None:
     even = FAMILIES["uniform"](400, np.random.default_rng(6))
     square = FAMILIES["lattice"](400, np.random.default_rng(6))
-    assert counters(even, method).undecided == 0
-    assert counters(square, method).undecided > 200
+    assert counters(even, algorithm).undecided == 0
+    assert counters(square, algorithm).undecided > 200
 
 
 def test_lf_counts_by_hand() -> None:

@@ -7,9 +7,9 @@ import pickle
 from collections.abc import Callable
 
 import numpy as np
-import oracle
 import pytest
 from hypothesis import given, settings, strategies as st
+from oracles import planar as oracle
 from strategies import clouds
 
 import liftmesh
@@ -53,7 +53,7 @@ def check_neighbors(tri: DynamicTriangulation) -> None:
     rim = [
         (simplices[i, k - 2], simplices[i, k - 1]) for i, k in np.argwhere(neighbors < 0).tolist()
     ]
-    hull = tri.hull
+    hull = tri.convex_hull
     assert {*rim} == {*zip(hull.tolist(), np.roll(hull, -1).tolist(), strict=True)}
 
 

@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-import oracle
 import pytest
 import scipy.spatial
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
-from numpy.random import Generator
+from meshes import hard_queries
 from numpy.typing import NDArray
+from oracles import planar as oracle
 
 import liftmesh
 
 SMALL = st.integers(0, 6).map(float)
-
-
-def hard_queries(triangulation: liftmesh.Triangulation, rng: Generator) -> NDArray[np.float64]:
-    """Vertices, middles of sides, their neighbours by one ulp, and points all around."""
-    points = triangulation.points
-    corners = points[triangulation.simplices]
-    middles = (corners / 2 + np.roll(corners, 1, axis=1) / 2).reshape(-1, 2)
-    inside = (corners / 4).sum(axis=1) + corners[:, 0] / 4
-    low, high = points.min(axis=0), points.max(axis=0)
-    with np.errstate(over="ignore"):
-        around = low + (high / 2 - low / 2) * rng.uniform(-0.2, 2.2, (20, 2))
-        exact = np.vstack((points, middles, inside, around))
-        nearby = np.nextafter(exact, rng.choice([-np.inf, np.inf], exact.shape))
-    queries = np.vstack((exact, nearby))
-    return queries[np.isfinite(queries).all(axis=1)]
 
 
 def exact_location(
@@ -103,7 +88,8 @@ def test_many_queries_lie_in_what_is_found(family: str) -> None:
     for first, second in ((a, b), (b, c), (c, a)):
         assert (liftmesh.orient2d(first, second, queries[inside]) >= 0).all()
     for query in queries[~inside][:40]:
-        start, end = np.moveaxis(points[triangulation.convex_hull], 1, 0)
+        start = points[triangulation.convex_hull]
+        end = np.roll(start, -1, axis=0)
         assert (liftmesh.orient2d(start, end, query) < 0).any()
 
 

@@ -1,4 +1,4 @@
-"""The paper's procedures against the default engine: the same triangles, whatever q is."""
+"""The paper's procedures against the default engine: the same triangles, whatever the apex is."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ from commands import ROOT, TERRAIN, failed, interrupted, liftmesh as command
 from hypothesis import given, settings, strategies as st
 from meshes import assert_oracle_agrees, assert_same_triangles, triangle_rows
 from numpy.typing import ArrayLike, NDArray
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 from surfaces import layered, triangles_of
-from test_concurrency import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 from liftmesh.cli import exit_codes
@@ -57,8 +57,8 @@ def rows(x: st.SearchStrategy[float], y: st.SearchStrategy[float]) -> st.SearchS
     return st.lists(st.tuples(x, y), min_size=1, max_size=16).map(np.array)
 
 
-def resolved(q: Any, points: ArrayLike) -> Any:
-    return np.asarray(points, dtype=np.float64)[0, :2] if q is SAME_POINT else q
+def resolved(apex: Any, points: ArrayLike) -> Any:
+    return np.asarray(points, dtype=np.float64)[0, :2] if apex is SAME_POINT else apex
 
 
 def outcome(points: ArrayLike, **options: Any) -> dict[str, Any]:
@@ -70,18 +70,21 @@ def outcome(points: ArrayLike, **options: Any) -> dict[str, Any]:
     return {name: getattr(result, name).tolist() for name in ARRAYS}
 
 
-def check(points: ArrayLike, q: Any = "origin", **options: Any) -> None:
+def check(points: ArrayLike, apex: Any = "origin", **options: Any) -> None:
     """All three procedures give what the default engine gives."""
     expected = outcome(points, **options)
-    q = resolved(q, points)
-    for method in METHODS:
-        assert outcome(points, method=method, q=q, **options) == expected, (method, q)
+    apex = resolved(apex, points)
+    for algorithm in METHODS:
+        assert outcome(points, algorithm=algorithm, apex=apex, **options) == expected, (
+            algorithm,
+            apex,
+        )
 
 
 def check_indexed(points: Points, about: str = "") -> None:
     """The indexed procedure gives what the default engine gives, on many points."""
     expected = liftmesh.delaunay(points, order="canonical")
-    actual = liftmesh.delaunay(points, method="lfres-indexed", order="canonical")
+    actual = liftmesh.delaunay(points, algorithm="lfres-indexed", order="canonical")
     for name in ARRAYS:
         np.testing.assert_array_equal(getattr(actual, name), getattr(expected, name), about + name)
 
@@ -96,60 +99,60 @@ def test_small_sets_of_every_family(family: str) -> None:
 @pytest.mark.slow
 @settings(max_examples=500)
 @given(rows(SMALL, SMALL), QS, OFFSETS, OFFSETS)
-def test_lattices_with_offsets(points: Points, q: Any, x: float, y: float) -> None:
-    check(np.add(points, (x, y)), q)
+def test_lattices_with_offsets(points: Points, apex: Any, x: float, y: float) -> None:
+    check(np.add(points, (x, y)), apex)
 
 
 @settings(max_examples=200)
 @given(rows(SMALL, SMALL), QS, SCALES, SCALES)
-def test_lattices_of_every_scale(points: Points, q: Any, x: float, y: float) -> None:
-    check(points * (x, y), q)
+def test_lattices_of_every_scale(points: Points, apex: Any, x: float, y: float) -> None:
+    check(points * (x, y), apex)
 
 
 @pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(SMALL, SIGNED_ZERO), QS, st.booleans())
-def test_runs_on_lines_and_zeros_of_both_signs(points: Points, q: Any, turned: bool) -> None:
-    check(points[:, ::-1] if turned else points, q)
+def test_runs_on_lines_and_zeros_of_both_signs(points: Points, apex: Any, turned: bool) -> None:
+    check(points[:, ::-1] if turned else points, apex)
 
 
 @settings(max_examples=250)
 @given(
     st.lists(st.sampled_from([*ON_CIRCLE, (0, 0), (1, 0)]), min_size=3, max_size=14), QS, OFFSETS
 )
-def test_cocircular_points(points: list[tuple[int, int]], q: Any, offset: float) -> None:
-    check(np.array(points) * 1.0 + offset, q)
+def test_cocircular_points(points: list[tuple[int, int]], apex: Any, offset: float) -> None:
+    check(np.array(points) * 1.0 + offset, apex)
 
 
 @settings(max_examples=250)
 @given(rows(ULPS, st.one_of(ULPS, SMALL)), QS)
-def test_neighbours_by_an_ulp(points: Points, q: Any) -> None:
-    check(points, q)
+def test_neighbours_by_an_ulp(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @pytest.mark.slow
 @settings(max_examples=250)
 @given(rows(st.one_of(MAGNITUDES, STEPS), MAGNITUDES), QS)
-def test_mixed_magnitudes(points: Points, q: Any) -> None:
-    check(points, q)
+def test_mixed_magnitudes(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @settings(max_examples=200)
 @given(rows(FINITE, FINITE), st.one_of(QS, st.tuples(FINITE, FINITE)))
-def test_any_finite_doubles_and_any_vertex(points: Points, q: Any) -> None:
-    check(points, q)
+def test_any_finite_doubles_and_any_vertex(points: Points, apex: Any) -> None:
+    check(points, apex)
 
 
 @settings(max_examples=60)
 @given(st.lists(st.tuples(st.integers(-3, 3), st.integers(-3, 3)), min_size=1, max_size=14), QS)
-def test_integers_float32_and_strided_rows(points: list[tuple[int, int]], q: Any) -> None:
+def test_integers_float32_and_strided_rows(points: list[tuple[int, int]], apex: Any) -> None:
     integers = np.array(points)
     wide = np.full((2 * len(points), 5), np.nan)
     wide[::2, 1:5:3] = integers
     expected = outcome(integers)
     for form in (points, integers, integers.astype(np.float32), wide[::2, 1:5:3]):
-        for method in METHODS:
-            assert outcome(form, method=method, q=resolved(q, integers)) == expected
+        for algorithm in METHODS:
+            assert outcome(form, algorithm=algorithm, apex=resolved(apex, integers)) == expected
 
 
 @settings(max_examples=120)
@@ -158,20 +161,20 @@ def test_rows_that_are_not_finite_are_skipped_alike(points: Points) -> None:
     check(points, "median", nonfinite="skip")
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_engine_order_is_the_same_set_and_what_the_oracle_says(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_engine_order_is_the_same_set_and_what_the_oracle_says(algorithm: str) -> None:
     for family in ("small-integers", "integer-circles", "ulp-lattice", "duplicates"):
         points = FAMILIES[family](60, np.random.default_rng(4))
-        found = liftmesh.delaunay(points, method=method, q="median").simplices
+        found = liftmesh.delaunay(points, algorithm=algorithm, apex="median").simplices
         assert_oracle_agrees(points, found)
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("q", VERTICES, ids=str)
-def test_a_few_hundred_points_at_every_vertex(method: str, q: Any) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+@pytest.mark.parametrize("apex", VERTICES, ids=str)
+def test_a_few_hundred_points_at_every_vertex(algorithm: str, apex: Any) -> None:
     for family in ("uniform", "tenth-lattice", "clusters", "circle", "far-offset"):
         points = FAMILIES[family](250, np.random.default_rng(6))
-        options = {"method": method, "q": resolved(q, points)}
+        options = {"algorithm": algorithm, "apex": resolved(apex, points)}
         assert outcome(points, **options) == outcome(points), family
 
 
@@ -181,13 +184,13 @@ def terrain() -> Points:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("q", ["origin", "median"])
-def test_the_terrain_thinned_to_3000_points(terrain: Points, q: str) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median"])
+def test_the_terrain_thinned_to_3000_points(terrain: Points, apex: str) -> None:
     thinned = np.random.default_rng(0).permutation(terrain)[:3000]
     expected = liftmesh.delaunay(thinned, order="canonical")
     assert len(expected.simplices) > 5900
-    for method in METHODS:
-        actual = liftmesh.delaunay(thinned, method=method, q=q, order="canonical")
+    for algorithm in METHODS:
+        actual = liftmesh.delaunay(thinned, algorithm=algorithm, apex=apex, order="canonical")
         for name in ARRAYS:
             np.testing.assert_array_equal(getattr(actual, name), getattr(expected, name))
 
@@ -248,33 +251,33 @@ DEGENERATE = {
 
 
 @pytest.mark.parametrize("points", DEGENERATE.values(), ids=DEGENERATE.keys())
-@pytest.mark.parametrize("q", ["origin", "median", (1e300, 1e300)], ids=str)
-def test_too_little_for_a_triangle_in_the_same_words(points: ArrayLike, q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", "median", (1e300, 1e300)], ids=str)
+def test_too_little_for_a_triangle_in_the_same_words(points: ArrayLike, apex: Any) -> None:
     assert "error" in outcome(points)
-    check(points, q)
+    check(points, apex)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_rows_that_are_not_finite_are_named(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_rows_that_are_not_finite_are_named(algorithm: str) -> None:
     points = np.random.default_rng(0).random((9, 2))
     points[7, 1] = np.nan
     points[8, 0] = np.inf
     with pytest.raises(liftmesh.NonFiniteError, match=r"row 7\b.*nan") as caught:
-        liftmesh.delaunay(points, method=method, q="median")
+        liftmesh.delaunay(points, algorithm=algorithm, apex="median")
     assert caught.value.row == 7
-    left = liftmesh.delaunay(points, method=method, q="median", nonfinite="skip")
+    left = liftmesh.delaunay(points, algorithm=algorithm, apex="median", nonfinite="skip")
     assert left.skipped.tolist() == [7, 8]
 
 
-@pytest.mark.parametrize("method", ["auto", *METHODS])
+@pytest.mark.parametrize("algorithm", ["auto", *METHODS])
 @pytest.mark.parametrize(
-    "q",
+    "apex",
     ["centre", "", None, 5, (1,), (1, 2, 3), (np.nan, 0), (0, np.inf), [[0, 0]], ("a", "b"), {}],
     ids=repr,
 )
-def test_what_is_no_vertex(method: str, q: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=r"^q is .*: give 'origin', 'median' or a "):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method, q=q)
+def test_what_is_no_vertex(algorithm: str, apex: Any) -> None:
+    with pytest.raises(liftmesh.InputError, match=r"^apex is .*: give 'median', 'origin' or a "):
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm, apex=apex)
 
 
 def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -282,63 +285,65 @@ def test_divide_and_conquer_computes_no_median(monkeypatch: pytest.MonkeyPatch) 
         raise AssertionError("the median is not needed")
 
     monkeypatch.setattr(lifting, "_median", computed)
-    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], q="median").nsimplex == 1
+    assert liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], apex="median").nsimplex == 1
     with pytest.raises(AssertionError, match="not needed"):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method="lf", q="median")
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm="lf", apex="median")
 
 
-@pytest.mark.parametrize("method", ["LF", "lf-res", "indexed", "", None, 3])
-def test_an_unknown_method_names_the_choices(method: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=r"^method is .*'lf', 'lfres', 'lfres-indexed'$"):
-        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], method=method)
+@pytest.mark.parametrize("algorithm", ["LF", "lf-res", "indexed", "", None, 3])
+def test_an_unknown_method_names_the_choices(algorithm: Any) -> None:
+    with pytest.raises(
+        liftmesh.InputError, match=r"^algorithm is .*'lf', 'lfres', 'lfres-indexed'$"
+    ):
+        liftmesh.delaunay([[0, 0], [1, 0], [0, 1]], algorithm=algorithm)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_the_input_is_never_modified(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_the_input_is_never_modified(algorithm: str) -> None:
     points = FAMILIES["duplicates"](200, np.random.default_rng(1))
     before = points.copy()
     points.flags.writeable = False
-    liftmesh.delaunay(points, method=method, q=points[0])
+    liftmesh.delaunay(points, algorithm=algorithm, apex=points[0])
     assert points.tobytes() == before.tobytes()
 
 
 # The other doors
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("policy", ["first", "highest", "mean"])
-def test_surfaces_by_every_method(method: str, policy: str) -> None:
+def test_surfaces_by_every_method(algorithm: str, policy: str) -> None:
     cloud = layered()
-    options = {"duplicates": policy, "method": method, "q": "median"}
+    options = {"on_duplicate": policy, "algorithm": algorithm, "apex": "median"}
     expected, actual = (
-        liftmesh.triangulate(cloud, duplicates=policy),
+        liftmesh.triangulate(cloud, on_duplicate=policy),
         liftmesh.triangulate(cloud, **options),
     )
     np.testing.assert_array_equal(actual.vertices, expected.vertices)
     assert sorted(map(sorted, actual.faces.tolist())) == sorted(
         map(sorted, expected.faces.tolist())
     )
-    assert actual.report.used == expected.report.used
+    assert actual.report.n_used == expected.report.n_used
     assert actual.triangulation.counters is not None
 
 
 @pytest.mark.parametrize("words", [("lf",), ("lfres", "median"), ("lfres-indexed", "1e8,-3.5")])
 def test_the_command_line(words: tuple[str, ...], tmp_path) -> None:
-    options = ["--method", words[0], *(["--q", words[1]] if len(words) > 1 else [])]
-    done = command("triangulate", HILL, "by-method.ply", *options, cwd=tmp_path)
+    options = ["--algorithm", words[0], *(["--apex", words[1]] if len(words) > 1 else [])]
+    done = command("triangulate", HILL, "by-algorithm.ply", *options, cwd=tmp_path)
     plain = command("triangulate", HILL, "plain.ply", cwd=tmp_path)
     assert (done.returncode, done.stderr, plain.returncode) == (0, "", 0)
-    one, other = (liftmesh.read(tmp_path / name) for name in ("by-method.ply", "plain.ply"))
+    one, other = (liftmesh.read(tmp_path / name) for name in ("by-algorithm.ply", "plain.ply"))
     np.testing.assert_array_equal(one.points, other.points)
     assert len(one.faces) == len(other.faces)
     assert triangles_of(one.points, one.faces) == triangles_of(other.points, other.faces)
-    sizes = [(tmp_path / name).stat().st_size for name in ("by-method.ply", "plain.ply")]
+    sizes = [(tmp_path / name).stat().st_size for name in ("by-algorithm.ply", "plain.ply")]
     assert sizes[0] == sizes[1]
 
 
-@pytest.mark.parametrize("q", ["centre", "1", "1,2,3", ""])
-def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
-    done = command("triangulate", HILL, tmp_path / "m.ply", "--method", "lf", "--q", q)
+@pytest.mark.parametrize("apex", ["centre", "1", "1,2,3", ""])
+def test_the_command_line_refuses_what_is_no_vertex(apex: str, tmp_path) -> None:
+    done = command("triangulate", HILL, tmp_path / "m.ply", "--algorithm", "lf", "--apex", apex)
     failed(done, exit_codes.USAGE, "origin")
     assert list(tmp_path.iterdir()) == []
 
@@ -348,7 +353,7 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("method", "points", "q"),
+    ("algorithm", "points", "apex"),
     [
         ("lf", "rng.random((100_000, 2))", "median"),
         ("lfres", "rng.random((100_000, 2))", "median"),
@@ -357,31 +362,31 @@ def test_the_command_line_refuses_what_is_no_vertex(q: str, tmp_path) -> None:
     ],
     ids=["lf", "lfres", "lfres-indexed", "first edge"],
 )
-def test_ctrl_c_stops_a_long_run_within_a_second(method: str, points: str, q: Any) -> None:
-    call = f"liftmesh.delaunay(points, method={method!r}, q={q!r})"
+def test_ctrl_c_stops_a_long_run_within_a_second(algorithm: str, points: str, apex: Any) -> None:
+    call = f"liftmesh.delaunay(points, algorithm={algorithm!r}, apex={apex!r})"
     assert seconds_to_stop(LONG_RUN.format(points=points, prepare="", call=call), 0.4) < 1.0
 
 
 def test_ctrl_c_stops_the_command_and_leaves_no_file(tmp_path) -> None:
-    code, _, _ = interrupted("triangulate", TERRAIN, tmp_path / "m.ply", "--method", "lfres")
+    code, _, _ = interrupted("triangulate", TERRAIN, tmp_path / "m.ply", "--algorithm", "lfres")
     assert code == exit_codes.INTERRUPTED
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_another_thread_runs_meanwhile(method: str) -> None:
-    n = {"lf": 1500, "lfres": 1500, "lfres-indexed": 100_000}[method]
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_another_thread_runs_meanwhile(algorithm: str) -> None:
+    n = {"lf": 1500, "lfres": 1500, "lfres-indexed": 100_000}[algorithm]
     points = FAMILIES["uniform"](n, np.random.default_rng(0))
-    assert_another_thread_runs(lambda: liftmesh.delaunay(points, method=method))
+    assert_another_thread_runs(lambda: liftmesh.delaunay(points, algorithm=algorithm))
 
 
 def test_threads_at_once_give_what_one_gives() -> None:
     clouds = [FAMILIES["uniform"](n, np.random.default_rng(n)) for n in range(300, 316)]
-    jobs = [(points, method) for points in clouds for method in METHODS]
+    jobs = [(points, algorithm) for points in clouds for algorithm in METHODS]
     with ThreadPoolExecutor(max_workers=4) as pool:
-        at_once = list(pool.map(lambda job: liftmesh.delaunay(job[0], method=job[1]), jobs))
-    for (points, method), actual in zip(jobs, at_once, strict=True):
-        expected = liftmesh.delaunay(points, method=method)
+        at_once = list(pool.map(lambda job: liftmesh.delaunay(job[0], algorithm=job[1]), jobs))
+    for (points, algorithm), actual in zip(jobs, at_once, strict=True):
+        expected = liftmesh.delaunay(points, algorithm=algorithm)
         assert_same_triangles(
             triangle_rows(points, actual.simplices), triangle_rows(points, expected.simplices)
         )

@@ -79,7 +79,7 @@ def test_files_are_gone_with_the_result(tmp_path: Path) -> None:
         ({"scratch": "missing"}, "scratch 'missing' is no folder: make it first"),
         ({"scratch": "\0"}, "is no folder"),
         ({"scratch": ".", "order": "canonical"}, "scratch and order='canonical' exclude each"),
-        ({"scratch": ".", "method": "lf"}, "scratch and method='lf' exclude each other"),
+        ({"scratch": ".", "algorithm": "lf"}, "scratch and algorithm='lf' exclude each other"),
         ({"scratch": ".", "metric": [[1, 0], [0, 2]]}, "scratch and metric exclude each other"),
     ],
 )

@@ -1,33 +1,42 @@
-"""By what points are lifted, in floating point: `Heights`, and the option `q`."""
+"""By what points are lifted, in floating point: `Heights`, and the option `apex`."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from liftmesh import InputError
-from liftmesh.planar.lifting import Heights, given_vertex, resolve_q
+from liftmesh import InputError, delaunay, lift
+from liftmesh.planar.lifting import Heights, given_apex, resolve_apex
 
 
 def test_the_vertex_of_the_paraboloid() -> None:
-    assert given_vertex((1, 2)) == (1.0, 2.0)
-    assert given_vertex("median") is None
-    assert resolve_q("origin", np.ones((1, 2))) == (0.0, 0.0)
+    assert given_apex((1, 2)) == (1.0, 2.0)
+    assert given_apex("median") is None
+    assert resolve_apex("origin", np.ones((1, 2))) == (0.0, 0.0)
     rows = np.array([[0.0, 5.0], [1.0, 7.0], [9.0, 6.0], [np.nan, 0.0]])
-    assert resolve_q("median", rows) == (1.0, 6.0)
+    assert resolve_apex("median", rows) == (1.0, 6.0)
+
+
+def test_the_median_is_that_of_the_distinct_points_in_any_order() -> None:
+    rows = np.array([[0.0, -0.0], [-0.0, 0.0], [4.0, 1.0], [4.0, 1.0], [4.0, 8.0], [np.inf, 9.0]])
+    turned = rows[::-1].astype(np.float32)
+    assert resolve_apex("median", rows) == resolve_apex("median", turned) == (4.0, 1.0)
+    assert str(resolve_apex("median", rows[[1, 0]])) == "(0.0, 0.0)"
+    assert resolve_apex("median", np.array([[1e308, 0.0], [1.7e308, 2.0]])) == (1.35e308, 1.0)
+    assert lift(rows[:5]).tolist() == delaunay([*rows[:5]]).lifted().vertices.tolist()
 
 
 @pytest.mark.parametrize(
-    ("q", "message"),
+    ("apex", "message"),
     [
-        ("middle", "q is 'middle': give 'origin', 'median' or a point"),
-        ((1, "a"), r"q is \(1, 'a'\): give 'origin', 'median' or a point"),
-        ((1, np.inf), r"q is \(1, inf\): give 'origin', 'median' or a finite point"),
+        ("middle", "apex is 'middle': give 'median', 'origin' or a point"),
+        ((1, "a"), r"apex is \(1, 'a'\): give 'median', 'origin' or a point"),
+        ((1, np.inf), r"apex is \(1, inf\): give 'median', 'origin' or a finite point"),
     ],
 )
-def test_what_is_no_vertex_is_refused(q: object, message: str) -> None:
+def test_what_is_no_vertex_is_refused(apex: object, message: str) -> None:
     with pytest.raises(InputError, match=message):
-        given_vertex(q)  # type: ignore[arg-type]
+        given_apex(apex)  # type: ignore[arg-type]
 
 
 def test_metrics_and_weights_change_the_heights() -> None:

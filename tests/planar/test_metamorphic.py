@@ -19,7 +19,6 @@ from typing import get_args
 
 import hypothesis.strategies as st
 import numpy as np
-import oracle
 import pytest
 import twin
 from hypothesis import assume, given, settings
@@ -31,11 +30,12 @@ from meshes import (
     triangle_rows,
 )
 from numpy.typing import NDArray
+from oracles import planar as oracle
 from strategies import ANY_MOTIF, COCIRCULAR_CLOUDS, FEW, MOTIFS, OFFSETS, Points, alone, clouds
 
 import liftmesh
 from liftmesh import _kernel
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 
 Triangles = NDArray[np.int32]
 
@@ -271,6 +271,6 @@ def test_every_row_is_a_vertex_a_duplicate_or_skipped(
 @given(
     clouds(most=16), st.one_of(st.sampled_from(["origin", "median"]), st.tuples(OFFSETS, OFFSETS))
 )
-def test_every_engine_finds_the_same_triangles(points: Points, q) -> None:
-    for method in get_args(Method):
-        assert_same_rows(points, triangles(points, method=method, q=q), method)
+def test_every_engine_finds_the_same_triangles(points: Points, apex) -> None:
+    for algorithm in get_args(Algorithm):
+        assert_same_rows(points, triangles(points, algorithm=algorithm, apex=apex), algorithm)

@@ -111,13 +111,13 @@ def test_rows_that_are_not_finite_and_progress_are_as_ever() -> None:
 def test_what_is_lifted_is_lifted_to_the_form_of_the_metric() -> None:
     found = liftmesh.delaunay(POINTS, metric=FORM)
     heights = np.einsum("ni,ij,nj->n", POINTS, np.array(FORM), POINTS)
-    np.testing.assert_allclose(found.lifted().vertices[:, 2], heights, rtol=1e-12)
+    np.testing.assert_allclose(found.lifted("origin").vertices[:, 2], heights, rtol=1e-12)
     np.testing.assert_allclose(found.lift_points(POINTS)[:, 2], heights, rtol=1e-12)
     distances = found.plane_distance(POINTS)
     assert distances.max() < 1e-12
     corners = distances[found.simplices.T, np.arange(found.nsimplex)]
     np.testing.assert_allclose(corners, 0, atol=1e-12)
-    away = found.lifted(q=(1, 2)).vertices[:, 2]
+    away = found.lifted(apex=(1, 2)).vertices[:, 2]
     moved = POINTS - (1, 2)
     np.testing.assert_allclose(away, np.einsum("ni,ij,nj->n", moved, np.array(FORM), moved))
 
@@ -168,7 +168,7 @@ def test_a_determinant_that_rounds_to_zero_is_positive() -> None:
     assert liftmesh.delaunay(POINTS[:9], metric=near).nsimplex > 0
 
 
-@pytest.mark.parametrize("method", ["lf", "lfres", "lfres-indexed"])
-def test_gift_wrapping_has_no_metric(method: Any) -> None:
-    with pytest.raises(InputError, match=f"method '{method}' has no metric"):
-        liftmesh.delaunay(POINTS, method=method, metric=FORM)
+@pytest.mark.parametrize("algorithm", ["lf", "lfres", "lfres-indexed"])
+def test_gift_wrapping_has_no_metric(algorithm: Any) -> None:
+    with pytest.raises(InputError, match=f"algorithm '{algorithm}' has no metric"):
+        liftmesh.delaunay(POINTS, algorithm=algorithm, metric=FORM)

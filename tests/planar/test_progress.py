@@ -14,7 +14,7 @@ from clouds import FAMILIES
 from distributions import circle, uniform
 
 import liftmesh
-from liftmesh.base.options import Method
+from liftmesh.base.options import Algorithm
 from liftmesh.errors import DegenerateInputError, DuplicateHeightError, NonFiniteError
 from liftmesh.terrain.triangulate import DONE_AFTER
 
@@ -54,11 +54,11 @@ def listener() -> Listener:
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize("n", [3, 100, 20_000])
-@pytest.mark.parametrize("method", get_args(Method))
-def test_every_method_ends_with_one(run, n, method, listener):
-    if method in {"lf", "lfres"}:
+@pytest.mark.parametrize("algorithm", get_args(Algorithm))
+def test_every_method_ends_with_one(run, n, algorithm, listener):
+    if algorithm in {"lf", "lfres"}:
         n = min(n, 300)
-    run(uniform(n, np.random.default_rng(0)), method=method, progress=listener)
+    run(uniform(n, np.random.default_rng(0)), algorithm=algorithm, progress=listener)
     listener.check()
 
 
@@ -110,7 +110,7 @@ def test_reading_counts_and_so_does_each_stage(name, listener, tmp_path):
 
 def test_the_triangulation_is_most_of_a_surface(listener):
     points = np.column_stack((circle(300_000, np.random.default_rng(0)), np.zeros(300_000)))
-    liftmesh.triangulate(points, plane="fit", duplicates="mean", progress=listener)
+    liftmesh.triangulate(points, plane="fit", on_duplicate="mean", progress=listener)
     listener.check(at_least=4)
     before = [share for share in listener.told if share < 0.1]
     after = [share for share in listener.told if share > 0.9]
@@ -159,16 +159,16 @@ def test_a_run_that_fails_never_says_that_it_is_done(run, n, make, error, listen
     assert 1.0 not in listener.told
 
 
-@pytest.mark.parametrize("method", get_args(Method))
-def test_nor_does_gift_wrapping(method, listener):
+@pytest.mark.parametrize("algorithm", get_args(Algorithm))
+def test_nor_does_gift_wrapping(algorithm, listener):
     with pytest.raises(DegenerateInputError):
-        liftmesh.delaunay(on_a_line(500), method=method, progress=listener)
+        liftmesh.delaunay(on_a_line(500), algorithm=algorithm, progress=listener)
     assert listener.told == []
 
 
 @pytest.mark.parametrize("run", RUNS)
 @pytest.mark.parametrize(
-    "options", [{"method": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"q": "centre"}]
+    "options", [{"algorithm": "magic"}, {"nonfinite": "drop"}, {"threads": 0}, {"apex": "centre"}]
 )
 def test_nor_does_a_wrong_option(run, options, listener):
     with pytest.raises(liftmesh.InputError):
@@ -179,7 +179,7 @@ def test_nor_does_a_wrong_option(run, options, listener):
 def test_nor_do_heights_that_collide(listener):
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 1, 1.0]])
     with pytest.raises(DuplicateHeightError):
-        liftmesh.triangulate(points, duplicates="error", progress=listener)
+        liftmesh.triangulate(points, on_duplicate="error", progress=listener)
     listener.check_shares()
     assert 0.0 < listener.told[-1] < 1.0
 

@@ -130,7 +130,7 @@ def test_copies_of_hidden_rows_are_hidden_wherever_what_hides_them_is(kind: str)
     certificate = found.verify()
     assert certificate.canonical
     assert found.hidden.tolist() == [3, 4, 5, 6]
-    assert (certificate.hidden, certificate.duplicates) == (4, len(found.duplicates)) == (4, 0)
+    assert (certificate.n_hidden, certificate.n_duplicates) == (4, len(found.duplicates)) == (4, 0)
 
 
 def test_equal_weights_give_delaunays_triangles() -> None:
@@ -263,7 +263,7 @@ def test_what_is_lifted_is_lowered_by_the_weights() -> None:
     by_weight = liftmesh.regular(POINTS, weights=WEIGHTS)
     by_radius = liftmesh.regular(POINTS, radii=np.sqrt(WEIGHTS))
     for found in (by_weight, by_radius):
-        np.testing.assert_allclose(found.lifted().vertices[:, 2], heights, atol=1e-15)
+        np.testing.assert_allclose(found.lifted("origin").vertices[:, 2], heights, atol=1e-15)
         left = np.union1d(found.hidden, found.duplicates[:, 0])
         np.testing.assert_array_equal(found.lifted().above, left)
         # A point of weight w is lower by w than a point without weight.
@@ -272,9 +272,9 @@ def test_what_is_lifted_is_lowered_by_the_weights() -> None:
         assert distances.max() < 1e-15 * 8
         corners = distances[found.simplices.T, np.arange(found.nsimplex)]
         np.testing.assert_allclose(corners, 0, atol=1e-15 * 8)
-    np.testing.assert_array_equal(by_weight.lift_points(POINTS), liftmesh.lift(POINTS))
-    away = by_weight.lifted(q="median")
-    x, y = away.q
+    np.testing.assert_array_equal(by_weight.lift_points(POINTS), liftmesh.lift(POINTS, "origin"))
+    away = by_weight.lifted(apex="median")
+    x, y = away.apex
     np.testing.assert_allclose(
         away.vertices[:, 2], ((POINTS - (x, y)) ** 2).sum(axis=1) - WEIGHTS, atol=1e-15
     )
@@ -285,7 +285,7 @@ def test_hidden_rows_have_the_triangle_below() -> None:
     assert (found.hidden_to_simplex >= 0).all()
     assert (found.vertex_to_simplex[found.hidden] == -1).all()
     planes = found.equations[found.hidden_to_simplex]
-    lifted = found.lifted().vertices[found.hidden]
+    lifted = found.lifted("origin").vertices[found.hidden]
     above = (planes[:, :3] * lifted).sum(axis=1) + planes[:, 3]
     assert (above < 0).all()
     assert f"{len(found.hidden)} hidden" in repr(found)

@@ -25,7 +25,7 @@ def test_each_edge_stands_once(family: str) -> None:
     assert tri.edges.dtype == np.int32
     assert (tri.edges[:, 0] < tri.edges[:, 1]).all()
     assert np.array_equal(np.unique(tri.edges, axis=0), expected)
-    assert len(tri.edges) == len(expected) == tri.verify().edges
+    assert len(tri.edges) == len(expected) == tri.verify().n_edges
 
 
 def test_edges_cannot_be_changed_and_are_computed_once() -> None:
@@ -91,6 +91,6 @@ def test_help_is_short(name: str) -> None:
 
 def test_help_names_parameters_and_types() -> None:
     text = " ".join(" ".join(help_of("delaunay")).split()).replace("( ", "(")
-    assert "delaunay(points: 'ArrayLike', *, method: 'Method' = 'auto'," in text
+    assert "delaunay(points: 'ArrayLike', *, algorithm: 'Algorithm' = 'auto'," in text
     assert inspect.signature(liftmesh.delaunay).parameters["threads"].default is None
     assert typing.get_type_hints(liftmesh.lower_hull)["return"] is liftmesh.LowerHull

@@ -15,9 +15,9 @@ from damage import POINTS, Rows, flipped, without_a_point
 from hypothesis import given, settings, strategies as st
 from meshes import oracle_triangles
 from numpy.typing import NDArray
-from oracle import counter_clockwise, exact
+from oracles.planar import counter_clockwise, exact
+from oracles.second_opinion import flaw as second_opinion
 from scipy.spatial import Delaunay
-from second_opinion import flaw as second_opinion
 
 import liftmesh
 from liftmesh import Certificate, InputError, NonFiniteError
@@ -37,11 +37,11 @@ def test_what_delaunay_makes_is_valid_and_canonical(family: str) -> None:
     certificate = triangulation.verify()
     assert certificate
     assert certificate.canonical, str(certificate)
-    assert certificate.rows == len(points)
-    assert certificate.duplicates == len(triangulation.duplicates)
-    assert certificate.vertices == len(points) - len(triangulation.duplicates)
-    assert certificate.hull_edges == len(triangulation.convex_hull)
-    assert certificate.edges == certificate.vertices + certificate.triangles - 1
+    assert certificate.n_rows == len(points)
+    assert certificate.n_duplicates == len(triangulation.duplicates)
+    assert certificate.n_vertices == len(points) - len(triangulation.duplicates)
+    assert certificate.n_hull_edges == len(triangulation.convex_hull)
+    assert certificate.n_edges == certificate.n_vertices + certificate.n_triangles - 1
     assert certificate.euler_characteristic == 1
 
 
@@ -75,7 +75,7 @@ def test_offenders_are_named_as_given_however_triangles_are_listed(kind: str) ->
     as_built = liftmesh.verify(points, simplices, nonfinite="skip")
     shuffled = liftmesh.verify(points, simplices[listed], nonfinite="skip")
     assert kinds(shuffled) == kinds(as_built)
-    assert offenders(shuffled, kind, listed) == offenders(as_built, kind, np.arange(len(listed)))
+    assert violations(shuffled, kind, listed) == violations(as_built, kind, np.arange(len(listed)))
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -103,7 +103,7 @@ def test_what_else_is_wrong_with_it_is_what_is_wrong_seen_from_above(kind: str) 
         for turned in (mesh[:, ::-1], mesh[:, [0, 2, 1]]):
             below = liftmesh.verify(points, turned)
             assert kinds(below) == kinds(above) | {"clockwise": len(mesh)}
-            assert offenders(below, kind, numbers) == offenders(above, kind, np.arange(len(mesh)))
+            assert violations(below, kind, numbers) == violations(above, kind, np.arange(len(mesh)))
 
 
 def test_in_circle_tests_skip_clockwise_triangles() -> None:
@@ -117,7 +117,7 @@ def test_in_circle_tests_skip_clockwise_triangles() -> None:
     assert found.keys() & {"not_delaunay", "not_canonical"} == set()
 
 
-def offenders(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
+def violations(certificate: Certificate, kind: str, listed: Rows) -> set[tuple[object, ...]]:
     """All of one kind, triangles by the numbers they had before they were listed otherwise."""
     (flaw,) = (flaw for flaw in certificate.flaws if flaw.kind == kind)
     assert flaw.count == len(flaw.first) > 0
@@ -147,14 +147,14 @@ def test_scipys_triangles_are_judged() -> None:
 
 
 def inner_triangle(simplices: Rows) -> int:
-    hull = liftmesh.delaunay(POINTS).convex_hull[:, 0]
+    hull = liftmesh.delaunay(POINTS).convex_hull
     return int(np.flatnonzero(~np.isin(simplices, hull).any(axis=1))[0])
 
 
 def hull_triangle_gone(simplices: Rows) -> Rows:
     """Remove a triangle with one edge on the boundary: the boundary turns right at its apex."""
     neighbors = liftmesh.delaunay(POINTS).neighbors
-    hull = set(liftmesh.delaunay(POINTS).convex_hull[:, 0].tolist())
+    hull = set(liftmesh.delaunay(POINTS).convex_hull.tolist())
     for row in np.flatnonzero((neighbors < 0).sum(axis=1) == 1):
         apex = simplices[row, np.argmin(neighbors[row])]
         if apex not in hull:
@@ -219,8 +219,8 @@ def test_a_mesh_whose_triangles_share_no_vertices() -> None:
     corners = POINTS[triangulation.simplices].reshape(-1, 2)
     certificate = liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
     assert certificate.canonical
-    assert certificate.vertices == len(POINTS)
-    assert certificate.merged == certificate.duplicates == len(corners) - len(POINTS)
+    assert certificate.n_vertices == len(POINTS)
+    assert certificate.n_merged == certificate.n_duplicates == len(corners) - len(POINTS)
     corners[5] += 1e-9
     assert not liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
 
@@ -241,8 +241,8 @@ def test_triangles_apart_are_as_good_as_those_that_share_rows(family: str) -> No
     assert len(found) == 1
     certificate = liftmesh.verify(rows, own)
     assert certificate.canonical, str(certificate)
-    assert certificate.vertices == len(points) - len(shared.duplicates)
-    assert certificate.merged == 3 * len(simplices) - certificate.vertices
+    assert certificate.n_vertices == len(points) - len(shared.duplicates)
+    assert certificate.n_merged == 3 * len(simplices) - certificate.n_vertices
 
 
 @pytest.mark.parametrize(
@@ -273,13 +273,13 @@ def test_what_is_told_depends_on_no_order_and_on_no_naming(
     told += [liftmesh.verify(points, random.sample(simplices.tolist(), len(simplices)))]
     told += [liftmesh.verify(*apart(points, simplices))]
     assert len({tuple(kinds(each).items()) for each in told}) == 1
-    assert len({(each.vertices, each.edges, each.hull_edges) for each in told}) == 1
+    assert len({(each.n_vertices, each.n_edges, each.n_hull_edges) for each in told}) == 1
 
 
 def test_corners_beyond_one_for_each_position_are_counted() -> None:
     points = [[0, 0], [0, 0], [1, 0], [0, 1]]
-    assert liftmesh.verify(points, [[1, 2, 3]]).merged == 0
-    assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).merged == 1
+    assert liftmesh.verify(points, [[1, 2, 3]]).n_merged == 0
+    assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).n_merged == 1
 
 
 def test_a_row_that_the_boundary_visits_often_is_named_once() -> None:
@@ -299,7 +299,7 @@ def test_rows_that_are_not_finite() -> None:
         liftmesh.verify(points, simplices)
     certificate = liftmesh.verify(points, simplices, nonfinite="skip")
     assert certificate.canonical
-    assert certificate.skipped == 2
+    assert certificate.n_skipped == 2
     assert liftmesh.delaunay(points, nonfinite="skip").verify().canonical
     spoilt = np.vstack((simplices, [[0, 1, 41]]))
     certificate = liftmesh.verify(points, spoilt, nonfinite="skip")
@@ -311,7 +311,7 @@ def test_rows_that_are_not_finite() -> None:
 def test_duplicates_need_no_vertex_of_their_own_and_others_do() -> None:
     points = np.vstack((POINTS, POINTS[:7], [[-0.0, 0.5], [0.0, 0.5]]))
     simplices = liftmesh.delaunay(points).simplices
-    assert liftmesh.verify(points, simplices).duplicates == 8
+    assert liftmesh.verify(points, simplices).n_duplicates == 8
     certificate = liftmesh.verify(np.vstack((points, [[0.5, 0.5]])), simplices)
     assert kinds(certificate) == {"missing_vertices": 1}
     assert certificate.flaws[0].first[0].rows == (49,)
@@ -441,5 +441,5 @@ def test_a_certificate_travels_as_json() -> None:
     values = json.loads(certificate.to_json())
     assert values == json.loads(json.dumps(certificate.as_dict()))
     assert values["valid"] is values["canonical"] is True
-    assert values["counts"]["triangles"] == certificate.triangles
+    assert values["counts"]["n_triangles"] == certificate.n_triangles
     assert values["liftmesh"] == liftmesh.__version__

@@ -35,7 +35,7 @@ MESHES: dict[str, Any] = {
 def test_any_mesh_is_verified(what: str) -> None:
     certificate = liftmesh.verify(MESHES[what])
     assert certificate.valid
-    assert (certificate.rows, certificate.triangles) == (50, len(SURFACE.faces))
+    assert (certificate.n_rows, certificate.n_triangles) == (50, len(SURFACE.faces))
     if what != "scipy":
         assert certificate.simplices_sha256 == SURFACE.triangulation.verify().simplices_sha256
 
@@ -59,10 +59,10 @@ def test_a_surface_is_verified_in_its_own_plane() -> None:
 @pytest.mark.parametrize("policy", ["first", "last", "highest", "mean"])
 def test_a_surface_with_overhangs_and_skipped_rows_is_valid(policy: Any) -> None:
     rows = np.vstack([ROWS, ROWS[:9] + np.array([0, 0, 1]), [[0.5, 0.5, np.nan]], [[np.inf, 0, 0]]])
-    surface = liftmesh.triangulate(rows, duplicates=policy, nonfinite="skip")
+    surface = liftmesh.triangulate(rows, on_duplicate=policy, nonfinite="skip")
     certificate = liftmesh.verify(surface)
     assert certificate.canonical
-    assert (certificate.skipped, certificate.duplicates) == (2, 9)
+    assert (certificate.n_skipped, certificate.n_duplicates) == (2, 9)
     assert liftmesh.verify(surface.triangulation).canonical
     with pytest.raises(NonFiniteError):
         liftmesh.verify(surface.to_cloud())

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from numpy.typing import NDArray
-from oracle import cells, exact
-from rational_cells import exact_point, power_centre, rounded
+from oracles.cells import exact_point, power_centre, rounded
+from oracles.planar import cells, exact
 from scipy import spatial
 from strategies import COCIRCULAR_CLOUDS, clouds
 

@@ -28,8 +28,10 @@ def test_ascii_grids(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match=r"a\.asc: .* ASCII grid, .* with format='raster'"):
         lm.read(tmp_path / "a.asc")
     done = liftmesh("triangulate", "a.asc", "a.ply", cwd=tmp_path)
-    assert done.stderr.rstrip().endswith("not a list of points: read it with --from raster")
-    done = liftmesh("triangulate", "a.asc", "a.ply", "--from", "raster", "--json", cwd=tmp_path)
+    assert done.stderr.rstrip().endswith("not a list of points: read it with --input-format raster")
+    done = liftmesh(
+        "triangulate", "a.asc", "a.ply", "--input-format", "raster", "--json", cwd=tmp_path
+    )
     report = json.loads(done.stdout)
     assert (report["rows"], report["not_read"]) == (5, ["1 sample without a value"])
 
@@ -92,7 +94,7 @@ def test_lines_need_not_be_rows_and_keywords_stand_anywhere() -> None:
 def test_marks_of_nothing(mark: bytes, word: bytes) -> None:
     cloud = read(HEAD + b"NODATA_value " + mark + b"\n" + word + b" 1 NaN\n")
     assert cloud.points[:, 2].tolist() == [1]
-    assert cloud.metadata["skipped"] == ("2 samples without a value",)
+    assert cloud.metadata["not_read"] == ("2 samples without a value",)
 
 
 def test_part_of_a_grid() -> None:
@@ -100,7 +102,7 @@ def test_part_of_a_grid() -> None:
     rows = "\n".join(" ".join(map(str, row)) for row in values.tolist())
     data = b"ncols 30\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 1\n" + rows.encode()
     assert read(data, every=7).points[:, 2].tolist() == values[::7, ::7].ravel().tolist()
-    assert len(read(data, bbox=(0, 0, 2, 2))) == 4
+    assert len(read(data, bounds=(0, 0, 2, 2))) == 4
     with pytest.raises(FormatError, match=r"a raster of 30 x 20 samples expands to .* max_bytes="):
         read(data, max_bytes=100)
 

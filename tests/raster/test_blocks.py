@@ -15,7 +15,7 @@ from liftmesh.raster.sidecars import Transform
 
 def test_steps_are_counted_from_the_first_row_and_column() -> None:
     place = Transform(2.0, 0.0, 100.0, 0.0, -2.0, 50.0)
-    window = window_of(place, 10, 10, Selection(bbox=(103, 40, 107, 49), every=2))
+    window = window_of(place, 10, 10, Selection(bounds=(103, 40, 107, 49), every=2))
     assert window == Window(range(0, 5, 2), range(2, 4, 2), outside=85, between=12)
 
 

@@ -14,7 +14,7 @@ import pytest
 import rasterio
 from commands import liftmesh
 from file_samples import assert_same_bits
-from geotiffs import HEIGHTS, NORTH_UP, geotiff, read
+from files.geotiff import HEIGHTS, NORTH_UP, geotiff, read
 from rasterio.transform import Affine
 
 import liftmesh as lm
@@ -94,7 +94,7 @@ def test_samples_without_a_value_are_left_out(mark: str) -> None:
     values[1, 1:3] = NODATA[mark]
     cloud = read(geotiff(values, nodata=NODATA[mark]))
     assert len(cloud) == 10
-    assert cloud.metadata["skipped"] == ("2 samples without a value",)
+    assert cloud.metadata["not_read"] == ("2 samples without a value",)
     assert_same_bits(cloud.points[:, 2], np.delete(values.ravel(), [5, 6]))
 
 
@@ -118,7 +118,7 @@ def test_what_may_stand_for_a_missing_value_is_refused(mark: str) -> None:
     for nodata in (given[1], mark, float(mark)):
         cloud = read(data, nodata=nodata)
         assert cloud.points[:, 2].tolist() == [0, 1, 2, 3, 4, 7, 8, 9, 10, 11]
-        assert cloud.metadata["skipped"] == ("2 samples without a value",)
+        assert cloud.metadata["not_read"] == ("2 samples without a value",)
     assert len(read(data, nodata="none")) == 12
     alone = geotiff(values[1:2, 1:3])
     with pytest.raises(FormatError, match="in 2 of 2 samples, a value or the mark of a missing"):
@@ -187,7 +187,7 @@ def test_the_unit_of_a_band_is_said(tmp_path: Path) -> None:
 def test_bands() -> None:
     data = geotiff(np.stack([HEIGHTS, HEIGHTS + 1, HEIGHTS + 2]))
     cloud = read(data)
-    assert cloud.metadata["skipped"] == ("band 2, 3",)
+    assert cloud.metadata["not_read"] == ("band 2, 3",)
     assert read(data, band=3).points[0, 2] == 102
     with pytest.raises(FormatError, match="<stream>: there is no band 4: give one from 1 to 3"):
         read(data, band=4)
@@ -205,7 +205,7 @@ def test_part_of_a_raster() -> None:
     assert len(read(data, every=10**30)) == 1
     box = (500010.0, 5399970.0, 500031.0, 5399991.0)
     inside = (whole.points[:, :2] >= box[:2]).all(1) & (whole.points[:, :2] <= box[2:]).all(1)
-    assert_same_bits(read(data, bbox=box).points, whole.points[inside])
+    assert_same_bits(read(data, bounds=box).points, whole.points[inside])
     assert len(read(data, z_range=(0, 9))) == 10
     chunks = [*lm.read_chunks(io.BytesIO(data), rows=4, format="tif", every=7)]
     assert [len(each) for each in chunks] == [4, 4, 4, 3]
@@ -242,16 +242,16 @@ def test_windows_hold_what_all_samples_in_the_box_do(place: str, block: dict[str
         for corners in rng.choice(whole[:, :2], (4, 2)):  # centres of pixels: the border counts
             box = (*corners.min(0), *corners.max(0))
             inside = ((whole[rows, :2] >= box[:2]) & (whole[rows, :2] <= box[2:])).all(1)
-            found = read(data, bbox=box, every=every)
+            found = read(data, bounds=box, every=every)
             assert_same_bits(found.points, whole[rows][inside])
             counts = found.metadata["selection"]
             assert counts["rows"] == values.size
-            assert counts["selected"] + counts.get("bbox", 0) + counts.get("every", 0) == 6300
-    assert len(read(data, bbox=(-np.inf, -np.inf, np.inf, np.inf))) == 6300
-    assert len(read(data, bbox=(1e9, 1e9, 2e9, 2e9))) == 0
+            assert counts["selected"] + counts.get("bounds", 0) + counts.get("every", 0) == 6300
+    assert len(read(data, bounds=(-np.inf, -np.inf, np.inf, np.inf))) == 6300
+    assert len(read(data, bounds=(1e9, 1e9, 2e9, 2e9))) == 0
 
 
-@pytest.mark.parametrize("options", [{"bbox": (10, 10, 20, 20)}, {"every": 50}])
+@pytest.mark.parametrize("options", [{"bounds": (10, 10, 20, 20)}, {"every": 50}])
 @pytest.mark.parametrize("kind", ["tif", "raster"])
 def test_a_part_takes_no_memory_for_the_rest(kind: str, options: dict[str, Any]) -> None:
     heights = np.random.default_rng(4).random((600, 600))
@@ -280,7 +280,7 @@ def test_damage_outside_of_the_window_is_not_decoded() -> None:
     with pytest.raises(FormatError, match=r"row 3,200, column 0|cannot be decoded"):
         read(broken)
     north = (0, NORTH_UP.f - 2 * 3200.0, 1e9, 1e9)
-    assert_same_bits(read(broken, bbox=north).points[:, 2], values[:3200].ravel())
+    assert_same_bits(read(broken, bounds=north).points[:, 2], values[:3200].ravel())
 
 
 def test_what_lies_between_every_kth_sample_is_not_decoded() -> None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from argparse import Namespace
 
+import changes
 import pytest
-from changes import __main__ as changes
 
 import liftmesh
 from liftmesh._typing import Floats

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import domains
 import numpy as np
 import pytest
-from domains import __main__ as domains
 
 import liftmesh
 

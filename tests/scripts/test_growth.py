@@ -18,7 +18,7 @@ from growth.counting import Count, Work
 from growth.growing import ORDERS, Growth, cases, grown
 from growth.seconds import Timing
 from growth.subjects import FILES, WITHOUT_DATA, Subject, subjects
-from test_codebase import METHODS, NAMES
+from public_names import METHODS, NAMES
 
 from liftmesh.io.registry import FORMATS
 

@@ -16,7 +16,7 @@ from hypothesis import given, settings, strategies as st
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull
 from space_clouds import GENERAL, LARGER, LEAST, SPACE, ball, sphere, with_heights
-from test_concurrency import LONG_RUN, assert_another_thread_runs, seconds_to_stop
+from stopped import LONG_RUN, assert_another_thread_runs, seconds_to_stop
 
 import liftmesh
 
@@ -38,13 +38,13 @@ SIZES = {
 def check(points: ArrayLike) -> None:
     """Both engines find, or refuse, exactly what the oracle says, row by row."""
     expected = expected_facets(points)
-    for method in METHODS:
+    for algorithm in METHODS:
         if not expected:
             with pytest.raises(liftmesh.DegenerateInputError):
-                liftmesh.lower_hull(points, method=method)
+                liftmesh.lower_hull(points, algorithm=algorithm)
             continue
-        hull = liftmesh.lower_hull(points, method=method)
-        assert facets(hull) == expected, (method, np.asarray(points).tolist())
+        hull = liftmesh.lower_hull(points, algorithm=algorithm)
+        assert facets(hull) == expected, (algorithm, np.asarray(points).tolist())
         assert_whole(hull)
 
 
@@ -108,17 +108,17 @@ def test_planes_of_every_tilt(xy: list[tuple[float, float]], tilt: int, other: f
     check(with_heights(points, points @ [tilt, other]))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("family", SPACE)
-def test_every_order_of_five_rows(family: str, method: str) -> None:
+def test_every_order_of_five_rows(family: str, algorithm: str) -> None:
     points = np.vstack((SPACE[family](4, np.random.default_rng(2))[:4], [[2.0, 3.0, -1.0]]))
     if not expected_facets(points):
         points[0] = (7.0, -5.0, 0.0)
         points[1] = (-5.0, 7.0, 0.0)
-    expected = coordinate_facets(points, liftmesh.lower_hull(points, method=method).faces)
+    expected = coordinate_facets(points, liftmesh.lower_hull(points, algorithm=algorithm).faces)
     for order in permutations(range(len(points))):
         shuffled = points[list(order)]
-        faces = liftmesh.lower_hull(shuffled, method=method).faces
+        faces = liftmesh.lower_hull(shuffled, algorithm=algorithm).faces
         assert coordinate_facets(shuffled, faces) == expected, order
 
 
@@ -131,7 +131,7 @@ def test_both_engines_find_the_same_facets(family: str) -> None:
     points = LARGER[family](n, np.random.default_rng(3))
     hull = liftmesh.lower_hull(points)
     assert_whole(hull)
-    assert facets(liftmesh.lower_hull(points, method="lf")) == facets(hull)
+    assert facets(liftmesh.lower_hull(points, algorithm="lf")) == facets(hull)
 
 
 @pytest.mark.parametrize("family", LARGER)
@@ -144,12 +144,12 @@ def test_the_set_is_the_same_for_every_order_of_many_rows(family: str) -> None:
         assert coordinate_facets(points[order], faces) == expected
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("slope", [(0, 0), (2, -3), (0.5, 0.25)])
-def test_every_position_of_a_plane_is_a_vertex(method: str, slope: tuple[float, float]) -> None:
+def test_every_position_of_a_plane_is_a_vertex(algorithm: str, slope: tuple[float, float]) -> None:
     rng = np.random.default_rng(6)
     xy = rng.integers(0, 20, (600, 2))
-    hull = liftmesh.lower_hull(with_heights(xy, xy @ np.array(slope)), method=method)
+    hull = liftmesh.lower_hull(with_heights(xy, xy @ np.array(slope)), algorithm=algorithm)
     first = np.unique(xy, axis=0, return_index=True)[1]
     np.testing.assert_array_equal(np.unique(hull.faces), np.sort(first))
     np.testing.assert_array_equal(hull.above, np.setdiff1d(np.arange(600), first))
@@ -171,16 +171,16 @@ def test_lf_finds_the_lower_facets_of_scipy(name: str) -> None:
     points = GENERAL[name][0](1000, np.random.default_rng(8))
     found = ConvexHull(points)
     theirs = found.simplices[found.equations[:, 2] < 0]
-    hull = liftmesh.lower_hull(points, method="lf")
+    hull = liftmesh.lower_hull(points, algorithm="lf")
     assert facets(hull) == {tuple(sorted(face)) for face in theirs.tolist()}
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("family", ["small-integers", "integer-circles", "duplicates", "lattice"])
-@pytest.mark.parametrize("q", ["origin", (3, -5)], ids=str)
-def test_lifted_integers_give_the_triangulation(family: str, method: str, q: Any) -> None:
+@pytest.mark.parametrize("apex", ["origin", (3, -5)], ids=str)
+def test_lifted_integers_give_the_triangulation(family: str, algorithm: str, apex: Any) -> None:
     points = FAMILIES[family](400, np.random.default_rng(9))
-    hull = liftmesh.lower_hull(liftmesh.lift(points, q), method=method)
+    hull = liftmesh.lower_hull(liftmesh.lift(points, apex), algorithm=algorithm)
     assert facets(hull) == {
         tuple(sorted(row)) for row in liftmesh.delaunay(points).simplices.tolist()
     }
@@ -218,14 +218,14 @@ FORMS: dict[str, Callable[[Points], Any]] = {
 }
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("form", FORMS)
-def test_every_form_gives_the_same_rows_and_stays_as_it_was(form: str, method: str) -> None:
+def test_every_form_gives_the_same_rows_and_stays_as_it_was(form: str, algorithm: str) -> None:
     points = np.random.default_rng(10).integers(-9, 10, (150, 3)) * 1.0
     given_points = FORMS[form](points)
     before = np.array(given_points, copy=True)
-    hull = liftmesh.lower_hull(given_points, method=method)
-    expected = liftmesh.lower_hull(points, method=method)
+    hull = liftmesh.lower_hull(given_points, algorithm=algorithm)
+    expected = liftmesh.lower_hull(points, algorithm=algorithm)
     np.testing.assert_array_equal(hull.faces, expected.faces)
     np.testing.assert_array_equal(hull.neighbors, expected.neighbors)
     np.testing.assert_array_equal(hull.vertices, points)
@@ -239,10 +239,10 @@ def test_float32_is_widened_exactly() -> None:
     np.testing.assert_array_equal(narrow.faces, wide.faces)
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_the_lowest_and_then_the_first_row_of_a_position(method: str) -> None:
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_the_lowest_and_then_the_first_row_of_a_position(algorithm: str) -> None:
     points = [[0, 0, 5], [4, 0, 0], [0, 0, -1], [0, 4, 0], [-0.0, 0, -1], [0, 4, 0], [0, 0, 2]]
-    hull = liftmesh.lower_hull(points, method=method)
+    hull = liftmesh.lower_hull(points, algorithm=algorithm)
     assert facets(hull) == {(1, 2, 3)}
     assert hull.above.tolist() == [0, 4, 5, 6]
     assert hull.above.dtype == np.int32
@@ -250,9 +250,9 @@ def test_the_lowest_and_then_the_first_row_of_a_position(method: str) -> None:
 
 def test_a_result_tells_how_it_was_found() -> None:
     points = np.random.default_rng(12).random((50, 3))
-    fast, printed = liftmesh.lower_hull(points), liftmesh.lower_hull(points, method="lf")
-    assert fast.q is None
-    assert printed.q is None
+    fast, printed = liftmesh.lower_hull(points), liftmesh.lower_hull(points, algorithm="lf")
+    assert fast.apex is None
+    assert printed.apex is None
     assert fast.counters is None
     counters = printed.counters
     assert counters is not None
@@ -263,9 +263,9 @@ def test_a_result_tells_how_it_was_found() -> None:
     assert not any(counters.rejected.values())
 
 
-@pytest.mark.parametrize("method", METHODS)
-def test_a_hull_becomes_a_mesh(method: str, tmp_path) -> None:
-    hull = liftmesh.lower_hull(sphere(300, np.random.default_rng(13)), method=method)
+@pytest.mark.parametrize("algorithm", METHODS)
+def test_a_hull_becomes_a_mesh(algorithm: str, tmp_path) -> None:
+    hull = liftmesh.lower_hull(sphere(300, np.random.default_rng(13)), algorithm=algorithm)
     mesh = hull.to_trimesh()
     np.testing.assert_array_equal(mesh.vertices, hull.vertices)
     np.testing.assert_array_equal(mesh.faces, hull.faces)
@@ -312,22 +312,22 @@ DEGENERATE = {
 }
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize(("points", "told"), DEGENERATE.values(), ids=DEGENERATE.keys())
-def test_too_little_for_a_facet(points: ArrayLike, told: str, method: str) -> None:
+def test_too_little_for_a_facet(points: ArrayLike, told: str, algorithm: str) -> None:
     with pytest.raises(liftmesh.DegenerateInputError, match=told):
-        liftmesh.lower_hull(points, method=method)
+        liftmesh.lower_hull(points, algorithm=algorithm)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("algorithm", METHODS)
 @pytest.mark.parametrize("column", [0, 1, 2])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_rows_that_are_not_finite_are_named(column: int, value: float, method: str) -> None:
+def test_rows_that_are_not_finite_are_named(column: int, value: float, algorithm: str) -> None:
     points = np.random.default_rng(15).random((9, 3))
     points[6, column] = value
     points[8] = np.nan
     with pytest.raises(liftmesh.NonFiniteError, match=rf"row 6\b.*{value}.*first$") as caught:
-        liftmesh.lower_hull(points, method=method)
+        liftmesh.lower_hull(points, algorithm=algorithm)
     assert caught.value.row == 6
 
 
@@ -338,16 +338,16 @@ def test_masked_rows_are_named() -> None:
         liftmesh.lower_hull(points)
 
 
-@pytest.mark.parametrize("method", ["lfres", "lfres-indexed", "divide-and-conquer"])
-def test_planar_methods_name_the_function_that_has_them(method: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=rf"'{method}'.*liftmesh\.delaunay\(points"):
-        liftmesh.lower_hull(np.eye(3), method=method)
+@pytest.mark.parametrize("algorithm", ["lfres", "lfres-indexed", "divide-and-conquer"])
+def test_planar_methods_name_the_function_that_has_them(algorithm: Any) -> None:
+    with pytest.raises(liftmesh.InputError, match=rf"'{algorithm}'.*liftmesh\.delaunay\(points"):
+        liftmesh.lower_hull(np.eye(3), algorithm=algorithm)
 
 
-@pytest.mark.parametrize("method", ["LF", "quickhull", "", None, 1])
-def test_an_unknown_method_names_the_choices(method: Any) -> None:
-    with pytest.raises(liftmesh.InputError, match=r"^method is .*: give one of 'auto', 'lf'$"):
-        liftmesh.lower_hull(np.eye(3), method=method)
+@pytest.mark.parametrize("algorithm", ["LF", "quickhull", "", None, 1])
+def test_an_unknown_method_names_the_choices(algorithm: Any) -> None:
+    with pytest.raises(liftmesh.InputError, match=r"^algorithm is .*: give one of 'auto', 'lf'$"):
+        liftmesh.lower_hull(np.eye(3), algorithm=algorithm)
 
 
 def test_two_columns_are_refused_with_a_way_out() -> None:
@@ -376,7 +376,7 @@ def test_integers_that_no_double_holds_are_named() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("points", "method", "delay"),
+    ("points", "algorithm", "delay"),
     [
         ("rng.integers(0, 10**6, (1_000_000, 2)) @ [[1, 0, 3 << 20], [0, 1, 7]]", "auto", 0.6),
         ("liftmesh.lift(rng.random((1_000_000, 2)))", "auto", 0.4),
@@ -384,8 +384,8 @@ def test_integers_that_no_double_holds_are_named() -> None:
     ],
     ids=["plane", "paraboloid", "lf"],
 )
-def test_ctrl_c_stops_a_long_run_within_a_second(points: str, method: str, delay: float) -> None:
-    call = f"liftmesh.lower_hull(points, method={method!r})"
+def test_ctrl_c_stops_a_long_run_within_a_second(points: str, algorithm: str, delay: float) -> None:
+    call = f"liftmesh.lower_hull(points, algorithm={algorithm!r})"
     program = LONG_RUN.format(points=points, prepare="", call=call)
     assert seconds_to_stop(program, delay) < 1.0
 
@@ -397,9 +397,9 @@ def test_another_thread_runs_meanwhile() -> None:
 
 def test_threads_at_once_give_what_one_gives() -> None:
     clouds = [sphere(n, np.random.default_rng(n)) for n in range(400, 412)]
-    jobs = [(points, method) for points in clouds for method in METHODS]
+    jobs = [(points, algorithm) for points in clouds for algorithm in METHODS]
     with ThreadPoolExecutor(max_workers=4) as pool:
-        at_once = list(pool.map(lambda job: liftmesh.lower_hull(job[0], method=job[1]), jobs))
-    for (points, method), actual in zip(jobs, at_once, strict=True):
-        expected = liftmesh.lower_hull(points, method=method)
+        at_once = list(pool.map(lambda job: liftmesh.lower_hull(job[0], algorithm=job[1]), jobs))
+    for (points, algorithm), actual in zip(jobs, at_once, strict=True):
+        expected = liftmesh.lower_hull(points, algorithm=algorithm)
         np.testing.assert_array_equal(actual.faces, expected.faces)

@@ -13,6 +13,7 @@ from functools import cache
 import numpy as np
 from distributions import DISTRIBUTIONS, SMALLEST_STEP, Distribution, Points, lattice
 from numpy.random import Generator
+from numpy.typing import NDArray
 
 ULP = 2.0**-52
 
@@ -148,3 +149,11 @@ HARD: dict[str, Distribution] = {
     )
 }
 FAMILIES: dict[str, Distribution] = {**DISTRIBUTIONS, **HARD}
+
+
+def nearly_cocircular(shape: tuple[int, ...], rng: Generator) -> NDArray[np.float64]:
+    """Rounded points of a circle, far from the origin, some moved by an ulp."""
+    angle = rng.uniform(0, 2 * np.pi, shape[:-1])
+    center = rng.choice([0.0, 1.0, 1e3, 5.2e6, 1e15], (shape[0],) + (1,) * (len(shape) - 1))
+    points = center + np.stack((np.cos(angle), np.sin(angle)), axis=-1) * 7.25
+    return points + rng.integers(-1, 2, shape) * np.spacing(points)

@@ -8,8 +8,8 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-import oracle
 from numpy.typing import ArrayLike, NDArray
+from oracles import planar as oracle
 
 import liftmesh
 

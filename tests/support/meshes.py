@@ -10,8 +10,9 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 import numpy as np
-import oracle
+from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
+from oracles import planar as oracle
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -104,3 +105,18 @@ def assert_delaunay(points: NDArray[np.float64], simplices: NDArray[np.int32]) -
         if (b, a) in apex and not oracle.is_delaunay_side(a, b, left, apex[b, a])
     ]
     assert not wrong, f"{len(wrong)} sides are not Delaunay, such as {wrong[:2]}"
+
+
+def hard_queries(triangulation: Triangulation, rng: Generator) -> NDArray[np.float64]:
+    """Vertices, middles of sides, their neighbours by one ulp, and points all around."""
+    points = triangulation.points
+    corners = points[triangulation.simplices]
+    middles = (corners / 2 + np.roll(corners, 1, axis=1) / 2).reshape(-1, 2)
+    inside = (corners / 4).sum(axis=1) + corners[:, 0] / 4
+    low, high = points.min(axis=0), points.max(axis=0)
+    with np.errstate(over="ignore"):
+        around = low + (high / 2 - low / 2) * rng.uniform(-0.2, 2.2, (20, 2))
+        exact = np.vstack((points, middles, inside, around))
+        nearby = np.nextafter(exact, rng.choice([-np.inf, np.inf], exact.shape))
+    queries = np.vstack((exact, nearby))
+    return queries[np.isfinite(queries).all(axis=1)]

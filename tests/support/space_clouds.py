@@ -176,7 +176,7 @@ LARGER = {
     "flat strip": lambda n, rng: with_heights(rng.random((n, 2)) * (1e6, 1), np.zeros(n)),
     "apex": apex,
     "dome": lambda n, rng: cap_of(FAMILIES["uniform"](n, rng)),
-    "bowl": lambda n, rng: liftmesh.lift(FAMILIES["uniform"](n, rng), q="median"),
+    "bowl": lambda n, rng: liftmesh.lift(FAMILIES["uniform"](n, rng), apex="median"),
 }
 
 
@@ -201,7 +201,7 @@ def cone(n: int, rng: Generator) -> Points:
 
 
 def bowl(n: int, rng: Generator) -> Points:
-    return liftmesh.lift(rng.random((n, 2)) * 200, q=(100, 100))
+    return liftmesh.lift(rng.random((n, 2)) * 200, apex=(100, 100))
 
 
 def elongated(n: int, rng: Generator) -> Points:

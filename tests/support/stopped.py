@@ -5,7 +5,11 @@ from __future__ import annotations
 import re
 import signal
 import subprocess
+import sys
+import textwrap
+import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from children import ALONE
@@ -64,3 +68,74 @@ def ended(child: subprocess.Popen[str], *signals: int) -> tuple[int, str, str]:
         child.send_signal(each)
     out, err = child.communicate(timeout=300)
     return child.returncode, out, err
+
+
+# The signal comes when this program has run for a time of its own, however busy the machine is.
+LONG_RUN = textwrap.dedent(
+    """
+    import signal, sys, time
+    import numpy as np
+    import liftmesh
+
+    rng = np.random.default_rng(0)
+    points = {points}
+    {prepare}
+    liftmesh.delaunay([[0, 0], [1, 0], [0, 1]])  # what it imports is no part of the run
+    signal.signal(signal.SIGPROF, signal.default_int_handler)  # that of Ctrl-C
+    delay, began = float(sys.argv[1]), time.process_time()
+    signal.setitimer(signal.ITIMER_PROF, delay)
+    try:
+        {call}
+    except KeyboardInterrupt:
+        print("interrupted", time.process_time() - began - delay, flush=True)
+    else:
+        print("finished", flush=True)
+    """
+)
+
+
+class Ticker:
+    """Counts in a second thread how often Python code runs while the first one is busy."""
+
+    def __enter__(self) -> Ticker:
+        self.ticks = 0
+        self._stop = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+        return self
+
+    def _run(self) -> None:
+        while not self._stop.wait(0.001):
+            self.ticks += 1
+
+    def __exit__(self, *error: object) -> None:
+        self._stop.set()
+        self._thread.join()
+
+
+def assert_another_thread_runs(call: Callable[[], object]) -> None:
+    """Try again where it does not: it may wait for a processor as long as a call takes."""
+    assert any(ticks_during(call) > 20 for _ in range(100))
+
+
+def ticks_during(call: Callable[[], object]) -> int:
+    with Ticker() as ticker:
+        before = ticker.ticks
+        call()
+        return ticker.ticks - before
+
+
+def seconds_to_stop(program: str, delay: float) -> float:
+    """Interrupt a program; how long it computes until it hears that, in its own seconds of CPU.
+
+    A call that never looks for signals hears this one at its end, after seconds.
+    """
+    child = subprocess.run(
+        [sys.executable, "-c", program, str(delay)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert child.stdout.startswith("interrupted"), child.stdout + child.stderr
+    return float(child.stdout.split()[1])

@@ -167,3 +167,6 @@ def clouds(draw: st.DrawFn, most: int = 24) -> Points:
 
 
 COCIRCULAR_CLOUDS = st.one_of(alone(concentric_circles()), alone(small_integers()))
+SITES = st.lists(st.tuples(*[st.integers(-3, 6)] * 2), min_size=1, max_size=9).map(
+    lambda rows: np.array(rows, float)
+)

@@ -2,7 +2,14 @@
 
 from __future__ import annotations
 
+import hypothesis.strategies as st
 import numpy as np
+from clouds import FAMILIES
+from meshes import hard_queries
+from oracles.surfaces import ExactSurface
+
+import liftmesh
+from liftmesh.raster.pixels import Layout
 
 POLICIES = ["first", "last", "lowest", "highest", "mean"]
 
@@ -32,14 +39,82 @@ def planar_groups(points):
 
 def assert_accounted(surface):
     report = surface.report
-    assert report.rows == len(surface.vertices)
-    assert report.rows == report.used + report.duplicates + report.overhangs + report.skipped
-    assert report.triangles == len(surface.faces)
+    assert report.n_rows == len(surface.vertices)
+    assert (
+        report.n_rows == report.n_used + report.n_duplicates + report.n_overhangs + report.n_skipped
+    )
+    assert report.n_triangles == len(surface.faces)
     used = np.unique(surface.faces)
-    assert len(used) == report.used
-    assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.rows))
+    assert len(used) == report.n_used
+    assert np.array_equal(np.union1d(used, report.left_out), np.arange(report.n_rows))
     assert (np.diff(report.left_out) > 0).all()
-    assert len(report.left_out) == len(report.representatives) == report.rows - report.used
+    assert len(report.left_out) == len(report.representatives) == report.n_rows - report.n_used
     representatives = report.representatives[report.representatives >= 0]
     assert np.isin(representatives, used).all()
-    assert report.skipped == np.count_nonzero(report.representatives < 0)
+    assert report.n_skipped == np.count_nonzero(report.representatives < 0)
+
+
+SMALL = st.integers(0, 5).map(float)
+LATTICE = st.lists(st.tuples(SMALL, SMALL, st.integers(-9, 9).map(float)), min_size=3, max_size=18)
+
+
+def exactly(surface: liftmesh.Surface) -> ExactSurface:
+    heights = surface.frame.heights(surface.vertices)
+    return ExactSurface(surface.triangulation.points, heights, surface.faces)
+
+
+def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
+    heights = np.random.default_rng(seed).normal(size=len(planar)) * 100
+    return np.column_stack([planar, heights])
+
+
+def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
+    rng = np.random.default_rng(43)
+    surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), on_duplicate="lowest")
+    return surface, hard_queries(surface.triangulation, rng)
+
+
+def covering(surface: liftmesh.Surface, rows: int, columns: int, *, turned: bool) -> Layout:
+    """Pixels that cover a surface and some of what is around it."""
+    solved = surface.triangulation
+    low, high = solved.min_bound, solved.max_bound
+    span = np.maximum(high - low, np.abs(high) * 1e-6) * 1.2
+    width, height = span[0] / columns, -span[1] / rows
+    x, y = low[0] - span[0] / 12, high[1] + span[1] / 12
+    tilt = (height * 0.3, width * 0.2) if turned else (0.0, 0.0)
+    return Layout((width, tilt[0], x, tilt[1], height, y), rows, columns)
+
+
+def raster(surface: liftmesh.Surface, layout: Layout, **options) -> liftmesh.Raster:
+    shape = (layout.rows, layout.columns)
+    return surface.raster(transform=layout.transform, shape=shape, **options)
+
+
+LIMITS = st.floats(0.5, 6).filter(lambda each: abs(each * each - round(each * each)) > 1e-6)
+
+
+def meadow(n: int = 400, seed: int = 1) -> np.ndarray:
+    """Points with a pond in the middle and a bay at the side."""
+    points = np.random.default_rng(seed).random((n, 3)) * (100, 100, 10)
+    pond = np.hypot(*(points[:, :2] - 50).T) < 18
+    bay = (np.abs(points[:, 1] - 50) < 14) & (points[:, 0] > 70)
+    return points[~pond & ~bay]
+
+
+def drawn(points) -> liftmesh.Surface | None:
+    try:
+        return liftmesh.triangulate(points, on_duplicate="highest")
+    except liftmesh.DegenerateInputError:
+        return None
+
+
+def trimmed(surface: liftmesh.Surface, **options) -> liftmesh.Surface | None:
+    try:
+        return surface.trim(**options)
+    except liftmesh.InputError:  # no face is left
+        return None
+
+
+def rotated(points: np.ndarray, degrees: float, offset: tuple[float, float, float]) -> np.ndarray:
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + offset

@@ -7,7 +7,7 @@ import pytest
 from clouds import FAMILIES
 from damage import POINTS, flipped, without_a_point
 from meshes import assert_delaunay, assert_oracle_agrees, assert_same_triangles, triangle_rows
-from second_opinion import find_neighbors, flaw
+from oracles.second_opinion import find_neighbors, flaw
 
 import liftmesh
 

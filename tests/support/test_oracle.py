@@ -5,10 +5,10 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-import oracle
 import pytest
 from clouds import FAMILIES
 from hypothesis import given, strategies as st
+from oracles import planar as oracle
 
 COORDINATE = st.integers(0, 4)
 

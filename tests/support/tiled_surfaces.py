@@ -35,17 +35,18 @@ def steep_cloud(seed: int = 3, rows: int = 1_200, side: int = 22) -> Cloud:
 
 def check(tiled: TiledSurface, expected: Surface) -> None:
     """Compare triangles, vertices with all values, and the use of every row, bit for bit."""
-    ours, theirs = (ordered(_turned(each)) for each in (tiled.compute(), expected.faces))
+    ours, theirs = (ordered(_turned(each)) for each in (tiled.to_array(), expected.faces))
     assert np.array_equal(ours, theirs)
     one, other = tiled.report, expected.report
-    for name in ("rows", "used", "duplicates", "overhangs", "skipped", "triangles", "policy"):
+    counts = ("rows", "used", "duplicates", "overhangs", "skipped", "triangles")
+    for name in (*(f"n_{each}" for each in counts), "policy"):
         assert getattr(one, name) == getattr(other, name), name
     assert (one.columns, one.color_depth) == (other.columns, other.color_depth)
     assert one.left_out.dtype == one.representatives.dtype == np.int64
     assert np.array_equal(one.left_out, other.left_out)
     assert np.array_equal(one.representatives, other.representatives)
     assert tiled.crs == expected.crs
-    seen = [check_vertices(vertices, expected) for vertices in tiled.vertices()]
+    seen = [check_vertices(vertices, expected) for vertices in tiled.iter_vertices()]
     assert np.array_equal(np.unique(np.concatenate(seen)), np.unique(expected.faces))
     assert tiled.is_sound()
 

@@ -9,8 +9,7 @@ import pytest
 from clouds import FAMILIES
 from commands import liftmesh as run
 from hypothesis import given, settings
-from test_sampling import LATTICE, with_heights
-from test_trimming import LIMITS, drawn, meadow, trimmed
+from surfaces import LATTICE, LIMITS, drawn, meadow, trimmed, with_heights
 
 import liftmesh
 
@@ -22,7 +21,7 @@ def names(surface: liftmesh.Surface) -> set[tuple[int, ...]]:
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_mesh_is_the_surface_that_it_was(family: str) -> None:
     points = with_heights(FAMILIES[family](60, np.random.default_rng(2)))
-    surface = liftmesh.triangulate(points, duplicates="lowest")
+    surface = liftmesh.triangulate(points, on_duplicate="lowest")
     found = liftmesh.as_surface(surface.to_cloud())
     assert names(found) == names(surface)
     assert found.mask is None
@@ -60,7 +59,7 @@ def test_other_planes_and_rows_in_no_face() -> None:
     mesh = liftmesh.triangulate(points[:-1], plane="xz").to_cloud()
     mesh = liftmesh.Cloud(points, faces=mesh.faces)
     found = liftmesh.as_surface(mesh, plane="xz")
-    assert found.report.unused == 1
+    assert found.report.n_unused == 1
     assert found.report.left_out.tolist() == [len(points) - 1]
     assert "1 row in no face" in str(found.report)
     assert liftmesh.as_surface(found) is found

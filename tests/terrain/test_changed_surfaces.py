@@ -100,7 +100,7 @@ def test_columns_of_the_callers_rows_are_read_only() -> None:
 def test_results_become_dictionaries() -> None:
     report = liftmesh.triangulate(ROWS).report
     values = dataclasses.asdict(report)
-    assert values["rows"] == 60
+    assert values["n_rows"] == 60
     assert json.loads(json.dumps(values["seconds"])).keys() == report.seconds.keys()
     assert dataclasses.asdict(full())["attributes"]["intensity"].tolist() == list(range(60))
 

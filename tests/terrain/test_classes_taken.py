@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from lidar import encoded, records
+from files.las import encoded, records
 
 import liftmesh
 from liftmesh import InputError
@@ -58,7 +58,8 @@ def test_other_classes_are_taken_if_asked(
     assert liftmesh.triangulate(folder / "a.las", classes=classes).report.classes == taken
     found = liftmesh.simplify(folder / "a.las", classes=classes, max_error=0.0)
     assert {*found.report.classes} == {*taken}
-    done = command("triangulate", "a.las", "a.ply", "--classes", str(classes), cwd=folder)
+    words = ("--all-classes",) if classes == "all" else ("--classes", str(classes))
+    done = command("triangulate", "a.las", "a.ply", *words, cwd=folder)
     names = {2: "ground", 5: "high vegetation"}
     said = ", ".join(f"{each} {names[each]} {count}" for each, count in taken.items())
     assert f"classes     {said}" in done.stdout
@@ -84,7 +85,7 @@ def test_objects_are_taken_as_they_are(folder: Path) -> None:
 def test_one_file_without_ground_among_others_is_refused(folder: Path) -> None:
     done = command("triangulate", "a.las", "b.las", "c.las", "t.ply", cwd=folder)
     assert done.returncode == 3
-    remedy = "give --classes all for all rows of each file, --classes 2 for none of these, or find "
+    remedy = "give --all-classes for all rows of each file, --classes 2 for none of these, or find "
     assert f"{EMPTY}: {remedy}the ground with triangulate --ground csf" in done.stderr
     assert not (folder / "t.ply").exists()
     parts = [liftmesh.read(folder / name, classes="ground") for name in ("a.las", "b.las")]
@@ -102,7 +103,7 @@ def test_the_remedies_work(folder: Path) -> None:
     assert report["classes"] == {"2": 78}
     assert "b.las: 0 of 40 rows; left out: 40 of other classes" in done.stderr
     assert report["selection"] == {"rows": 160, "selected": 78, "withheld": 3, "classes": 79}
-    done = command("triangulate", *names, "all.ply", "--classes", "all", "--json", cwd=folder)
+    done = command("triangulate", *names, "all.ply", "--all-classes", "--json", cwd=folder)
     assert json.loads(done.stdout)["classes"] == {"1": 40, "2": 78, "5": 39}
 
 
@@ -117,7 +118,7 @@ def test_files_without_classes_and_empty_ones_go_with_ground(folder: Path) -> No
     (folder / "none.las").write_bytes(tile(150, []))
     words = ("a.las", "marks.csv", "none.las", "t.ply", "--json")
     report = json.loads(command("triangulate", *words, cwd=folder).stdout)
-    assert (report["rows"], "ground" in report["selection"]) == (40, False)
+    assert (report["n_rows"], "ground" in report["selection"]) == (40, False)
 
 
 def test_commands_say_the_classes(folder: Path) -> None:
@@ -126,7 +127,7 @@ def test_commands_say_the_classes(folder: Path) -> None:
         ("raster", "a.las", "o.tif", "--resolution", "5"),
         ("contour", "a.las", "o.geojson", "--interval", "1"),
         ("volume", "a.las"),
-        ("solid", "a.las", "o.stl", "--base", "0"),
+        ("solid", "a.las", "o.stl", "--base-height", "0"),
         ("profile", "a.las", "o.csv", "--along", "20,20", "--along", "25,25"),
         ("sample", "a.las", "s.csv", "--at", "marks.csv"),
         ("simplify", "a.las", "o.ply", "--max-error", "1"),
@@ -142,9 +143,9 @@ def test_conditions_of_files_that_are_read_in_chunks(folder: Path) -> None:
     assert found == [{"classes": GROUND, "withheld": False, "every": 2}, {"every": 2}]
     assert for_chunks(names, {"classes": (2, 9)})[1]["classes"] == (2, 9)
     assert for_chunks(names[1:2], {})[0]["classes"] == "all"
-    assert for_chunks(names, {"bbox": (0, 0, 50, 50)})[1]["classes"] == "all"
+    assert for_chunks(names, {"bounds": (0, 0, 50, 50)})[1]["classes"] == "all"
     with pytest.raises(InputError, match=r"b.las: no ground \(class 2\), while other files"):
-        for_chunks(names, {"to_crs": "EPSG:25832"})
+        for_chunks(names, {"dst_crs": "EPSG:25832"})
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.int64, np.float64])
@@ -163,7 +164,7 @@ def test_two_surfaces_are_of_the_same_classes(folder: Path) -> None:
     done = command("volume", "a.las", "later.las", cwd=folder)
     assert done.returncode == 3
     assert "later.las: no ground (class 2), while other files have some" in done.stderr
-    words = ("--classes", "all", "--withheld", "--json")
+    words = ("--all-classes", "--withheld", "--json")
     done = command("volume", "a.las", "later.las", *words, cwd=folder)
     assert (done.returncode, json.loads(done.stdout)["cut"]) == (0, 0.0)
     assert command("volume", "a.las", "c.las", cwd=folder).stderr.count("ground (class 2)") == 2

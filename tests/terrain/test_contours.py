@@ -6,6 +6,7 @@ import json
 import pickle
 import sys
 from collections import Counter
+from dataclasses import astuple
 from decimal import Context, localcontext
 from fractions import Fraction
 from itertools import pairwise
@@ -16,9 +17,8 @@ import pyproj
 import pytest
 from hypothesis import given, settings, strategies as st
 from matplotlib.figure import Figure
-from surface_oracle import ExactSurface
-from test_sampling import LATTICE, exactly
-from test_trimming import drawn, meadow, trimmed
+from oracles.surfaces import ExactSurface
+from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh
 
@@ -235,8 +235,8 @@ class TestLevels:
     def test_multiples_are_decimal(self) -> None:
         lines = liftmesh.triangulate(self.SLOPE).contours(interval=0.1)
         assert lines.levels.tolist() == [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
-        assert lines.index.tolist() == [level in {0.5, 1.0} for level in lines.levels]
-        assert all(each.index == (each.level in {0.5, 1.0}) for each in lines)
+        assert lines.is_index.tolist() == [level in {0.5, 1.0} for level in lines.levels]
+        assert all(each.is_index == (each.level in {0.5, 1.0}) for each in lines)
 
     def test_heights_of_no_face_make_no_level(self) -> None:
         points = meadow()
@@ -272,14 +272,16 @@ class TestLevels:
             np.testing.assert_array_equal(surface.contours(interval=1.25).levels, expected.levels)
 
     def test_multiples_are_counted_from_the_base(self) -> None:
-        lines = liftmesh.triangulate(self.SLOPE).contours(interval=0.3, base=0.05, index_every=2)
+        lines = liftmesh.triangulate(self.SLOPE).contours(
+            interval=0.3, contour_base=0.05, index_every=2
+        )
         assert lines.levels.tolist() == [0.35, 0.65, 0.95]
-        assert lines.index.tolist() == [False, True, False]
+        assert lines.is_index.tolist() == [False, True, False]
 
     def test_levels_ascend_each_once(self) -> None:
         lines = liftmesh.triangulate(self.SLOPE).contours([0.5, 0.2, 0.5, 7.0])
         assert lines.levels.tolist() == [0.2, 0.5]
-        assert not lines.index.any()
+        assert not lines.is_index.any()
 
     def test_short_lines_are_left_out(self) -> None:
         lines = rolling().contours(interval=5)
@@ -302,7 +304,11 @@ class TestLevels:
         assert len(found) == len(expected)
         np.testing.assert_array_equal(found.lengths, lines.lengths[taken])
         for one, other in zip(found, expected, strict=True):
-            assert (one.level, one.closed, one.index) == (other.level, other.closed, other.index)
+            assert (one.level, one.closed, one.is_index) == (
+                other.level,
+                other.closed,
+                other.is_index,
+            )
             np.testing.assert_array_equal(one.points, other.points)
 
     @pytest.mark.parametrize("height", [1.7e308, 5e-324, 1e-300])
@@ -321,7 +327,7 @@ class TestLevels:
             ({"interval": 0}, "interval is 0: give a positive height"),
             ({"interval": -1}, "positive"),
             ({"interval": np.nan}, "interval is nan: give a finite"),
-            ({"interval": 1, "base": "sea"}, "base is 'sea'"),
+            ({"interval": 1, "contour_base": "sea"}, "contour_base is 'sea'"),
             ({"interval": 1e-9}, "levels: give a larger one"),
             ({"interval": 1, "index_every": 0}, "index_every"),
             ({"levels": [np.inf]}, "finite heights"),
@@ -356,13 +362,13 @@ class TestResult:
         np.testing.assert_array_equal(copy.points, lines.points)
 
     def test_geojson_holds_everything(self, lines, tmp_path) -> None:
-        path = lines.save(tmp_path / "lines.geojson")
+        path = lines.save(tmp_path / "lines.geojson").path
         tree = json.loads(path.read_text())
         assert tree["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::7415"
         for feature, line in zip(tree["features"], lines, strict=True):
             assert feature["properties"] == {
                 "height": line.level,
-                "index": line.index,
+                "index": line.is_index,
                 "closed": line.closed,
             }
             assert feature["geometry"]["type"] == "LineString"
@@ -381,7 +387,7 @@ class TestResult:
     )
     def test_no_coordinate_system_is_lost(self, crs: str, name: str, tmp_path) -> None:
         lines = liftmesh.triangulate(meadow(), crs=crs).contours([5])
-        tree = json.loads(lines.save(tmp_path / "lines.json").read_text())
+        tree = json.loads(lines.save(tmp_path / "lines.json").path.read_text())
         assert tree["crs"] == {"type": "name", "properties": {"name": name}}
         if not name.startswith("LOCAL"):
             assert pyproj.CRS(name) == pyproj.CRS(crs)
@@ -397,10 +403,11 @@ class TestResult:
     @pytest.mark.parametrize("crs", [None, "EPSG:25832"])
     def test_geopackage_has_the_same_lines(self, crs, tmp_path) -> None:
         lines = liftmesh.triangulate(meadow(), crs=crs).contours(interval=2)
-        path = lines.save(tmp_path / "lines.gpkg")
+        path, kind, size, *_ = astuple(lines.save(tmp_path / "lines.gpkg"))
+        assert (kind, size) == ("geopackage", path.stat().st_size)
         frame = geopandas.read_file(path, layer="contours")
         assert frame["height"].tolist() == lines.levels.tolist()
-        assert frame["index"].tolist() == lines.index.tolist()
+        assert frame["index"].tolist() == lines.is_index.tolist()
         for shape, line in zip(frame.geometry, lines, strict=True):
             assert [*map(list, shape.coords)] == line.points.tolist()
         assert (None if crs is None else frame.crs.to_epsg()) == (crs and 25832)
@@ -418,7 +425,7 @@ class TestResult:
             lines.longer_than(length)
 
     def test_a_surface_without_lines_is_a_file_without_features(self, tmp_path) -> None:
-        path = rolling().contours([1e9]).save(tmp_path / "lines.geojson")
+        path = rolling().contours([1e9]).save(tmp_path / "lines.geojson").path
         assert json.loads(path.read_text()) == {"type": "FeatureCollection", "features": []}
 
     def test_errors_leave_nothing_behind(self, lines, tmp_path) -> None:

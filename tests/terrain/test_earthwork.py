@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 import shapely
 from commands import failed, liftmesh as run
-from earthwork_oracle import error, exact_earthwork, grid_pair
 from hypothesis import given, settings, strategies as st
-from test_measures import rotated
-from test_sampling import LATTICE
-from test_trimming import drawn, meadow, trimmed
+from oracles.earthwork import error, exact_earthwork, grid_pair
+from surfaces import LATTICE, drawn, meadow, rotated, trimmed
 
 import liftmesh
 from liftmesh.predicates import orient2d
@@ -21,7 +19,7 @@ from liftmesh.terrain import measures
 
 
 def moved(surface, offset) -> liftmesh.Surface:
-    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), duplicates="highest")
+    return liftmesh.triangulate(surface.vertices + np.array([*offset, 0.0]), on_duplicate="highest")
 
 
 SHIFT = st.integers(-6, 6).map(lambda each: each / 2)
@@ -96,7 +94,7 @@ def test_a_volume_beyond_the_largest_double_is_refused() -> None:
     )
     with pytest.raises(liftmesh.InputError, match="volume is beyond the largest double"):
         low.cut_and_fill(high)
-    assert np.isfinite(low.cut_and_fill(high, polygon=[[0, 0], [0.5, 0], [0.5, 0.5]]).fill)
+    assert np.isfinite(low.cut_and_fill(high, within=[[0, 0], [0.5, 0], [0.5, 0.5]]).fill)
 
 
 ON_A_GRID = st.lists(
@@ -107,7 +105,7 @@ ON_A_GRID = st.lists(
 def bits(one, two, change=lambda points: points):
     try:
         first, second = (
-            liftmesh.triangulate(change(np.array(each)), duplicates="highest")
+            liftmesh.triangulate(change(np.array(each)), on_duplicate="highest")
             for each in (one, two)
         )
         found = first.cut_and_fill(second)
@@ -136,7 +134,7 @@ def test_a_polygon_beyond_both_hulls_is_cut_alike_whichever_comes_first(seed: in
     rng = np.random.default_rng(seed)
     one, two = map(liftmesh.triangulate, rng.integers(0, 2**20, (2, 12, 3)) / 2**10)
     skew = [[11, -70], [901, 203], [701, 1103], [-90, 511]]
-    found, turned = one.cut_and_fill(two, polygon=skew), two.cut_and_fill(one, polygon=skew)
+    found, turned = one.cut_and_fill(two, within=skew), two.cut_and_fill(one, within=skew)
     assert (turned.cut, turned.fill, turned.area) == (found.fill, found.cut, found.area)
 
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from liftmesh.base.options import Duplicates
+from liftmesh.base.options import OnDuplicate
 from liftmesh.errors import DuplicateHeightError, InputError
 from liftmesh.terrain.equal_positions import choose_rows
 
-CHOOSING = [policy for policy in get_args(Duplicates) if policy != "error"]
+CHOOSING = [policy for policy in get_args(OnDuplicate) if policy != "error"]
 
 heights_of_few_values = st.sampled_from([-1.0, -0.0, 0.0, 0.1, 0.2, 2.5, 1e300, -1e308, 1.7e308])
 clouds = st.lists(
@@ -146,10 +146,10 @@ def test_the_error_names_rows_position_heights_and_remedy():
     assert caught.value.rows == (0, 3)
     message = str(caught.value)
     assert "rows 0 and 3 share the planar position (7.0, 0.0) at the heights 1.0 and 3.0" in message
-    assert "duplicates='first', 'last', 'lowest', 'highest' or 'mean'" in message
+    assert "on_duplicate='first', 'last', 'lowest', 'highest' or 'mean'" in message
 
 
-@pytest.mark.parametrize("policy", get_args(Duplicates))
+@pytest.mark.parametrize("policy", get_args(OnDuplicate))
 def test_no_shared_position(policy):
     choice = choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
     for values in (
@@ -165,7 +165,7 @@ def test_no_shared_position(policy):
 
 @pytest.mark.parametrize("policy", ["", "FIRST", "median", None])
 def test_other_policies_are_refused(policy):
-    with pytest.raises(InputError, match=r"duplicates is .*: give one of 'first', 'last'"):
+    with pytest.raises(InputError, match=r"on_duplicate is .*: give one of 'first', 'last'"):
         choose([0, 1, 2], [1.0, 2.0, 3.0], policy)
 
 

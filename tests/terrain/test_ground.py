@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from lidar import encoded, records
+from files.las import encoded, records
 
 import liftmesh
 from liftmesh import Cloud, InputError, MissingDependencyError
@@ -53,8 +53,8 @@ def test_ground_is_found_and_the_same_in_every_run(
     again = liftmesh.classify_ground(cloud).attributes["classification"]
     assert np.array_equal(again, found.attributes["classification"])
     assert found.metadata["ground"] == {
-        "rows": 6000, "ground": int(ground.sum()), "method": "csf", "resolution": 0.5,
-        "rigidness": 2, "threshold": 0.5, "unit_known": False, "z_unit_known": False,
+        "rows": 6000, "ground": int(ground.sum()), "algorithm": "csf", "cloth_resolution": 0.5,
+        "cloth_rigidness": 2, "cloth_threshold": 0.5, "unit_known": False, "z_unit_known": False,
         "cells": 561, "bare_cells": found.metadata["ground"]["bare_cells"],
     }  # fmt: skip
     assert 0 < found.metadata["ground"]["bare_cells"] < 40  # below the roof
@@ -90,10 +90,12 @@ def steep(slope: float) -> Cloud:
 
 def test_a_cloth_that_loses_the_ground_of_slopes_is_said(tmp_path: Path) -> None:
     with pytest.warns(liftmesh.DataWarning, match=r"of 64 cells of 10 m have no ground: on slopes"):
-        lost = liftmesh.classify_ground(steep(20), resolution=2)
+        lost = liftmesh.classify_ground(steep(20), cloth_resolution=2)
     assert lost.metadata["ground"]["ground"] < 3200
     for slope, resolution in ((20, 0.5), (0, 2)):
-        counts = liftmesh.classify_ground(steep(slope), resolution=resolution).metadata["ground"]
+        counts = liftmesh.classify_ground(steep(slope), cloth_resolution=resolution).metadata[
+            "ground"
+        ]
         assert counts["ground"] > 6000
     las = records(np.round(steep(20).points, 2), classification=np.ones(6400, np.uint8))
     (tmp_path / "raw.las").write_bytes(encoded(las))
@@ -137,11 +139,11 @@ def test_rows_that_are_not_finite_have_no_ground() -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({"method": "smrf"}, "method is 'smrf': give one of 'csf'"),
-        ({"resolution": 0}, "resolution is 0: give a positive number of metres"),
-        ({"threshold": -1.0}, "threshold is -1.0"),
-        ({"rigidness": 4}, "rigidness is 4: give 1, 2 or 3"),
-        ({"resolution": 0.001}, "60 by 60 m, for which the cloth has 3.6e[+]09 nodes"),
+        ({"algorithm": "smrf"}, "algorithm is 'smrf': give one of 'csf'"),
+        ({"cloth_resolution": 0}, "cloth_resolution is 0: give a positive number of metres"),
+        ({"cloth_threshold": -1.0}, "cloth_threshold is -1.0"),
+        ({"cloth_rigidness": 4}, "cloth_rigidness is 4: give 1, 2 or 3"),
+        ({"cloth_resolution": 0.001}, "60 by 60 m, for which the cloth has 3.6e[+]09 nodes"),
     ],
 )
 def test_options_are_checked(options: dict[str, Any], cause: str) -> None:
@@ -188,7 +190,7 @@ def test_the_command_takes_the_ground_that_it_found(tmp_path: Path) -> None:
     assert f"ground by csf: {len(mesh):,} of 6,000 rows (cloth of 0.5 m, rigidness 2; the" in (
         done.stderr
     )
-    done = command(*words, "--classes", "all", cwd=tmp_path)
+    done = command(*words, "--all-classes", cwd=tmp_path)
     whole = liftmesh.read(tmp_path / "tin.ply").attributes["classification"]
     assert np.count_nonzero(whole == 2) == len(mesh)
     assert len(whole) == 6000
@@ -209,7 +211,7 @@ def test_a_column_of_classes_in_any_spelling(name: str, tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "raw.csv", raw)
     done = command("triangulate", "raw.csv", "tin.ply", "--ground", "csf", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["rows"] == int(ground.sum())
+    assert json.loads(done.stdout)["n_rows"] == int(ground.sum())
     info = command("info", "raw.csv", "--json", cwd=tmp_path)
     assert json.loads(info.stdout)["lidar"]["classes"] == {"1": 5988, "7": 12}
 
@@ -236,7 +238,9 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
     )
     cloud = liftmesh.read(tmp_path / "a.las")
     with pytest.warns(liftmesh.DataWarning, match="have no ground"):
-        expected = liftmesh.classify_ground(cloud, resolution=2, rigidness=3, threshold=0.2)
+        expected = liftmesh.classify_ground(
+            cloud, cloth_resolution=2, cloth_rigidness=3, cloth_threshold=0.2
+        )
     assert json.loads(done.stdout)["ground"] == expected.metadata["ground"]
     for wrong in (("resolution", "0"), ("rigidness", "4"), ("threshold", "no")):
         option = f"--cloth-{wrong[0]}"

@@ -21,7 +21,7 @@ class TestDuplicates:
     @pytest.mark.parametrize("policy", POLICIES)
     def test_the_policy_chooses_the_row_at_every_position(self, policy):
         points = layered()
-        surface = triangulate(points, duplicates=policy)
+        surface = triangulate(points, on_duplicate=policy)
         assert_accounted(surface)
         used = set(np.unique(surface.faces).tolist())
         choose = {
@@ -35,12 +35,12 @@ class TestDuplicates:
         for row, representative in zip(report.left_out, report.representatives, strict=True):
             assert representative == chosen[tuple(points[row, :2].tolist())]
         same = points[report.left_out, 2] == points[report.representatives, 2]
-        assert (report.duplicates, report.overhangs) == (same.sum(), (~same).sum())
+        assert (report.n_duplicates, report.n_overhangs) == (same.sum(), (~same).sum())
 
     @pytest.mark.parametrize("policy", POLICIES)
     def test_the_planar_triangles_are_the_same_for_every_policy(self, policy):
         points = layered()
-        surface = triangulate(points, duplicates=policy)
+        surface = triangulate(points, on_duplicate=policy)
         flat = liftmesh.delaunay(points[:, :2])
         assert triangles_of(points[:, :2], surface.faces) == triangles_of(
             points[:, :2], flat.simplices
@@ -59,39 +59,39 @@ class TestDuplicates:
             ]
         )
         before = points.tobytes()
-        surface = triangulate(points, duplicates="mean")
+        surface = triangulate(points, on_duplicate="mean")
         assert points.tobytes() == before
         expected = points.copy()
         expected[0, 2] = 2.5
         assert surface.vertices.tobytes() == expected.tobytes()
         assert surface.report.left_out.tolist() == [3, 4, 5]
         assert surface.report.representatives.tolist() == [0, 0, 1]
-        assert (surface.report.duplicates, surface.report.overhangs) == (1, 2)
+        assert (surface.report.n_duplicates, surface.report.n_overhangs) == (1, 2)
 
     def test_the_mean_copies_only_where_a_height_changes(self):
         points = np.vstack([terrain(), terrain()[:5]])
-        assert np.shares_memory(triangulate(points, duplicates="mean").vertices, points)
+        assert np.shares_memory(triangulate(points, on_duplicate="mean").vertices, points)
 
     def test_the_mean_moves_along_the_normal_of_the_plane(self):
         base = terrain(50, offset=(0, 0, 0))
         points = np.vstack([base, base[7] + (8.0, 0.0, 0.0)])
-        surface = triangulate(points, plane=(1, 0, 0), duplicates="mean")
+        surface = triangulate(points, plane=(1, 0, 0), on_duplicate="mean")
         expected = base[7] + (4.0, 0.0, 0.0)
         assert np.allclose(surface.vertices[7], expected, rtol=1e-15)
-        assert surface.report.overhangs == 1
+        assert surface.report.n_overhangs == 1
         rest = np.delete(np.arange(51), 7)
         assert surface.vertices[rest].tobytes() == points[rest].tobytes()
 
     def test_the_error_names_both_rows(self):
         points = np.vstack([terrain(), terrain()[:2] + np.array([0, 0, 1])])
         with pytest.raises(DuplicateHeightError, match="rows 0 and 300 share") as caught:
-            triangulate(points, duplicates="error")
+            triangulate(points, on_duplicate="error")
         assert caught.value.rows == (0, 300)
 
     def test_plain_duplicates_are_no_error(self):
         points = np.vstack([terrain(), terrain()[[7, 7, 3]]])
-        report = triangulate(points, duplicates="error").report
-        assert (report.duplicates, report.overhangs) == (3, 0)
+        report = triangulate(points, on_duplicate="error").report
+        assert (report.n_duplicates, report.n_overhangs) == (3, 0)
         assert report.left_out.tolist() == [300, 301, 302]
         assert report.representatives.tolist() == [7, 7, 3]
 
@@ -100,8 +100,8 @@ class TestDuplicates:
         points = np.zeros((1_000_003, 3))
         points[:, 2] = np.arange(1_000_003) % 1000
         points[-3:] = corners
-        report = triangulate(points, duplicates="highest").report
-        assert (report.used, report.triangles) == (3, 1)
+        report = triangulate(points, on_duplicate="highest").report
+        assert (report.n_used, report.n_triangles) == (3, 1)
         assert report.representatives[0] == 999
 
 
@@ -120,7 +120,7 @@ class TestNonFinite:
         assert points.tobytes() == before
         assert surface.vertices.tobytes() == before
         assert_accounted(surface)
-        assert surface.report.skipped == 2
+        assert surface.report.n_skipped == 2
         assert surface.report.left_out.tolist() == [7, 41]
         assert surface.report.representatives.tolist() == [-1, -1]
 
@@ -137,12 +137,12 @@ class TestNonFinite:
         holed[100, :2] = points[5, :2]
         surface = triangulate(holed, nonfinite="skip")
         assert triangles_of(holed, surface.faces) == triangles_of(points, triangulate(points).faces)
-        assert surface.report.skipped == 3
-        assert surface.report.overhangs == 0
+        assert surface.report.n_skipped == 3
+        assert surface.report.n_overhangs == 0
 
     def test_rows_left_out_for_different_reasons_are_listed_in_order(self):
         points = np.vstack([[[np.nan] * 3], terrain(), [[0, 0, np.inf]], terrain()[[8, 3]]])
-        surface = triangulate(points, nonfinite="skip", duplicates="last")
+        surface = triangulate(points, nonfinite="skip", on_duplicate="last")
         assert_accounted(surface)
         assert surface.report.left_out.tolist() == [0, 4, 9, 301]
         assert surface.report.representatives.tolist() == [-1, 303, 302, -1]
@@ -158,7 +158,7 @@ class TestNonFinite:
     def test_finite_rows_whose_planar_coordinates_overflow_are_never_skipped(self, nonfinite):
         points = terrain(offset=(0, 0, 0))
         points[3] = (1.7e308, 1.7e308, 0)
-        assert triangulate(points).report.used == 300
+        assert triangulate(points).report.n_used == 300
         with pytest.raises(InputError, match=r"row 3, \(1\.7e\+308, .*overflows.*scale"):
             triangulate(points, plane=eighth_turn(), nonfinite=nonfinite)
 

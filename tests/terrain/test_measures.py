@@ -9,11 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import failed, liftmesh as run
-from earthwork_oracle import clipped, under_roof
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, turn
-from test_sampling import LATTICE, exactly
-from test_trimming import drawn, meadow
+from oracles.earthwork import clipped, under_roof
+from oracles.surfaces import ExactSurface, turn
+from surfaces import LATTICE, drawn, exactly, meadow, rotated
 
 import liftmesh
 
@@ -54,11 +53,6 @@ def test_no_bit_depends_on_the_order_of_the_rows(points, rng) -> None:
     other = drawn([(x / 3, y / 7, z / 9) for x, y, z in shuffled])
     assert other.volume(0.1) == surface.volume(0.1)
     assert other.area() == surface.area()
-
-
-def rotated(points: np.ndarray, degrees: float, offset: tuple[float, float, float]) -> np.ndarray:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return points @ np.array([[c, s, 0], [-s, c, 0], [0, 0, 1]]) + offset
 
 
 @pytest.mark.parametrize("degrees", [0, 17, 45, 200])
@@ -161,7 +155,7 @@ class TestCommand:
         ("words", "code", "said"),
         [
             (("volume", "none.ply"), 3, "No such file"),
-            (("volume", "heap.ply", "--level", "high"), 2, "'high' is not a number"),
+            (("volume", "heap.ply", "--level", "high"), 2, "is 'high': give a finite number"),
             (("volume", "heap.ply", "--max-edge", "1"), 3, "no face is left"),
             (("volume", "heap.ply", "--boundary-only"), 2, "needs --max-edge"),
         ],

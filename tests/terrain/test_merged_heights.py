@@ -79,7 +79,7 @@ ROUTES = {
 @CLOUDS
 @pytest.mark.parametrize("route", ROUTES)
 def test_every_route_gives_the_heights_of_the_surface(cloud, policy: str, route: str) -> None:
-    surface = liftmesh.triangulate(cloud, duplicates=policy)
+    surface = liftmesh.triangulate(cloud, on_duplicate=policy)
     expected = expected_heights(cloud, policy)
     asked = np.array([*expected])
     found = ROUTES[route](surface, surface.vertices[:, 2], asked)
@@ -89,7 +89,7 @@ def test_every_route_gives_the_heights_of_the_surface(cloud, policy: str, route:
 @POLICIES
 @CLOUDS
 def test_the_triangulation_has_the_rows_of_the_faces(cloud, policy: str) -> None:
-    surface = liftmesh.triangulate(cloud, duplicates=policy)
+    surface = liftmesh.triangulate(cloud, on_duplicate=policy)
     tri, report = surface.triangulation, surface.report
     np.testing.assert_array_equal(tri.simplices, surface.faces)
     np.testing.assert_array_equal(tri.duplicates[:, 0], report.left_out)
@@ -104,7 +104,7 @@ def test_the_triangulation_has_the_rows_of_the_faces(cloud, policy: str) -> None
 
 def test_rows_that_are_left_out_for_two_reasons() -> None:
     cloud = [[0, 0, 1], [np.nan, 0, 0], [4, 0, 2], [0, 4, 3], [4, 0, 9], [0, 4, 3]]
-    surface = liftmesh.triangulate(cloud, duplicates="last", nonfinite="skip")
+    surface = liftmesh.triangulate(cloud, on_duplicate="last", nonfinite="skip")
     assert surface.triangulation.duplicates.tolist() == [[2, 4], [3, 5]]
     assert surface.triangulation.skipped.tolist() == [1]
     assert surface.triangulation.vertex_to_simplex.tolist() == [0, -1, 0, 0, 0, 0]

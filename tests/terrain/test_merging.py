@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from lidar import encoded, geo_keys, record, records, with_records
+from files.las import encoded, geo_keys, record, records, with_records
 
 import liftmesh
 from liftmesh import Cloud, DataWarning, InputError
@@ -28,7 +28,7 @@ def test_rows_in_order_and_values_that_all_have() -> None:
     found = liftmesh.merge([one, two])
     assert np.array_equal(found.points, np.vstack([one.points, two.points]))
     assert found.attributes["a"].tolist() == [0, 1, 2, 300, 301, 302]
-    assert found.metadata["skipped"] == ("b (not in cloud 1)",)
+    assert found.metadata["not_read"] == ("b (not in cloud 1)",)
     assert found.metadata["merged"] == [
         {"source": "cloud 0", "rows": 3, "overlap": 0},
         {"source": "cloud 1", "rows": 3, "overlap": 1},
@@ -111,7 +111,7 @@ def test_types_that_nothing_holds_are_left_out() -> None:
     one = Cloud(ROWS, attributes={"n": np.array([2**63 + 1, 0, 1], np.uint64)})
     two = Cloud(ROWS, attributes={"n": np.array([-1, 0, 1])})
     found = liftmesh.merge([one, two])
-    assert found.metadata["skipped"] == ("n (of different types)",)
+    assert found.metadata["not_read"] == ("n (of different types)",)
     assert not found.attributes
 
 
@@ -131,7 +131,7 @@ def test_colours_of_different_types() -> None:
 def test_different_coordinate_systems_are_refused() -> None:
     one, two = Cloud(ROWS, crs="EPSG:25832"), Cloud(ROWS, crs=FEET)
     with pytest.raises(
-        InputError, match=r"UTM zone 32N \(metre\) and US survey \(foot\): give to_crs="
+        InputError, match=r"UTM zone 32N \(metre\) and US survey \(foot\): give dst_crs="
     ):
         liftmesh.merge([one, two])
 
@@ -154,7 +154,7 @@ def test_metadata_that_all_say_alike() -> None:
     one = Cloud(ROWS, metadata={"survey": 2024, "by": "a"})
     found = liftmesh.merge([one, replace(one, metadata={"survey": 2024, "by": "b"})])
     assert found.metadata["survey"] == 2024
-    assert found.metadata["skipped"] == ("metadata by",)
+    assert found.metadata["not_read"] == ("metadata by",)
 
 
 def test_nothing_to_merge() -> None:
@@ -192,18 +192,18 @@ def test_the_command_merges_tiles(folder: Path) -> None:
     flown = command("triangulate", "strip0.las", "strip1.las", "new.ply", cwd=folder)
     assert re.search(r": 2 flight lines; [\d,]+ rows are in cells of size ", flown.stderr)
     assert "tile1.las: 100 rows, " in done.stderr
-    assert report["rows"] == 300
+    assert report["n_rows"] == 300
     assert report["selection"] == {"rows": 600, "selected": 300, "classes": 300, "ground": 1}
     assert done.stderr.count("ground (class 2): 100 of 200 rows") == 3
 
 
 def test_the_command_refuses_mixed_systems_and_files_twice(folder: Path) -> None:
-    moved = liftmesh.read(folder / "tile0.las", to_crs="EPSG:25833")
+    moved = liftmesh.read(folder / "tile0.las", dst_crs="EPSG:25833")
     liftmesh.write(folder / "moved.laz", moved)
     done = command("triangulate", "tile0.las", "moved.laz", "tin.ply", cwd=folder)
     assert done.returncode == 3
-    assert done.stderr.splitlines()[-1].endswith("give --to-crs, which transforms both")
-    words = ("triangulate", "tile0.las", "moved.laz", "tin.ply", "--to-crs", "EPSG:25832")
+    assert done.stderr.splitlines()[-1].endswith("give --dst-crs, which transforms both")
+    words = ("triangulate", "tile0.las", "moved.laz", "tin.ply", "--dst-crs", "EPSG:25832")
     assert command(*words, cwd=folder).returncode == 0
     done = command("triangulate", "tile0.las", "tile0.las", "new.ply", cwd=folder)
     assert (done.returncode, "tile0.las is given twice" in done.stderr) == (2, True)
@@ -215,14 +215,16 @@ def test_the_command_refuses_mixed_systems_and_files_twice(folder: Path) -> None
 def test_the_system_of_files_that_state_none(folder: Path) -> None:
     plain = replace(liftmesh.read(folder / "tile0.las"), crs=None)
     liftmesh.write(folder / "plain.las", plain)
-    words = ("triangulate", "tile1.las", "plain.las", "tin.ply", "--overwrite", "--from-crs")
+    words = ("triangulate", "tile1.las", "plain.las", "tin.ply", "--overwrite", "--src-crs")
     assert command(*words, "EPSG:25832", cwd=folder).returncode == 0
     done = command(*words, "EPSG:25833", cwd=folder)
     assert done.returncode == 3
     assert "tile1.las and plain.las have different coordinate systems" in done.stderr
-    both = command(*words, "EPSG:25833", "--to-crs", "EPSG:25832", cwd=folder)
+    both = command(*words, "EPSG:25833", "--dst-crs", "EPSG:25832", cwd=folder)
     assert both.returncode == 0
-    moved = liftmesh.read(folder / "plain.las", classes=2, crs="EPSG:25833", to_crs="EPSG:25832")
+    moved = liftmesh.read(
+        folder / "plain.las", classes=2, src_crs="EPSG:25833", dst_crs="EPSG:25832"
+    )
     kept = liftmesh.read(folder / "tile1.las", classes=2)
     expected = np.vstack([kept.points, moved.points])
     assert np.array_equal(liftmesh.read(folder / "tin.ply").points, expected)
@@ -231,17 +233,17 @@ def test_the_system_of_files_that_state_none(folder: Path) -> None:
 def test_only_one_states_heights(folder: Path) -> None:
     high = replace(liftmesh.read(folder / "tile0.las"), crs="EPSG:25832+7837")
     liftmesh.write(folder / "high.las", high)
-    for words in ((), ("--to-crs", "EPSG:25833")):
+    for words in ((), ("--dst-crs", "EPSG:25833")):
         done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
         assert done.returncode == 3
         assert done.stderr.splitlines()[-1].endswith(
             "are the same in the plane, but only high.las states what heights are: say it "
-            "of the other with --from-crs, such as EPSG:7415"
+            "of the other with --src-crs, such as EPSG:7415"
         )
-    words = ("--to-crs", "EPSG:25832+7837")
+    words = ("--dst-crs", "EPSG:25832+7837")
     done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
     assert "states what heights are, but nothing says their unit in the file" in done.stderr
-    words = ("--from-crs", "EPSG:25832+7837")
+    words = ("--src-crs", "EPSG:25832+7837")
     done = command("triangulate", "tile1.las", "high.las", "tin.ply", *words, cwd=folder)
     assert done.returncode == 0
     taken = "tile1.las: states ETRS89 / UTM zone 32N; taken as ETRS89 / UTM zone 32N + DHHN2016"

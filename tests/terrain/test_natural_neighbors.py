@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
+from oracles.surfaces import Point, exact_point, turn
 from scipy.spatial import cKDTree
-from surface_oracle import Point, exact_point, turn
-from test_sampling import LATTICE, exactly, family_surface
-from test_trimming import drawn, meadow
+from surfaces import LATTICE, drawn, exactly, family_surface, meadow
 
 import liftmesh
 
@@ -139,7 +138,7 @@ def test_no_bit_depends_on_the_order_of_the_rows(family: str, method: str) -> No
     known = heights[~np.isnan(heights)]
     assert ((known >= low) & (known <= high)).all()
     rows = surface.vertices[rng.permutation(len(surface.vertices))]
-    turned = liftmesh.triangulate(rows, duplicates="lowest")
+    turned = liftmesh.triangulate(rows, on_duplicate="lowest")
     order = rng.permutation(len(queries))
     np.testing.assert_array_equal(turned.sample(queries[order], method), heights[order])
 
@@ -226,5 +225,5 @@ def test_other_members_of_the_family_are_refused() -> None:
     for options in ({"weights": np.zeros(20)}, {"metric": [[2, 0], [0, 1]]}):
         surface = liftmesh.triangulate(points, **options)
         assert np.isfinite(surface.sample([0.5, 0.5]))
-        with pytest.raises(liftmesh.InputError, match="method 'sibson' needs a Delaunay"):
+        with pytest.raises(liftmesh.InputError, match="interpolation 'sibson' needs a Delaunay"):
             surface.sample([0.5, 0.5], "sibson")

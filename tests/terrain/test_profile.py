@@ -8,9 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from hypothesis import example, given, settings, strategies as st
-from surface_oracle import turn
-from test_sampling import LATTICE, exactly
-from test_trimming import drawn, meadow, trimmed
+from oracles.surfaces import turn
+from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh
 from liftmesh.terrain.profile import LineCrossings

@@ -7,30 +7,11 @@ import pytest
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from matplotlib.tri import LinearTriInterpolator
+from oracles.surfaces import exact_point
 from scipy.interpolate import LinearNDInterpolator
-from surface_oracle import ExactSurface, exact_point
-from test_find_simplex import hard_queries
+from surfaces import LATTICE, SMALL, exactly, family_surface, with_heights
 
 import liftmesh
-
-SMALL = st.integers(0, 5).map(float)
-LATTICE = st.lists(st.tuples(SMALL, SMALL, st.integers(-9, 9).map(float)), min_size=3, max_size=18)
-
-
-def exactly(surface: liftmesh.Surface) -> ExactSurface:
-    heights = surface.frame.heights(surface.vertices)
-    return ExactSurface(surface.triangulation.points, heights, surface.faces)
-
-
-def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
-    heights = np.random.default_rng(seed).normal(size=len(planar)) * 100
-    return np.column_stack([planar, heights])
-
-
-def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
-    rng = np.random.default_rng(43)
-    surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), duplicates="lowest")
-    return surface, hard_queries(surface.triangulation, rng)
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -53,7 +34,7 @@ def test_no_bit_depends_on_the_order_of_the_rows(family: str) -> None:
     rng = np.random.default_rng(3)
     heights, gradients = surface.sample(queries), surface.gradient(queries)
     rows = surface.vertices[rng.permutation(len(surface.vertices))]
-    turned = liftmesh.triangulate(rows, duplicates="lowest")
+    turned = liftmesh.triangulate(rows, on_duplicate="lowest")
     order = rng.permutation(len(queries))
     np.testing.assert_array_equal(turned.sample(queries[order]), heights[order])
     np.testing.assert_array_equal(turned.gradient(queries[order]), gradients[order])
@@ -83,7 +64,7 @@ def test_a_vertex_has_its_own_height() -> None:
 @given(LATTICE, st.lists(st.tuples(SMALL, SMALL), min_size=1, max_size=12))
 def test_borders_belong_to_one_face(points, queries) -> None:
     try:
-        surface = liftmesh.triangulate(points, duplicates="highest")
+        surface = liftmesh.triangulate(points, on_duplicate="highest")
     except liftmesh.DegenerateInputError:
         return
     oracle = exactly(surface)
@@ -222,8 +203,10 @@ class TestForms:
                 call(points)
 
     def test_options_are_checked(self, square) -> None:
-        with pytest.raises(liftmesh.InputError, match="method is 'cubic': give one of 'linear'"):
-            square.sample([1, 1], method="cubic")
+        with pytest.raises(
+            liftmesh.InputError, match="interpolation is 'cubic': give one of 'linear'"
+        ):
+            square.sample([1, 1], interpolation="cubic")
         with pytest.raises(liftmesh.InputError, match="threads is 0"):
             square.sample([1, 1], threads=0)
 
@@ -233,6 +216,6 @@ class TestForms:
 
     def test_hidden_rows_and_duplicates_count_as_the_report_says(self) -> None:
         points = [[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [1, 1, 50], [1, 1, 7]]
-        assert liftmesh.triangulate(points, duplicates="lowest").sample([1, 1]) == 7
+        assert liftmesh.triangulate(points, on_duplicate="lowest").sample([1, 1]) == 7
         weights = [0, 0, 0, 0, -99, -99]
         assert liftmesh.triangulate(points, weights=weights).sample([1, 1]) == 1

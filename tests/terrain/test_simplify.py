@@ -59,9 +59,9 @@ def tiny(rng: Generator) -> Floats:
 @pytest.mark.parametrize("prune", [False, True])
 def test_no_point_is_beyond_the_bound(made: object, bound: float, prune: bool) -> None:
     points = made(np.random.default_rng(4))  # type: ignore[operator]
-    found = liftmesh.simplify(points, max_error=bound, prune=prune, duplicates="highest")
+    found = liftmesh.simplify(points, max_error=bound, prune=prune, on_duplicate="highest")
     used = np.setdiff1d(
-        np.arange(len(points)), liftmesh.triangulate(points, duplicates="highest").report.left_out
+        np.arange(len(points)), liftmesh.triangulate(points, on_duplicate="highest").report.left_out
     )
     worst = max(distances(found, points[used]))
     summary = found.metadata["simplification"]
@@ -76,7 +76,7 @@ def test_the_order_of_rows_does_not_count() -> None:
     rng = np.random.default_rng(8)
     points = np.concatenate([grid(rng), grid(rng) + np.array([0, 8, 0])])
     ways = [points, points[rng.permutation(len(points))], points[::-1]]
-    found = [liftmesh.simplify(each, max_error=1, duplicates="lowest") for each in ways]
+    found = [liftmesh.simplify(each, max_error=1, on_duplicate="lowest") for each in ways]
     sets = [{*map(tuple, each.vertices.tolist())} for each in found]
     assert sets[0] == sets[1] == sets[2]
     assert len(sets[0]) < len(points) / 2
@@ -220,7 +220,7 @@ def test_merged_rows_are_told_apart() -> None:
     points = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [0, 0, 7], [2, 2, 0.0]])
     summary = liftmesh.simplify(points, max_error=0).metadata["simplification"]
     assert (summary["merged"], summary["error"], summary["kept"]) == (7.0, 0.0, 4)
-    up = liftmesh.simplify(points, max_error=0, duplicates="mean")
+    up = liftmesh.simplify(points, max_error=0, on_duplicate="mean")
     assert up.vertices[:, 2].max() == 3.5
     assert up.metadata["simplification"]["merged"] == 3.5
 

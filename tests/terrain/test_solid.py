@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 from hypothesis import given, settings, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 from liftmesh._typing import Floats
@@ -50,7 +50,7 @@ def test_a_pyramid_on_a_slab() -> None:
 def test_any_solid_has_the_volume_under_its_surface(rows, limit, flat: bool) -> None:
     """Lattices, whose rims have corners on straight sides, trimmed or not."""
     try:
-        surface = liftmesh.triangulate(np.array(rows, float), duplicates="highest")
+        surface = liftmesh.triangulate(np.array(rows, float), on_duplicate="highest")
         surface = surface if limit is None else surface.trim(max_edge=limit)
         block = surface.solid(
             *([-2.0] if flat else []), **({} if flat else {"thickness": 2}), pinched="trim"
@@ -165,18 +165,21 @@ def model_of(block: liftmesh.Cloud) -> str:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "either a base or a thickness"),
-        ({"base": 0, "thickness": 1}, "either a base or a thickness"),
-        ({"base": 3}, r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0"),
-        ({"base": np.nan}, "base is nan: give a finite height"),
-        ({"base": "low"}, "base is 'low'"),
+        ({}, "either base_height or thickness"),
+        ({"base_height": 0, "thickness": 1}, "either base_height or thickness"),
+        (
+            {"base_height": 3},
+            r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0",
+        ),
+        ({"base_height": np.nan}, "base_height is nan: give a finite height"),
+        ({"base_height": "low"}, "base_height is 'low'"),
         ({"thickness": 0}, "thickness is 0: give a positive length"),
         ({"thickness": 1e-300}, "reaches its base"),
-        ({"base": -1, "longest": -3}, "longest is -3"),
-        ({"base": -1, "z_factor": 2}, "z_factor goes with longest"),
-        ({"base": -1, "longest": 10, "z_factor": 0}, "z_factor is 0"),
-        ({"base": -1e308, "longest": 1e308}, "beyond the largest double"),
-        ({"base": -1, "pinched": "keep"}, "pinched"),
+        ({"base_height": -1, "longest": -3}, "longest is -3"),
+        ({"base_height": -1, "z_factor": 2}, "z_factor goes with longest"),
+        ({"base_height": -1, "longest": 10, "z_factor": 0}, "z_factor is 0"),
+        ({"base_height": -1e308, "longest": 1e308}, "beyond the largest double"),
+        ({"base_height": -1, "pinched": "keep"}, "pinched"),
     ],
 )
 def test_what_makes_no_solid_is_refused(given, said: str) -> None:

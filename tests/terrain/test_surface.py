@@ -35,14 +35,14 @@ def surface():
         attributes={"intensity": np.arange(203, dtype=np.uint16)},
         metadata={"crs": "EPSG:32614"},
     )
-    return liftmesh.triangulate(cloud, duplicates="highest", nonfinite="skip")
+    return liftmesh.triangulate(cloud, on_duplicate="highest", nonfinite="skip")
 
 
 @given(finite_rows)
 @settings(deadline=None, max_examples=60)
 def test_every_coordinate_goes_out_bit_for_bit(points):
     try:
-        surface = liftmesh.triangulate(points, duplicates="last")
+        surface = liftmesh.triangulate(points, on_duplicate="last")
     except DegenerateInputError:
         assume(False)
     for mesh in (surface.to_trimesh(), surface.to_open3d(), surface.to_open3d_t()):
@@ -161,7 +161,7 @@ def test_it_cannot_be_changed(surface):
     with pytest.raises(AttributeError):
         surface.faces = None
     with pytest.raises(AttributeError):
-        surface.report.used = 0
+        surface.report.n_used = 0
     with pytest.raises(TypeError):
         surface.report.seconds["read"] = 0.0
     with pytest.raises(TypeError):

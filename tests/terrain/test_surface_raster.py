@@ -9,8 +9,8 @@ import pytest
 import rasterio
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
-from surface_oracle import exact_point
-from test_sampling import LATTICE, exactly, family_surface, with_heights
+from oracles.surfaces import exact_point
+from surfaces import LATTICE, covering, exactly, family_surface, raster, with_heights
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
@@ -25,22 +25,6 @@ def owners(surface: liftmesh.Surface, layout: Layout, threads: int | None = None
     faces = np.empty((layout.rows, layout.columns), np.int32)
     scanner(surface, layout, threads)(faces[:, :, None], 0)
     return faces
-
-
-def covering(surface: liftmesh.Surface, rows: int, columns: int, *, turned: bool) -> Layout:
-    """Pixels that cover a surface and some of what is around it."""
-    solved = surface.triangulation
-    low, high = solved.min_bound, solved.max_bound
-    span = np.maximum(high - low, np.abs(high) * 1e-6) * 1.2
-    width, height = span[0] / columns, -span[1] / rows
-    x, y = low[0] - span[0] / 12, high[1] + span[1] / 12
-    tilt = (height * 0.3, width * 0.2) if turned else (0.0, 0.0)
-    return Layout((width, tilt[0], x, tilt[1], height, y), rows, columns)
-
-
-def raster(surface: liftmesh.Surface, layout: Layout, **options) -> liftmesh.Raster:
-    shape = (layout.rows, layout.columns)
-    return surface.raster(transform=layout.transform, shape=shape, **options)
 
 
 def is_flat(layout: Layout) -> bool:
@@ -58,7 +42,7 @@ def test_values_are_those_at_the_centres(family: str, turned: bool) -> None:
         with pytest.raises(liftmesh.InputError):
             raster(surface, layout)
         return
-    centres = raster(surface, layout).centres()
+    centres = raster(surface, layout).centers()
     for quantity, method in QUANTITIES.items():
         found = raster(surface, layout, quantity=quantity).values
         np.testing.assert_array_equal(found, getattr(surface, method)(centres))
@@ -69,14 +53,14 @@ def test_values_are_those_at_the_centres(family: str, turned: bool) -> None:
 def test_every_centre_has_one_owner(points, a, b, d, e) -> None:
     """Centres on a lattice of vertices: most of them are on edges and at vertices."""
     try:
-        surface = liftmesh.triangulate(points, duplicates="highest")
+        surface = liftmesh.triangulate(points, on_duplicate="highest")
     except liftmesh.DegenerateInputError:
         return
     if a * e == b * d:
         return
     layout = Layout((a, b, -1.0 - a / 2 - b / 2, d, e, 3.0 - d / 2 - e / 2), 9, 8)
     oracle = exactly(surface)
-    centres = raster(surface, layout).centres().reshape(-1, 2)
+    centres = raster(surface, layout).centers().reshape(-1, 2)
     expected = [oracle.owner(exact_point(each)) for each in centres.tolist()]
     found = owners(surface, layout).ravel()
     assert found.tolist() == [-1 if each is None else each for each in expected]
@@ -106,7 +90,7 @@ def test_faces_in_every_row_are_not_met_in_every_row(threads: int) -> None:
     layout = Layout((10.0, 0.0, 0.0, 0.0, -1e-6, 1e-3), 1000, 100)
     found = raster(surface, layout, threads=threads)
     assert np.isfinite(found.values).any()
-    np.testing.assert_array_equal(found.values, surface.sample(found.centres()))
+    np.testing.assert_array_equal(found.values, surface.sample(found.centers()))
     single = raster(surface, layout, dtype="float32", threads=threads).values
     np.testing.assert_array_equal(single, found.values.astype(np.float32))
     owned = owners(surface, layout, threads=threads)
@@ -121,7 +105,7 @@ def test_no_bit_depends_on_threads_or_windows(monkeypatch: pytest.MonkeyPatch) -
     monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 1000)
     again = surface.raster(0.004, quantity="slope", threads=2)
     np.testing.assert_array_equal(again.values, slopes.values)
-    np.testing.assert_array_equal(again.values, surface.slope(whole.centres()))
+    np.testing.assert_array_equal(again.values, surface.slope(whole.centers()))
 
 
 def test_single_precision_rounds_once() -> None:
@@ -160,8 +144,8 @@ def test_large_offsets_leave_no_gap() -> None:
     planar = rng.random((60, 2)) * 0.2 + (4.5e5, 5.2e6)
     surface = liftmesh.triangulate(with_heights(planar))
     found = surface.raster(0.001)
-    np.testing.assert_array_equal(found.values, surface.sample(found.centres()))
-    corners = surface.triangulation.points[surface.triangulation.convex_hull[:, 0]]
+    np.testing.assert_array_equal(found.values, surface.sample(found.centers()))
+    corners = surface.triangulation.points[surface.triangulation.convex_hull]
     inside = np.prod(found.values.shape) * 0.5
     assert np.isfinite(found.values).sum() > inside
     assert len(corners) >= 3
@@ -173,7 +157,7 @@ def test_faces_of_many_rows_and_columns(shape: tuple[int, int], turned: bool) ->
     """The columns of a face are found for some of its rows at once, of few if rows are long."""
     surface = liftmesh.triangulate(np.random.default_rng(6).random((9, 3)))
     found = raster(surface, covering(surface, *shape, turned=turned), dtype="float32")
-    heights = surface.sample(found.centres())
+    heights = surface.sample(found.centers())
     assert np.isfinite(heights).mean() > 0.2
     np.testing.assert_array_equal(found.values, heights.astype(np.float32))
 
@@ -185,7 +169,7 @@ def test_coordinates_of_any_size(size: float, turned: bool) -> None:
     surface = liftmesh.triangulate(points)
     found = raster(surface, covering(surface, 20, 20, turned=turned))
     assert np.isfinite(found.values).sum() > 80
-    np.testing.assert_array_equal(found.values, surface.sample(found.centres()))
+    np.testing.assert_array_equal(found.values, surface.sample(found.centers()))
 
 
 @pytest.mark.parametrize("flatness", [1e-6, 1e-10, 1e-14])
@@ -194,7 +178,7 @@ def test_pixels_that_are_nearly_flat(flatness: float) -> None:
     surface = liftmesh.triangulate(np.random.default_rng(4).random((300, 3)) * (100, 100, 1))
     transform = (1.0, 1.0, 3.0, 1.0, 1.0 + flatness, 2.0)
     found = surface.raster(transform=transform, shape=(40, 40))
-    np.testing.assert_array_equal(found.values, surface.sample(found.centres()))
+    np.testing.assert_array_equal(found.values, surface.sample(found.centers()))
     assert np.isfinite(found.values).sum() > 500
 
 
@@ -237,7 +221,7 @@ class TestLayout:
         found = surface.raster(0.5)
         assert found.transform == (0.5, 0.0, 0.0, 0.0, -0.5, 3.0)
         assert found.values.shape == (6, 9)
-        assert found.centres()[0, 0].tolist() == [0.25, 2.75]
+        assert found.centers()[0, 0].tolist() == [0.25, 2.75]
         assert np.isnan(found.values[0]).all()
         assert np.isfinite(found.values[1, 1:8]).all()
 
@@ -321,8 +305,11 @@ class TestFiles:
     @pytest.mark.parametrize("compress", [None, "deflate", "lzw", "zstd"])
     @pytest.mark.parametrize("cog", [False, True])
     def test_geotiff_keeps_everything(self, found, tmp_path, cog: bool, compress) -> None:
-        path = found.save(tmp_path / "dtm.tif", cog=cog, compress=compress)
+        path = tmp_path / "dtm.tif"
+        written = found.save(path, cog=cog, compress=compress)
+        assert written == liftmesh.WriteResult(path, "geotiff", path.stat().st_size, None)
         with rasterio.open(path) as file:
+            assert tuple(file.bounds) == found.bounds
             np.testing.assert_array_equal(file.read(1), found.values)
             assert tuple(file.transform)[:6] == found.transform
             assert file.crs.to_epsg() == 28992
@@ -333,9 +320,9 @@ class TestFiles:
         assert [each.name for each in tmp_path.iterdir()] == ["dtm.tif"]
 
     def test_liftmesh_reads_it_back(self, found, tmp_path) -> None:
-        cloud = liftmesh.read(found.save(tmp_path / "dtm.tif"))
+        cloud = liftmesh.read(found.save(tmp_path / "dtm.tif").path)
         known = np.isfinite(found.values)
-        np.testing.assert_array_equal(cloud.points[:, :2], found.centres()[known])
+        np.testing.assert_array_equal(cloud.points[:, :2], found.centers()[known])
         np.testing.assert_array_equal(cloud.points[:, 2], found.values[known])
 
     def test_errors_leave_nothing_behind(self, found, tmp_path) -> None:
@@ -371,10 +358,10 @@ def test_the_layout_covers_the_surface() -> None:
 def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 50)  # several blocks of rows
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
-    found = surface.raster(0.05, method=method)
-    np.testing.assert_array_equal(found.values, surface.sample(found.centres(), method))
+    found = surface.raster(0.05, interpolation=method)
+    np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
     with pytest.raises(liftmesh.InputError, match="leave out method"):
-        surface.raster(0.05, method=method, quantity="slope")
+        surface.raster(0.05, interpolation=method, quantity="slope")
 
 
 def test_a_transform_of_rasterio_is_taken() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rasterio
-from test_stories import elevation_model
+from files.geotiff import elevation_model
 
 import liftmesh
 
@@ -73,9 +73,9 @@ def test_tiles_heed_the_unit_of_a_band(tmp_path: Path) -> None:
     tiled = liftmesh.tile_surface(feet, tmp_path / "a", tile_rows=60)
     expected = liftmesh.triangulate(feet)
     for quantity in ("slope", "hillshade"):
-        found = liftmesh.open_tiled(tiled.directory).raster(1, quantity=quantity).values
+        found = liftmesh.open_tiled(tiled.folder).raster(1, quantity=quantity).values
         np.testing.assert_array_equal(found, expected.raster(1, quantity=quantity).values)
-    assert next(each.metadata for each in tiled.meshes()) == {"raster": {"unit": "foot"}}
+    assert next(each.metadata for each in tiled.iter_meshes()) == {"raster": {"unit": "foot"}}
     assert tiled.verify(feet).canonical
     for name, unit in (("ft", "ft"), ("m", "metre"), ("none", None)):
         elevation_model(tmp_path / f"{name}.tif", rng.random((20, 20)), 1.0, "EPSG:25832")

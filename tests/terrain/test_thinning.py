@@ -30,17 +30,17 @@ def test_no_two_are_nearer_by_what_rounding_takes() -> None:
     low, high = size * (1 - 1e-12), 2 * size * (1 + 1e-12)  # of cells at the corners
     points = np.array([[low, low, 0.0], [high, high, 0.0]])
     assert np.hypot(*(points[0] - points[1])[:2]) < 1
-    assert len(liftmesh.thin(points, distance=1.0)) == 1
+    assert len(liftmesh.thin(points, min_distance=1.0)) == 1
 
 
 @pytest.mark.parametrize("distance", [0.01, 1.0, 7.5, 500.0])
 def test_rows_a_distance_apart_and_no_room_between(distance: float) -> None:
     points = rows(3000)
-    found = liftmesh.thin(points, distance=distance)
+    found = liftmesh.thin(points, min_distance=distance)
     tree = cKDTree(found.points[:, :2])
     assert not tree.query_pairs(distance * (1 - 1e-9))
     assert (tree.query(points[:, :2])[0] < distance).all()
-    counts = {"rows": 3000, "kept": len(found), "distance": distance}
+    counts = {"rows": 3000, "kept": len(found), "min_distance": distance}
     assert found.metadata["thinning"] == counts
 
 
@@ -48,7 +48,7 @@ def test_rows_a_distance_apart_and_no_room_between(distance: float) -> None:
 @given(st.lists(st.tuples(*[st.integers(-6, 6)] * 2), max_size=40), st.sampled_from([1, 2**0.5, 3]))
 def test_lattices_whose_distances_are_the_limit(places: list[tuple[int, int]], far: float) -> None:
     points = np.column_stack([np.array(places, float).reshape(-1, 2), np.zeros(len(places))])
-    kept = liftmesh.thin(points, distance=far).points[:, :2]
+    kept = liftmesh.thin(points, min_distance=far).points[:, :2]
     apart = np.hypot(*(kept[:, None] - kept).T)[~np.eye(len(kept), dtype=bool)]
     assert (apart >= far).all()
     for place in points[:, :2]:
@@ -57,7 +57,7 @@ def test_lattices_whose_distances_are_the_limit(places: list[tuple[int, int]], f
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "options", [{"distance": 3.0}, {"cell": 4.0}, {"cell": 4.0, "keep": "center"}]
+    "options", [{"min_distance": 3.0}, {"cell": 4.0}, {"cell": 4.0, "keep": "center"}]
 )
 def test_the_order_of_rows_does_not_matter(options: dict[str, Any]) -> None:
     points = np.round(rows(2000, 1), 1)
@@ -102,7 +102,7 @@ def test_every_tenth() -> None:
     assert np.array_equal(cloud.points, rows(95)[::10])
 
 
-@pytest.mark.parametrize("options", [{"cell": 1.0}, {"distance": 1.0}])
+@pytest.mark.parametrize("options", [{"cell": 1.0}, {"min_distance": 1.0}])
 def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
     points = np.array([[0.5, 0.5, 1], [np.nan, 0, 0], [0.6, 0.6, 2], [0, 0, np.inf]])
     found = liftmesh.thin(points, **options).points
@@ -113,13 +113,16 @@ def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({}, "none of every, random, cell, distance and adaptive are given: give one"),
-        ({"cell": 1.0, "distance": 1.0}, "cell and distance of every, .* are given: give one"),
+        ({}, "none of every, random, cell, min_distance and adaptive are given: give one"),
+        (
+            {"cell": 1.0, "min_distance": 1.0},
+            "cell and min_distance of every, .* are given: give one",
+        ),
         ({"cell": 0.0}, "cell is 0.0: give a positive number"),
-        ({"distance": float("nan")}, "distance is nan"),
+        ({"min_distance": float("nan")}, "min_distance is nan"),
         ({"cell": 10**400}, "cell is 1000.*: give a positive number"),
-        ({"distance": 10**400}, "distance is 1000.*: give a positive number"),
-        ({"distance": np.complex128(1)}, "distance is .*: give a positive number"),
+        ({"min_distance": 10**400}, "min_distance is 1000.*: give a positive number"),
+        ({"min_distance": np.complex128(1)}, "min_distance is .*: give a positive number"),
         ({"every": 0}, "every is 0"),
         ({"random": 1, "seed": -1}, "seed is -1"),
         ({"random": 1, "keep": "lowest"}, "keep is of cell only: give both, or neither"),
@@ -147,8 +150,8 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "cause"),
     [
-        (("--cell", "0"), "--cell '0' is not a positive number"),
-        (("--min-distance", "near"), "--min-distance 'near' is not a positive number"),
+        (("--cell", "0"), "--cell is 0: give a positive number"),
+        (("--min-distance", "near"), "--min-distance is 'near': give a positive number"),
         (("--random", "0"), "--random is 0"),
         (("--keep", "lowest"), "--keep is of --cell only: give both, or neither"),
         (("--random", "3", "--keep", "lowest"), "--keep is of --cell only"),

@@ -41,7 +41,7 @@ class TestRows:
     def test_every_coordinate_stays_bit_for_bit(self, points, policy):
         before = points.tobytes()
         try:
-            surface = triangulate(points, duplicates=policy)
+            surface = triangulate(points, on_duplicate=policy)
         except DegenerateInputError:
             assume(False)
         assert points.tobytes() == before
@@ -58,8 +58,8 @@ class TestRows:
     def test_the_order_of_the_rows_does_not_change_the_triangles(self):
         points = layered()
         shuffled = np.random.default_rng(3).permutation(points)
-        one = triangulate(points, duplicates="highest")
-        other = triangulate(shuffled, duplicates="highest")
+        one = triangulate(points, on_duplicate="highest")
+        other = triangulate(shuffled, on_duplicate="highest")
         assert triangles_of(points, one.faces) == triangles_of(shuffled, other.faces)
 
     def test_read_only_and_strided_rows(self):
@@ -183,7 +183,7 @@ class TestPlanes:
         for plane in ("fit", (2, 0, 0)):
             surface = triangulate(wall, plane=plane)
             assert surface.frame.normal.tolist() == [1, 0, 0]
-            assert surface.report.used == 200
+            assert surface.report.n_used == 200
             assert triangles_of(wall[:, 1:], surface.faces) == triangles_of(
                 wall[:, 1:], triangulate(wall[:, 1:]).faces
             )
@@ -197,8 +197,8 @@ class TestPlanes:
     def test_equal_rows_are_duplicates_on_every_plane(self):
         points = np.vstack([terrain(), terrain()[:50]])
         for plane in ("fit", (1, 2, 3), np.eye(4)):
-            report = triangulate(points, plane=plane, duplicates="error").report
-            assert (report.duplicates, report.overhangs) == (50, 0)
+            report = triangulate(points, plane=plane, on_duplicate="error").report
+            assert (report.n_duplicates, report.n_overhangs) == (50, 0)
 
     def test_a_line_in_space_has_no_surface(self):
         line = np.outer(np.arange(20.0), (1, 2, 3))
@@ -251,14 +251,14 @@ class TestInput:
     @pytest.mark.parametrize(
         ("option", "message"),
         [
-            ({"duplicates": "median"}, "duplicates is 'median': give one of 'first', 'last'"),
+            ({"on_duplicate": "median"}, "on_duplicate is 'median': give one of 'first', 'last'"),
             ({"nonfinite": "drop"}, "nonfinite is 'drop': give one of 'error', 'skip'"),
             ({"plane": "zy"}, "plane 'zy' is unknown"),
-            ({"method": "magic"}, "method is 'magic': give one of 'auto'"),
+            ({"algorithm": "magic"}, "algorithm is 'magic': give one of 'auto'"),
             ({"threads": 0}, "threads is 0: give a whole number from 1 to 1024"),
-            ({"duplicates": np.array("first")}, "duplicates is array"),
-            ({"duplicates": []}, r"duplicates is \[\]: give one of 'first'"),
-            ({"method": np.array(["auto", "lf"])}, "method is array"),
+            ({"on_duplicate": np.array("first")}, "on_duplicate is array"),
+            ({"on_duplicate": []}, r"on_duplicate is \[\]: give one of 'first'"),
+            ({"algorithm": np.array(["auto", "lf"])}, "algorithm is array"),
             ({"nonfinite": None}, "nonfinite is None"),
         ],
     )
@@ -279,7 +279,7 @@ class TestReport:
         )
         report = triangulate(points, nonfinite="skip").report
         assert str(report).startswith(
-            f"304 rows, 300 of them used in {report.triangles} triangles. Left out: 1 duplicate, "
+            f"304 rows, 300 of them used in {report.n_triangles} triangles. Left out: 1 duplicate, "
             "2 overhangs (policy 'first'), 1 row not finite. "
         )
         assert str(report).endswith(f"heights {report.seconds['heights']:.3f}.")

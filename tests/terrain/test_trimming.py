@@ -13,14 +13,11 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
-from surface_oracle import ExactSurface, exact_point, turn
-from test_sampling import LATTICE, exactly
-from test_surface_raster import covering, raster
+from oracles.surfaces import ExactSurface, exact_point, turn
+from surfaces import LATTICE, LIMITS, covering, drawn, exactly, meadow, raster, trimmed
 
 import liftmesh
 from liftmesh.vector.polygons import as_polygons, contains, polygons_in
-
-LIMITS = st.floats(0.5, 6).filter(lambda each: abs(each * each - round(each * each)) > 1e-6)
 
 RING = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0], [0.0, 0.0]]
 HOLE = [[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]]
@@ -35,14 +32,6 @@ def is_inside(rings: list[np.ndarray], point: list[float]) -> bool:
             low, high = sorted(map(exact_point, ends), key=lambda end: end[1])
             crossed += low[1] <= at[1] < high[1] and turn(low, high, at) > 0
     return crossed % 2 == 1
-
-
-def meadow(n: int = 400, seed: int = 1) -> np.ndarray:
-    """Points with a pond in the middle and a bay at the side."""
-    points = np.random.default_rng(seed).random((n, 3)) * (100, 100, 10)
-    pond = np.hypot(*(points[:, :2] - 50).T) < 18
-    bay = (np.abs(points[:, 1] - 50) < 14) & (points[:, 0] > 70)
-    return points[~pond & ~bay]
 
 
 def squares(oracle: ExactSurface, number: int) -> list[Fraction]:
@@ -65,20 +54,6 @@ def rim_flood(surface: liftmesh.Surface, is_long: list[list[bool]], gone: set[in
         if not more:
             return gone - {-1}
         gone |= more
-
-
-def drawn(points) -> liftmesh.Surface | None:
-    try:
-        return liftmesh.triangulate(points, duplicates="highest")
-    except liftmesh.DegenerateInputError:
-        return None
-
-
-def trimmed(surface: liftmesh.Surface, **options) -> liftmesh.Surface | None:
-    try:
-        return surface.trim(**options)
-    except liftmesh.InputError:  # no face is left
-        return None
 
 
 def mask_of(surface: liftmesh.Surface) -> set[int]:
@@ -142,7 +117,7 @@ def test_the_boundary_bounds_the_faces(points, limit: float, inwards: bool, rng)
     assert [oracle.points[r[0]] for r in rings] == sorted(oracle.points[r[0]] for r in rings)
     rows = list(range(len(points)))
     rng.shuffle(rows)
-    other = liftmesh.triangulate([points[row] for row in rows], duplicates="highest")
+    other = liftmesh.triangulate([points[row] for row in rows], on_duplicate="highest")
     other = other.trim(max_edge=limit, boundary_only=inwards)
     places = [[surface.triangulation.points[row].tolist() for row in ring] for ring in rings]
     assert places == [other.triangulation.points[r].tolist() for r in other.boundary()]
@@ -203,7 +178,7 @@ def test_rasters_end_where_the_faces_do(turned: bool) -> None:
     for each in (layout, covering(surface, 30, 30, turned=False)):
         for quantity, method in (("height", "sample"), ("aspect", "aspect")):
             found = raster(surface, each, quantity=quantity)
-            expected = getattr(surface, method)(found.centres())
+            expected = getattr(surface, method)(found.centers())
             np.testing.assert_array_equal(found.values, expected)
     on_vertices = surface.raster(transform=(1, 0, -0.5, 0, 1, -0.5), shape=(30, 30)).values
     used = np.unique(surface.faces)
@@ -216,10 +191,10 @@ def test_rasters_end_where_the_faces_do(turned: bool) -> None:
 def test_lengths_of_any_size(power: int, options) -> None:
     """Powers of two change no mask; their squares would leave the range of doubles."""
     points = np.round(meadow())
-    expected = liftmesh.triangulate(points, duplicates="highest").trim(**options).mask
+    expected = liftmesh.triangulate(points, on_duplicate="highest").trim(**options).mask
     points[:, :2] = np.ldexp(points[:, :2], power)
     scaled = {name: float(np.ldexp(each, power)) for name, each in options.items()}
-    found = liftmesh.triangulate(points, duplicates="highest").trim(**scaled).mask
+    found = liftmesh.triangulate(points, on_duplicate="highest").trim(**scaled).mask
     np.testing.assert_array_equal(found, expected)
 
 

@@ -80,7 +80,7 @@ def test_a_hidden_row_may_move_while_it_stays_hidden() -> None:
 def test_a_row_that_equals_a_vertex_is_no_longer_hidden() -> None:
     points = np.array([(0, 0), (8, 0), (8, 8), (0, 8), (1, 1)], dtype=float)
     surface = liftmesh.triangulate(points, weights=[-60, 9, 9, 9, -60])
-    assert surface.report.hidden == 1
+    assert surface.report.n_hidden == 1
     moved = points.copy()
     moved[4] = moved[0]
     with pytest.raises(InputError, match=ELSEWHERE):

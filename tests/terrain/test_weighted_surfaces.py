@@ -38,11 +38,11 @@ def test_the_faces_are_those_of_the_regular_triangulation(kind: str, values: Any
     np.testing.assert_array_equal(surface.attributes[name], SIZES)
     assert surface.metadata["triangulated_by"] == {kind: name}
     report = surface.report
-    assert report.hidden == len(expected.hidden) > 20
-    assert report.rows == report.used + report.hidden == 200
+    assert report.n_hidden == len(expected.hidden) > 20
+    assert report.n_rows == report.n_used + report.n_hidden == 200
     np.testing.assert_array_equal(report.left_out, expected.hidden)
     assert set(report.representatives.tolist()) == {-1}
-    assert f"{report.hidden} rows hidden" in str(report)
+    assert f"{report.n_hidden} rows hidden" in str(report)
 
 
 def test_a_metric_is_that_of_the_plane_coordinates() -> None:
@@ -69,13 +69,13 @@ ROWS = [(0, 0, 1), (4, 0, 2), (0, 4, 3), (4, 4, 9), (0, 0, 5), (0, 0, 7), (1, 1,
 @pytest.mark.parametrize(("policy", "used"), [("first", 0), ("last", 5), ("highest", 5)])
 def test_the_policy_chooses_among_the_heaviest_rows(policy: Any, used: int) -> None:
     weights = [9, 9, 9, 9, 8, 9, -1, -1]  # rows 0 and 5 alike, 4 lighter, 6 and 7 above a facet
-    surface = liftmesh.triangulate(ROWS, weights=weights, duplicates=policy)
+    surface = liftmesh.triangulate(ROWS, weights=weights, on_duplicate=policy)
     report = surface.report
     other = 5 - used
     assert report.left_out.tolist() == sorted([other, 4, 6, 7])
     assert report.representatives.tolist()[report.left_out.tolist().index(other)] == used
-    assert (report.duplicates, report.overhangs, report.hidden) == (0, 1, 3)
-    assert report.rows == report.used + report.overhangs + report.hidden
+    assert (report.n_duplicates, report.n_overhangs, report.n_hidden) == (0, 1, 3)
+    assert report.n_rows == report.n_used + report.n_overhangs + report.n_hidden
     assert surface.attributes["hidden"].tolist() == [0, 0, 0, 0, 1, 0, 1, 1]
     assert used in surface.faces
     tri = surface.triangulation
@@ -100,16 +100,22 @@ def test_each_row_is_used_or_accounted_for(
     if skips:
         weights[4], points[3, 2] = np.nan, np.inf
     surface = liftmesh.triangulate(
-        points, weights=weights, duplicates=policy, nonfinite="skip" if skips else "error"
+        points, weights=weights, on_duplicate=policy, nonfinite="skip" if skips else "error"
     )
     report, tri = surface.report, surface.triangulation
     assert isinstance(tri, RegularTriangulation)
-    counts = (report.used, report.duplicates, report.overhangs, report.skipped, report.hidden)
-    assert report.rows == len(rows) == sum(counts)
+    counts = (
+        report.n_used,
+        report.n_duplicates,
+        report.n_overhangs,
+        report.n_skipped,
+        report.n_hidden,
+    )
+    assert report.n_rows == len(rows) == sum(counts)
     used = np.unique(surface.faces)
-    assert report.used == len(used)
+    assert report.n_used == len(used)
     assert sorted([*used, *report.left_out]) == list(range(len(rows)))
-    assert report.skipped == (2 if skips else 0)
+    assert report.n_skipped == (2 if skips else 0)
     flagged = np.flatnonzero(surface.attributes["hidden"]).tolist()
     assert flagged == tri.hidden.tolist()
     for row, other in zip(report.left_out, report.representatives, strict=True):
@@ -128,11 +134,11 @@ def test_each_row_is_used_or_accounted_for(
 
 
 def test_the_mean_leaves_hidden_rows_where_they_are() -> None:
-    surface = liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], duplicates="mean")
+    surface = liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], on_duplicate="mean")
     assert surface.vertices[:, 2].tolist() == [4, 2, 3, 9, 5, 7, 1, 8]
     with pytest.raises(liftmesh.DuplicateHeightError, match="rows 0 and 5"):
-        liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], duplicates="error")
-    liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 7, -1, -1], duplicates="error")
+        liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 9, -1, -1], on_duplicate="error")
+    liftmesh.triangulate(ROWS, weights=[9, 9, 9, 9, 8, 7, -1, -1], on_duplicate="error")
 
 
 def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
@@ -146,17 +152,17 @@ def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
         liftmesh.triangulate(points, radii=SIZES)
     surface = liftmesh.triangulate(points, radii=values, nonfinite="skip")
     assert surface.triangulation.skipped.tolist() == [3, 7, 9]
-    assert surface.report.skipped == 3
+    assert surface.report.n_skipped == 3
 
 
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"weights": "w"}, "weights are 'w', .* no values of that name: there are 'size', 'class'"),
+        ({"weights": "w"}, "weights='w', .* no values of that name: there are 'size', 'class'"),
         ({"weights": "size", "radii": "size"}, "both weights and radii are given"),
         ({"weights": "size", "metric": FORM}, "both weights and a metric are given"),
-        ({"radii": "size", "method": "lf"}, "method 'lf' takes no radii"),
-        ({"metric": FORM, "method": "lfres"}, "method 'lfres' has no metric"),
+        ({"radii": "size", "algorithm": "lf"}, "algorithm 'lf' takes no radii"),
+        ({"metric": FORM, "algorithm": "lfres"}, "algorithm 'lfres' has no metric"),
         ({"radii": -SIZES}, "row 0 has the radius -0"),
         ({"weights": SIZES[:9]}, "weights hold 9 numbers for 200 rows"),
         ({"metric": [[0, 0], [0, 1]]}, "not positive definite"),

@@ -9,7 +9,7 @@ import pytest
 import shapely
 from commands import failed, liftmesh as run
 from hypothesis import given, settings, strategies as st
-from test_trimming import meadow
+from surfaces import meadow
 
 import liftmesh
 
@@ -22,12 +22,12 @@ HOLE = [[2.0, 3.0], [3.0, 3.0], [3.0, 4.0], [2.0, 4.0]]
 def test_a_rectangle_with_a_hole_under_a_slope() -> None:
     area = {"type": "Polygon", "coordinates": [RING, HOLE]}
     surface = liftmesh.triangulate(SLOPE)
-    found = surface.volume(polygon=area)
+    found = surface.volume(within=area)
     assert (found.above, found.below) == (pytest.approx(6 * 3 * 4 - 2.5), 0)
     assert found.area == pytest.approx(17)
-    split = surface.volume(4, polygon=RING)
+    split = surface.volume(4, within=RING)
     assert (split.above, split.below) == (pytest.approx(3 * 4.5), pytest.approx(3 * 4.5))
-    work = liftmesh.triangulate(SQUARE + np.array([0, 0, 4])).cut_and_fill(surface, polygon=RING)
+    work = liftmesh.triangulate(SQUARE + np.array([0, 0, 4])).cut_and_fill(surface, within=RING)
     assert (work.cut, work.fill) == (pytest.approx(13.5), pytest.approx(13.5))
 
 
@@ -55,25 +55,25 @@ def test_polygons_and_what_is_around_them_make_the_whole(ring, seed: int) -> Non
         assert total == pytest.approx(getattr(whole, name), rel=1e-9, abs=1e-9)
 
 
-def measured(one: liftmesh.Surface, other: liftmesh.Surface, area) -> liftmesh.Earthwork:
+def measured(one: liftmesh.Surface, other: liftmesh.Surface, area) -> liftmesh.CutFillResult:
     """Nothing, where polygons are outside of the faces."""
     try:
-        return one.cut_and_fill(other, polygon=area)
+        return one.cut_and_fill(other, within=area)
     except liftmesh.InputError:
-        return liftmesh.Earthwork(0.0, 0.0, 0.0)
+        return liftmesh.CutFillResult(0.0, 0.0, 0.0)
 
 
 def test_several_polygons_count_once_where_they_overlap() -> None:
     surface = liftmesh.triangulate(meadow())
     one, other = shapely.box(10, 10, 50, 50), shapely.box(30, 20, 80, 60)
-    found = surface.volume(polygon=shapely.MultiPolygon([one]).union(other))
+    found = surface.volume(within=shapely.MultiPolygon([one]).union(other))
     tree = {
         "type": "GeometryCollection",
         "geometries": [each.__geo_interface__ for each in (one, other)],
     }
-    both = surface.volume(polygon=tree)
+    both = surface.volume(within=tree)
     assert both.above == pytest.approx(found.above, rel=1e-12)
-    apart = [surface.volume(polygon=each).above for each in (one, other, one & other)]
+    apart = [surface.volume(within=each).above for each in (one, other, one & other)]
     assert both.above == pytest.approx(apart[0] + apart[1] - apart[2], rel=1e-12)
 
 
@@ -87,7 +87,7 @@ def test_several_polygons_count_once_where_they_overlap() -> None:
 )
 def test_other_polygons_are_refused(polygon, said: str) -> None:
     with pytest.raises(liftmesh.InputError, match=said):
-        liftmesh.triangulate(SLOPE).volume(polygon=polygon)
+        liftmesh.triangulate(SLOPE).volume(within=polygon)
 
 
 def test_the_command_measures_inside(tmp_path) -> None:
@@ -130,9 +130,9 @@ def test_each_polygon_is_measured_by_itself(tmp_path) -> None:
             assert (work.cut, work.fill, work.area) == (volume.above, volume.below, volume.area)
             assert work.area == 0
             continue
-        alone = flat.cut_and_fill(slope, polygon=feature)
+        alone = flat.cut_and_fill(slope, within=feature)
         assert (work.cut, work.fill, work.area) == (alone.cut, alone.fill, alone.area)
-        assert volume == slope.volume(4, polygon=feature)
+        assert volume == slope.volume(4, within=feature)
     assert works[1].cut == pytest.approx(80)
     liftmesh.triangulate(SQUARE + np.array([0, 0, 4])).save(tmp_path / "before.ply")
     slope.save(tmp_path / "after.ply")
@@ -142,7 +142,7 @@ def test_each_polygon_is_measured_by_itself(tmp_path) -> None:
     found = json.loads(run(*words, "--json").stdout)
     assert [each["polygon"] for each in found["polygons"]] == ["A 7", 1, "outside"]
     assert [each["cut"] for each in found["polygons"]] == [each.cut for each in works.values()]
-    assert found["cut"] == flat.cut_and_fill(slope, polygon=LOTS).cut
+    assert found["cut"] == flat.cut_and_fill(slope, within=LOTS).cut
     printed = run(*words).stdout
     assert "A 7" in printed
     assert "cut 80" in printed
@@ -210,7 +210,7 @@ def test_polygons_of_one_name_and_invalid_ones_are_named() -> None:
     twice = LOTS | {"features": LOTS["features"][:1] * 2}
     with pytest.raises(liftmesh.InputError, match="two polygons have the name 'A 7'"):
         slope.volume_by_polygon(twice)
-    assert slope.volume(polygon=twice).area == pytest.approx(18)  # together, names do not matter
+    assert slope.volume(within=twice).area == pytest.approx(18)  # together, names do not matter
     crossed = json.loads(json.dumps(LOTS))
     crossed["features"][0]["geometry"]["coordinates"] = [[[0, 0], [2, 2], [2, 0], [0, 2]]]
     with pytest.raises(liftmesh.InputError, match="polygon 'A 7': polygon 0 is not valid"):
@@ -222,10 +222,10 @@ def test_polygons_of_one_name_and_invalid_ones_are_named() -> None:
 def test_volumes_in_polygons_scale_with_the_coordinates(exponent: int) -> None:
     ground, cut = hills(4, 0), hills(4, 1)
     lot = np.array([[0.5, 0.5], [2.5, 0.6], [2.4, 2.5], [0.5, 2.4]])
-    expected = ground.volume(polygon=lot), ground.cut_and_fill(cut, polygon=lot)
+    expected = ground.volume(within=lot), ground.cut_and_fill(cut, within=lot)
     ground, cut = hills(4, 0, exponent), hills(4, 1, exponent)
     lot = np.ldexp(lot, exponent)
-    found = ground.volume(polygon=lot), ground.cut_and_fill(cut, polygon=lot)
+    found = ground.volume(within=lot), ground.cut_and_fill(cut, within=lot)
     for one, other in zip(found, expected, strict=True):
         assert np.ldexp(one.area, -2 * exponent) == pytest.approx(other.area, rel=1e-12)
         assert np.ldexp(one.net, -2 * exponent) == pytest.approx(other.net, rel=1e-9, abs=1e-9)
@@ -236,10 +236,10 @@ def test_what_is_beyond_the_doubles_is_refused(scale: tuple[int, float]) -> None
     ground, cut = hills(4, 0, *scale), hills(4, 1, *scale)
     lot = np.ldexp([[0.5, 0.5], [2.5, 0.6], [2.4, 2.5], [0.5, 2.4]], scale[0])
     for measure in (
-        lambda: ground.volume(polygon=lot),
+        lambda: ground.volume(within=lot),
         lambda: ground.volume_by_polygon(lot),
         lambda: ground.cut_and_fill(cut),
-        lambda: ground.cut_and_fill(cut, polygon=lot),
+        lambda: ground.cut_and_fill(cut, within=lot),
         lambda: ground.cut_and_fill_by_polygon(cut, lot),
     ):
         with pytest.raises(liftmesh.InputError, match="beyond the largest double: scale the coord"):
@@ -256,7 +256,7 @@ def hills(size: int, seed: int, exponent: int = 0, rise: float = 1.0) -> liftmes
 def test_collections_that_are_no_geojson_are_one_line(features: object) -> None:
     surface = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1]])
     with pytest.raises(liftmesh.InputError, match="the polygon is no GeoJSON: give"):
-        surface.volume(0, polygon={"type": "FeatureCollection", "features": features})
+        surface.volume(0, within={"type": "FeatureCollection", "features": features})
     with pytest.raises(liftmesh.InputError, match="the polygon is no GeoJSON: give"):
         surface.volume_by_polygon({"type": "FeatureCollection", "features": features}, 0)
 
@@ -266,15 +266,15 @@ def test_polygons_that_shapely_has_no_digits_for_are_refused(far: float) -> None
     surface = liftmesh.triangulate(SLOPE)
     ring = [[-far, -far], [3 * (far / 3), -far], [far, far], [-far, -far]]
     with pytest.raises(liftmesh.InputError, match=r"polygon 0 reaches as far as 1e\+\d+, and"):
-        surface.volume(polygon=ring)
+        surface.volume(within=ring)
     with pytest.raises(liftmesh.InputError, match="cut it nearer to them"):
-        surface.cut_and_fill(surface, polygon=ring)
+        surface.cut_and_fill(surface, within=ring)
 
 
 def test_a_polygon_that_is_far_larger_counts_what_it_covers() -> None:
     surface = liftmesh.triangulate(SLOPE)
     far = 1e16
-    half = surface.volume(polygon=[[-far, -far], [far, -far], [far, far], [-far, -far]])
-    near = surface.volume(polygon=[[-99, -99], [99, -99], [99, 99], [-99, -99]])
+    half = surface.volume(within=[[-far, -far], [far, -far], [far, far], [-far, -far]])
+    near = surface.volume(within=[[-99, -99], [99, -99], [99, 99], [-99, -99]])
     assert half.area == pytest.approx(near.area, rel=1e-12)
     assert half.above == pytest.approx(near.above, rel=1e-12)

@@ -102,7 +102,7 @@ def test_the_bytes_are_those_of_one_process(
     assert shown == sorted(shown)
     assert shown[-1] == 1.0
     assert found.simplices.max().compute() == len(POINTS) - 1  # by the same workers
-    assert found.report.used == len(POINTS)
+    assert found.report.n_used == len(POINTS)
     again = liftmesh.dask.delaunay(source, tmp_path, **OPTIONS)  # the current client
     assert again.manifest == found.manifest
 
@@ -135,7 +135,7 @@ def test_objects_of_dask_and_of_memory(
     for name, each in sources.items():
         out = tmp_path / name
         liftmesh.dask.delaunay(each, out, tile_rows=TILE_ROWS * 6, client=client)
-        triangles = np.sort(liftmesh.open_tiled(out).compute().view("i8,i8,i8").ravel())
+        triangles = np.sort(liftmesh.open_tiled(out).to_array().view("i8,i8,i8").ravel())
         if name == "memory":
             first = triangles
         assert np.array_equal(triangles, first), name
@@ -166,7 +166,7 @@ def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) 
     """Also if a worker is killed in the middle."""
     cloud = steep_cloud(rows=12_000, side=90)
     liftmesh.write(tmp_path / "cloud.ply", cloud)
-    options: dict[str, Any] = {"tile_rows": 1_000, "duplicates": "mean", "neighbors": True}
+    options: dict[str, Any] = {"tile_rows": 1_000, "on_duplicate": "mean", "neighbors": True}
     alone = liftmesh.tile_surface(tmp_path / "cloud.ply", tmp_path / "alone", **options)
     victims = [*client.run(os.getpid).values()][:1]
 
@@ -179,7 +179,7 @@ def test_surfaces_have_the_bytes_of_one_process(client: Client, tmp_path: Path) 
     assert not victims
     assert contents(tmp_path / "out") == contents(tmp_path / "alone")
     assert repr(found) == repr(alone)
-    check(found, liftmesh.triangulate(source, duplicates="mean"))
+    check(found, liftmesh.triangulate(source, on_duplicate="mean"))
     client.wait_for_workers(2, timeout=120)
 
 
@@ -193,15 +193,15 @@ def test_surfaces_of_frames_and_arrays(client: Client, tmp_path: Path) -> None:
         "memory": (points, points),
     }
     for name, (each, whole) in sources.items():
-        options: dict[str, Any] = {"duplicates": "highest", "tile_rows": 300}
+        options: dict[str, Any] = {"on_duplicate": "highest", "tile_rows": 300}
         out = tmp_path / name
         found = liftmesh.dask.triangulate(each, out, client=client, crs="EPSG:7415", **options)
-        check(found, liftmesh.triangulate(whole, duplicates="highest", crs="EPSG:7415"))
+        check(found, liftmesh.triangulate(whole, on_duplicate="highest", crs="EPSG:7415"))
     with pytest.raises(InputError, match="classes: options of files, and there is no file"):
         liftmesh.dask.triangulate(sources["frame"][0], tmp_path / "a", client=client, classes=2)
     points[700, 2] += 1
     with pytest.raises(DuplicateHeightError, match="share the planar position"):
-        liftmesh.dask.triangulate(points, tmp_path / "b", duplicates="error", client=client)
+        liftmesh.dask.triangulate(points, tmp_path / "b", on_duplicate="error", client=client)
 
 
 @pytest.mark.slow

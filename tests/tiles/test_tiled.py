@@ -38,21 +38,21 @@ POINTS = lattice_with_ties()
 
 def check(tiled: Tiled, points: Points = POINTS) -> None:
     expected = liftmesh.delaunay(points, nonfinite="skip", order="canonical")
-    assert np.array_equal(ordered(tiled.compute()), ordered(expected.simplices))
+    assert np.array_equal(ordered(tiled.to_array()), ordered(expected.simplices))
     assert np.array_equal(tiled.duplicates, expected.duplicates)
     assert np.array_equal(tiled.skipped, expected.skipped)
     assert np.array_equal(tiled.convex_hull, expected.convex_hull)
     assert (tiled.npoints, tiled.nsimplex) == (len(points), expected.nsimplex)
-    assert tiled.compute().dtype == tiled.duplicates.dtype == np.int64
+    assert tiled.to_array().dtype == tiled.duplicates.dtype == np.int64
     assert tiled.is_sound()
     check_report(tiled)
 
 
 def check_report(tiled: Tiled) -> None:
     """Every row is a vertex, a duplicate of one, or skipped."""
-    report, used = tiled.report, np.unique(tiled.compute())
-    assert report.rows == report.used + report.duplicates + report.skipped
-    assert (report.used, report.triangles, report.overhangs) == (len(used), tiled.nsimplex, 0)
+    report, used = tiled.report, np.unique(tiled.to_array())
+    assert report.n_rows == report.n_used + report.n_duplicates + report.n_skipped
+    assert (report.n_used, report.n_triangles, report.n_overhangs) == (len(used), tiled.nsimplex, 0)
     assert np.array_equal(np.sort(np.r_[used, report.left_out]), np.arange(tiled.npoints))
     assert np.array_equal(report.left_out, np.sort(report.left_out))
     is_skipped = report.representatives < 0
@@ -173,11 +173,11 @@ def test_dask_reads_the_shards(tmp_path: Path) -> None:
     assert found.simplices.dtype == np.int64
     assert found.simplices.shape == (found.nsimplex, 3)
     assert len(found.simplices.chunks[0]) == len(found.shards)
-    assert np.array_equal(found.simplices.compute(), found.compute())
+    assert np.array_equal(found.simplices.compute(), found.to_array())
     frame = found.to_dask_dataframe().compute()
     assert list(frame.columns) == ["a", "b", "c"]
-    assert np.array_equal(frame.to_numpy(), found.compute())
-    assert sum(len(block) for block in found.blocks()) == found.nsimplex
+    assert np.array_equal(frame.to_numpy(), found.to_array())
+    assert sum(len(block) for block in found.iter_blocks()) == found.nsimplex
 
 
 @pytest.mark.parametrize(

@@ -40,20 +40,20 @@ def flipped(path: Path) -> None:
 
 
 READINGS: dict[str, tuple[str, Callable[[Any], Any]]] = {
-    "blocks": ("", lambda tiled: [*tiled.blocks()]),
-    "compute": ("", lambda tiled: tiled.compute()),
+    "blocks": ("", lambda tiled: [*tiled.iter_blocks()]),
+    "compute": ("", lambda tiled: tiled.to_array()),
     "delayed": ("", lambda tiled: [each.compute() for each in tiled.to_delayed()]),
     "simplices": ("", lambda tiled: tiled.simplices.compute()),
     "frame": ("", lambda tiled: tiled.to_dask_dataframe().compute()),
-    "neighbor blocks": ("-neighbors", lambda tiled: [*tiled.neighbor_blocks()]),
-    "links": ("-links", lambda tiled: tiled.compute_neighbors()),
+    "neighbor blocks": ("-neighbors", lambda tiled: [*tiled.iter_neighbor_blocks()]),
+    "links": ("-links", lambda tiled: tiled.neighbors_to_array()),
     "neighbors": ("-links", lambda tiled: tiled.neighbors.compute()),
-    "vertices": ("-vertices", lambda tiled: [*tiled.vertices()]),
-    "faces": ("-faces", lambda tiled: [*tiled.faces()]),
-    "meshes": ("-vertices", lambda tiled: [*tiled.meshes()]),
+    "vertices": ("-vertices", lambda tiled: [*tiled.iter_vertices()]),
+    "faces": ("-faces", lambda tiled: [*tiled.iter_faces()]),
+    "meshes": ("-vertices", lambda tiled: [*tiled.iter_meshes()]),
     "raster": ("-vertices", lambda tiled: tiled.raster(0.1)),
     "raster of faces": ("-faces", lambda tiled: tiled.raster(0.1)),
-    "sibson": ("-vertices", lambda tiled: tiled.raster(0.3, method="sibson")),
+    "sibson": ("-vertices", lambda tiled: tiled.raster(0.3, interpolation="sibson")),
     "contours": ("-vertices", lambda tiled: tiled.contours([0.5])),
     "contours of faces": ("-faces", lambda tiled: tiled.contours([0.5])),
     "hull": ("hull", lambda tiled: tiled.convex_hull),
@@ -81,7 +81,7 @@ def test_a_bit_in_a_shard_of_any_format(shards: ShardFormat, tmp_path: Path) -> 
     liftmesh.tile(POINTS[:, :2], tmp_path, tile_rows=150, shards=shards, nonfinite="skip")
     flipped(tmp_path / f"tile-00002.{shards}")
     tiled = liftmesh.open_tiled(tmp_path)
-    for read in (Tiled.compute, lambda each: [one.compute() for one in each.to_delayed()]):
+    for read in (Tiled.to_array, lambda each: [one.compute() for one in each.to_delayed()]):
         with pytest.raises(FormatError, match=rf"tile-00002.{shards}: damaged \(its SHA-256"):
             read(tiled)
 
@@ -139,11 +139,14 @@ def everything(folder: Path) -> None:
     """Ask a folder for all that it has; what is wrong with it may only be told as such."""
     with suppress(LiftmeshError, OSError, MemoryError):
         tiled = liftmesh.open_tiled(folder)
-        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.compute]
-        calls += [tiled.compute_neighbors, lambda: tiled.verify(POINTS, threads=1)]
+        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.to_array]
+        calls += [tiled.neighbors_to_array, lambda: tiled.verify(POINTS, threads=1)]
         if isinstance(tiled, TiledSurface):
-            calls += [lambda: tiled.raster(0.25), lambda: [*tiled.meshes()]]
-            calls += [lambda: tiled.contours([0.5]), lambda: tiled.raster(0.5, method="sibson")]
+            calls += [lambda: tiled.raster(0.25), lambda: [*tiled.iter_meshes()]]
+            calls += [
+                lambda: tiled.contours([0.5]),
+                lambda: tiled.raster(0.5, interpolation="sibson"),
+            ]
         for call in calls:
             with suppress(LiftmeshError, OSError, MemoryError):
                 call()

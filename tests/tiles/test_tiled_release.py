@@ -121,7 +121,7 @@ def test_rows_go_as_triangles_come(kind: str, source: Path, tmp_path: Path) -> N
     assert len({*at_rest}) == 6  # all rows, then without one group after the other
     assert max(whole) < bytes_in(out) + 0.1 * record * ROWS
     expected = liftmesh.delaunay(POINTS, order="canonical").simplices
-    assert np.array_equal(ordered(found.compute()), ordered(expected))
+    assert np.array_equal(ordered(found.to_array()), ordered(expected))
     assert found.verify().canonical
 
 

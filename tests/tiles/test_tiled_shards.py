@@ -31,7 +31,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 def check(tiled: Tiled, points: np.ndarray) -> None:
     expected = liftmesh.delaunay(points, order="canonical")
     assert np.array_equal(
-        adjacent(tiled.compute(), tiled.compute_neighbors()),
+        adjacent(tiled.to_array(), tiled.neighbors_to_array()),
         adjacent(expected.simplices, expected.neighbors),
     )
     assert tiled.is_sound()
@@ -44,11 +44,11 @@ def test_triangles_and_neighbors_are_those_of_one_call(shards: ShardFormat, tmp_
     check(liftmesh.open_tiled(tmp_path / "a"), POINTS)
     assert {path.suffix for path in tiled.shards} == {f".{shards}"}
     assert tiled.manifest["shard_format"] == shards
-    assert np.array_equal(tiled.simplices.compute(), tiled.compute())
-    assert np.array_equal(tiled.to_dask_dataframe().compute().to_numpy(), tiled.compute())
+    assert np.array_equal(tiled.simplices.compute(), tiled.to_array())
+    assert np.array_equal(tiled.to_dask_dataframe().compute().to_numpy(), tiled.to_array())
     pairs = tiled.neighbors.compute()
     assert pairs.shape == (tiled.nsimplex, 3, 2)
-    assert np.array_equal(pairs, np.concatenate([*tiled.neighbor_blocks()]))
+    assert np.array_equal(pairs, np.concatenate([*tiled.iter_neighbor_blocks()]))
     assert set(np.unique(pairs[:, :, 0])) == set(range(-1, len(tiled.shards)))
     assert tiled.verify(POINTS).canonical
     parts = iter(np.split(POINTS, [600]))
@@ -76,7 +76,7 @@ def test_neighbors_where_little_or_nothing_is_settled(tmp_path: Path) -> None:
 def test_ply_is_a_mesh_with_rows(tmp_path: Path) -> None:
     tiled = liftmesh.tile(POINTS, tmp_path, tile_rows=90, shards="ply")
     area = 0.0
-    for path, triangles in zip(tiled.shards, tiled.blocks(), strict=True):
+    for path, triangles in zip(tiled.shards, tiled.iter_blocks(), strict=True):
         mesh = trimesh.load(path, process=False)
         rows = mesh.metadata["_ply_raw"]["vertex"]["data"]["row"].reshape(-1)
         assert np.array_equal(rows[mesh.faces], triangles)
@@ -89,7 +89,7 @@ def test_ply_is_a_mesh_with_rows(tmp_path: Path) -> None:
 def test_parquet_is_read_by_others(tmp_path: Path) -> None:
     tiled = liftmesh.tile(POINTS, tmp_path, tile_rows=90, shards="parquet")
     frames = [pd.read_parquet(path) for path in tiled.shards]
-    assert np.array_equal(pd.concat(frames).to_numpy(), tiled.compute())
+    assert np.array_equal(pd.concat(frames).to_numpy(), tiled.to_array())
     assert [str(kind) for kind in frames[0].dtypes] == ["int64"] * 3
     assert [*frames[0].columns] == ["a", "b", "c"]
 
@@ -99,7 +99,7 @@ def test_large_shards_have_several_row_groups(
 ) -> None:
     monkeypatch.setattr(formats, "_GROUP", 64)
     tiled = liftmesh.tile(POINTS, tmp_path, shards="parquet")
-    assert np.array_equal(tiled.compute(), liftmesh.tile(POINTS, tmp_path / "npy").compute())
+    assert np.array_equal(tiled.to_array(), liftmesh.tile(POINTS, tmp_path / "npy").to_array())
 
 
 def test_ply_is_refused_where_rows_do_not_fit(
@@ -124,7 +124,7 @@ def test_options_that_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
             liftmesh.tile(POINTS, tmp_path / "out", **options)  # type: ignore[arg-type]
     tiled = liftmesh.tile(POINTS, tmp_path / "out", tile_rows=300)
     with pytest.raises(InputError, match="has no neighbours: tile again with neighbors=True"):
-        tiled.compute_neighbors()
+        tiled.neighbors_to_array()
     for again, message in (
         ({"shards": "ply"}, "holds the triangles with shard_format 'npy', not 'ply'"),
         ({"neighbors": True}, "holds the triangles with neighbors False, not True"),
@@ -150,7 +150,7 @@ def test_damaged_files_are_named_and_made_again(shards: ShardFormat, tmp_path: P
         with pytest.raises(FormatError, match=rf"{name}: "):
             liftmesh.open_tiled(tmp_path)
         with pytest.raises(FormatError, match=rf"{name}: damaged"):
-            [*tiled.blocks(), *tiled.neighbor_blocks()]
+            [*tiled.iter_blocks(), *tiled.iter_neighbor_blocks()]
         liftmesh.tile(POINTS, tmp_path, tile_rows=300, shards=shards, neighbors=True)
         assert contents(tmp_path) == before
 

@@ -30,11 +30,11 @@ RAISED = POINTS + np.array([0, 0, 1])
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_every_policy_is_that_of_one_call(policy: Any, tmp_path: Path) -> None:
-    expected = liftmesh.triangulate(CLOUD, duplicates=policy)
-    assert expected.report.overhangs > 300 < expected.report.used
+    expected = liftmesh.triangulate(CLOUD, on_duplicate=policy)
+    assert expected.report.n_overhangs > 300 < expected.report.n_used
     for tile_rows in (60, 5_000):
         out = tmp_path / str(tile_rows)
-        found = liftmesh.tile_surface(CLOUD, out, duplicates=policy, tile_rows=tile_rows)
+        found = liftmesh.tile_surface(CLOUD, out, on_duplicate=policy, tile_rows=tile_rows)
         check(found, expected)
         check(liftmesh.open_tiled(out), expected)  # type: ignore[arg-type]
         names = {path.name for path in out.iterdir()}
@@ -54,9 +54,9 @@ def test_tiny_clouds_with_ties_and_repeated_positions(seed: int, tmp_path: Path)
     points[rng.integers(0, rows, 2)] = [np.nan, 1, 2]
     points[rng.integers(0, rows, 2), 2] = np.inf
     policy: Any = POLICIES[seed % 5]
-    expected = liftmesh.triangulate(points, duplicates=policy, nonfinite="skip")
+    expected = liftmesh.triangulate(points, on_duplicate=policy, nonfinite="skip")
     chunks = iter(np.split(points, np.sort(rng.integers(0, rows, 3))))
-    options: dict[str, Any] = {"duplicates": policy, "nonfinite": "skip"}
+    options: dict[str, Any] = {"on_duplicate": policy, "nonfinite": "skip"}
     found = liftmesh.tile_surface(chunks, tmp_path, tile_rows=16, **options)
     check(found, expected)
     assert found.verify(points).canonical
@@ -101,8 +101,8 @@ SOURCES: dict[str, Callable[[Path], object]] = {
 @pytest.mark.parametrize("kind", SOURCES)
 def test_every_source_is_that_of_one_call(kind: str, tmp_path: Path) -> None:
     source = SOURCES[kind](tmp_path)
-    expected = liftmesh.triangulate(source, duplicates="lowest")
-    found = liftmesh.tile_surface(source, tmp_path / "out", duplicates="lowest", tile_rows=200)
+    expected = liftmesh.triangulate(source, on_duplicate="lowest")
+    found = liftmesh.tile_surface(source, tmp_path / "out", on_duplicate="lowest", tile_rows=200)
     check(found, expected)
     again = None if isinstance(source, Path) else source
     assert found.verify(source if again is not None else None).canonical
@@ -121,7 +121,7 @@ def test_whole_numbers_of_parquet_that_are_missing_in_one_batch(tmp_path: Path) 
     numbers.to_parquet(tmp_path / "points.parquet")
     found = liftmesh.tile_surface(tmp_path / "points.parquet", tmp_path / "out", tile_rows=200)
     expected = numbers["number"].to_numpy(np.float64, na_value=np.nan)
-    column = np.concatenate([each.attributes["number"] for each in found.meshes()])
+    column = np.concatenate([each.attributes["number"] for each in found.iter_meshes()])
     assert np.isnan(column).any()
     assert column.dtype == np.float64
     assert {*column[~np.isnan(column)]} == {*expected[~np.isnan(expected)]}
@@ -134,7 +134,7 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
     for name, rows in zip(names, (slice(0, 500), slice(500, None)), strict=True):
         liftmesh.write(tmp_path / name, plain.select(rows))
     paths = [tmp_path / name for name in names]
-    options: dict[str, Any] = {"classes": (1, 3), "bbox": [0, 0, 18, 21]}
+    options: dict[str, Any] = {"classes": (1, 3), "bounds": [0, 0, 18, 21]}
     clouds = [liftmesh.read(path, **options) for path in paths]
     whole = Cloud(
         np.concatenate([each.points for each in clouds]),
@@ -145,10 +145,10 @@ def test_rows_of_lidar_files_are_selected_as_they_are_read(tmp_path: Path) -> No
         crs=clouds[0].crs,
     )
     found = liftmesh.tile_surface(
-        paths, tmp_path / "out", duplicates="highest", tile_rows=100, **options
+        paths, tmp_path / "out", on_duplicate="highest", tile_rows=100, **options
     )
-    check(found, liftmesh.triangulate(whole, duplicates="highest"))
-    assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bbox": [0, 0, 18, 21]}
+    check(found, liftmesh.triangulate(whole, on_duplicate="highest"))
+    assert found.manifest["surface"]["reading"] == {"classes": [1, 3], "bounds": [0, 0, 18, 21]}
     assert [each["rows"] for each in found.manifest["source"]] == [len(each) for each in clouds]
     assert found.verify().canonical
 
@@ -183,16 +183,18 @@ def test_the_ground_of_lidar_files_is_taken_as_by_triangulate(tmp_path: Path) ->
     assert not (tmp_path / "mixed").exists()
     done = command("tile", one, tmp_path / "cli", "--surface", "--tile-rows", 100)
     assert "2 ground 167" in done.stdout
-    assert liftmesh.open_tiled(tmp_path / "cli").compute().tolist() == found.compute().tolist()
+    assert liftmesh.open_tiled(tmp_path / "cli").to_array().tolist() == found.to_array().tolist()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("policy", POLICIES)
 def test_neighbors_are_those_of_one_call(policy: Any, tmp_path: Path) -> None:
     """Triangles name the rows that the policy chooses; which of them share an edge is the same."""
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates=policy, tile_rows=60, neighbors=True)
-    check(found, liftmesh.triangulate(CLOUD, duplicates=policy))
-    triangles, neighbors = found.compute(), found.compute_neighbors()
+    found = liftmesh.tile_surface(
+        CLOUD, tmp_path, on_duplicate=policy, tile_rows=60, neighbors=True
+    )
+    check(found, liftmesh.triangulate(CLOUD, on_duplicate=policy))
+    triangles, neighbors = found.to_array(), found.neighbors_to_array()
     edges = {(t[k - 2], t[k - 1]): i for i, t in enumerate(triangles.tolist()) for k in range(3)}
     beyond = [[edges.get((t[k - 1], t[k - 2]), -1) for k in range(3)] for t in triangles.tolist()]
     assert neighbors.tolist() == beyond
@@ -213,7 +215,7 @@ def test_values_may_have_any_names(tmp_path: Path) -> None:
 
 def test_a_shard_is_a_mesh_by_itself(tmp_path: Path) -> None:
     found = liftmesh.tile_surface(CLOUD, tmp_path, tile_rows=150)
-    for mesh, triangles in zip(found.meshes(), found.blocks(), strict=True):
+    for mesh, triangles in zip(found.iter_meshes(), found.iter_blocks(), strict=True):
         assert mesh.faces is not None
         assert np.array_equal(mesh.attributes["row"][mesh.faces], triangles)
         assert mesh.colors is not None
@@ -238,16 +240,16 @@ def test_bytes_depend_on_rows_and_options_alone(tmp_path: Path) -> None:
 def test_rows_at_one_position_that_must_not_differ(tmp_path: Path) -> None:
     points = np.random.default_rng(4).random((900, 3))
     points[700] = points[20]
-    found = liftmesh.tile_surface(points, tmp_path / "a", duplicates="error", tile_rows=90)
-    check(found, liftmesh.triangulate(points, duplicates="error"))
+    found = liftmesh.tile_surface(points, tmp_path / "a", on_duplicate="error", tile_rows=90)
+    check(found, liftmesh.triangulate(points, on_duplicate="error"))
     points[700, 2] += 1
     with pytest.raises(DuplicateHeightError, match="rows 20 and 700 share the planar") as caught:
-        liftmesh.tile_surface(points, tmp_path / "b", duplicates="error", tile_rows=90)
+        liftmesh.tile_surface(points, tmp_path / "b", on_duplicate="error", tile_rows=90)
     assert caught.value.rows == (20, 700)
     points[100:500, :2] = points[20, :2]  # most of them in no tile
     points[100:500, 2] = points[20, 2]
     with pytest.raises(DuplicateHeightError, match="rows 20 and 700 share the planar"):
-        liftmesh.tile_surface(points, tmp_path / "c", duplicates="error", tile_rows=90)
+        liftmesh.tile_surface(points, tmp_path / "c", on_duplicate="error", tile_rows=90)
 
 
 def test_heights_that_are_not_finite(tmp_path: Path) -> None:
@@ -272,11 +274,11 @@ def test_heights_that_are_not_finite(tmp_path: Path) -> None:
         ({"radii": [1, 2]}, "radii is for surfaces in one call"),
         ({"metric": np.eye(2)}, "metric is for surfaces in one call"),
         ({"max_edge": 3}, "max_edge is for surfaces in one call: what trimming"),
-        ({"duplicates": "median"}, "duplicates is 'median'"),
+        ({"on_duplicate": "median"}, "on_duplicate is 'median'"),
         ({"crs": ""}, "crs is ''"),
         ({"crs": "EPSG:4978"}, "geocentric"),
         ({"classes": 2}, "classes: options of files, and there is no file"),
-        ({"bbox": object()}, "bbox is <object"),
+        ({"bounds": object()}, "bounds is <object"),
         ({"tile_rows": 3}, "tile_rows"),
         ({"shards": "parquet"}, "shards is 'parquet': a surface has NPY, with vertices"),
         ({"shards": "ply"}, "shards is 'ply': a surface has NPY"),
@@ -320,7 +322,7 @@ def test_files_that_do_not_go_together(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"b.ply has the values class .*a.ply has no names"):
         liftmesh.tile_surface([tmp_path / "a.ply", tmp_path / "b.ply"], tmp_path / "out")
     with pytest.raises(DegenerateInputError, match="the source has no rows"):
-        liftmesh.tile_surface(tmp_path / "a.ply", tmp_path / "none", bbox=[900, 900, 901, 901])
+        liftmesh.tile_surface(tmp_path / "a.ply", tmp_path / "none", bounds=[900, 900, 901, 901])
 
 
 def test_warnings_and_systems_are_those_of_one_call(tmp_path: Path) -> None:
@@ -339,7 +341,7 @@ class DiskFullError(OSError):
 def test_a_run_that_broke_off_goes_on(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    options: dict[str, Any] = {"duplicates": "mean", "tile_rows": 200}
+    options: dict[str, Any] = {"on_duplicate": "mean", "tile_rows": 200}
     expected = liftmesh.tile_surface(CLOUD, tmp_path / "expected", **options)
     asked = [0]
     save = stages.save_array  # the same function in all three
@@ -366,8 +368,10 @@ def test_a_run_that_broke_off_goes_on(
 def test_what_has_changed_before_a_run_goes_on(tmp_path: Path) -> None:
     path = npy(tmp_path, POINTS)
     liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200)
-    with pytest.raises(InputError, match="holds the triangles with duplicates 'first', not 'last'"):
-        liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, duplicates="last")
+    with pytest.raises(
+        InputError, match="holds the triangles with on_duplicate 'first', not 'last'"
+    ):
+        liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, on_duplicate="last")
     with pytest.raises(InputError, match="holds the triangles with crs None, not 'EPSG:7415'"):
         liftmesh.tile_surface(path, tmp_path / "out", tile_rows=200, crs="EPSG:7415")
     with pytest.raises(InputError, match="holds a surface, not triangles alone"):
@@ -385,7 +389,7 @@ def test_what_has_changed_before_a_run_goes_on(tmp_path: Path) -> None:
 
 def broken(tiled: TiledSurface, change: Callable[[Any], None]) -> set[str]:
     """Change the vertices of a shard, and say what the proof finds."""
-    path = tiled.directory / f"{tiled.shards[1].stem}-vertices.npy"
+    path = tiled.folder / f"{tiled.shards[1].stem}-vertices.npy"
     vertices = np.load(path)
     change(vertices)
     np.save(path, vertices)
@@ -394,10 +398,10 @@ def broken(tiled: TiledSurface, change: Callable[[Any], None]) -> set[str]:
 
 @pytest.mark.parametrize("policy", POLICIES)
 def test_heights_and_values_are_proved_against_the_source(policy: Any, tmp_path: Path) -> None:
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates=policy, tile_rows=150)
+    found = liftmesh.tile_surface(CLOUD, tmp_path, on_duplicate=policy, tile_rows=150)
     certificate = found.verify(CLOUD)
     assert certificate.canonical
-    assert (certificate.rows, certificate.duplicates) == (1_200, len(found.duplicates))
+    assert (certificate.n_rows, certificate.n_duplicates) == (1_200, len(found.duplicates))
 
     def lower(vertices: Any) -> None:
         vertices["z"][3] -= 0.125
@@ -423,7 +427,7 @@ def test_values_and_rows_that_are_not_those_of_the_source(tmp_path: Path) -> Non
 
 def test_rows_are_those_that_the_policy_chooses(tmp_path: Path) -> None:
     """Triangles that name another row of a position are found, though they are Delaunay."""
-    found = liftmesh.tile_surface(CLOUD, tmp_path, duplicates="lowest", tile_rows=150)
+    found = liftmesh.tile_surface(CLOUD, tmp_path, on_duplicate="lowest", tile_rows=150)
     pairs = np.asarray(found.duplicates)
     for path in found.shards:
         triangles = np.load(path)

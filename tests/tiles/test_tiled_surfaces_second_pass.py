@@ -32,8 +32,8 @@ def both(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> tuple[TiledSurface, Surface]:
     cloud, out = CLOUDS[request.param], tmp_path_factory.mktemp("tiles")
-    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, duplicates="mean")
-    return tiled, liftmesh.triangulate(cloud, duplicates="mean")
+    tiled = liftmesh.tile_surface(cloud, out, tile_rows=250, on_duplicate="mean")
+    return tiled, liftmesh.triangulate(cloud, on_duplicate="mean")
 
 
 LAYOUTS: list[dict[str, Any]] = [
@@ -48,7 +48,7 @@ LAYOUTS: list[dict[str, Any]] = [
     "wanted",
     [
         *({"quantity": each} for each in ("height", "slope", "aspect", "hillshade")),
-        *({"method": each} for each in ("nearest", "laplace", "sibson")),
+        *({"interpolation": each} for each in ("nearest", "laplace", "sibson")),
     ],
     ids=str,
 )
@@ -138,9 +138,9 @@ def test_a_cloud_optimised_file_is_that_of_one_call(
 ) -> None:
     monkeypatch.setattr(surface_raster, "_SIDE", 512)
     tiled, surface = both
-    size = (tiled.extent[3] - tiled.extent[0]) / 700
+    size = (tiled.bounds[2] - tiled.bounds[0]) / 700
     for compress in ("deflate", None):
-        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress)
+        path = tiled.save_raster(tmp_path / "a.tif", size, cog=True, compress=compress).path
         expected = surface.raster(size, dtype="float32")
         expected.save(tmp_path / "b.tif", cog=True, compress=compress)
         with rasterio.open(path) as file, rasterio.open(tmp_path / "b.tif") as other:
@@ -163,11 +163,12 @@ def test_a_file_holds_the_values_of_one_call(
     tiled, surface = both
     shown: list[float] = []
     for compress in ("deflate", None):
-        path = tiled.save_raster(
-            tmp_path / "tiled.tif", 0.05, compress=compress, progress=shown.append
-        )
+        path, alone = tmp_path / "tiled.tif", tmp_path / "a.tif"
+        written = tiled.save_raster(path, 0.05, compress=compress, progress=shown.append)
+        assert (written.path, written.bytes) == (path, path.stat().st_size)
         expected = surface.raster(0.05, dtype="float32")
-        with rasterio.open(path) as file, rasterio.open(expected.save(tmp_path / "a.tif")) as other:
+        expected.save(alone)
+        with rasterio.open(path) as file, rasterio.open(alone) as other:
             assert file.read(1).tobytes() == other.read(1).tobytes() == expected.values.tobytes()
             assert (file.transform, file.crs, file.nodata) == (
                 *(other.transform, other.crs, pytest.approx(np.nan, nan_ok=True)),
@@ -180,7 +181,7 @@ def test_a_file_holds_the_values_of_one_call(
     "wanted",
     [
         {"interval": 0.3},
-        {"interval": 0.1, "base": 0.05, "index_every": 2},
+        {"interval": 0.1, "contour_base": 0.05, "index_every": 2},
         {"levels": [0.5, 0, -0.3]},
         {"levels": [99]},
     ],
@@ -190,7 +191,7 @@ def test_contours_are_the_lines_of_one_call(
 ) -> None:
     tiled, surface = both
     found, expected = tiled.contours(**wanted), surface.contours(**wanted)
-    for name in ("points", "starts", "levels", "closed", "index"):
+    for name in ("points", "starts", "levels", "closed", "is_index"):
         one, other = getattr(found, name), getattr(expected, name)
         assert one.dtype == other.dtype, name
         assert one.tobytes() == other.tobytes(), name
@@ -214,8 +215,16 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, _: t.raster(0), InputError, "resolution is 0"),
         (lambda t, _: t.raster(), InputError, "give either the resolution, or transform"),
         (lambda t, _: t.raster(1, quantity="depth"), InputError, "quantity is 'depth'"),
-        (lambda t, _: t.raster(1, method="kriging"), InputError, "method is 'kriging'"),
-        (lambda t, _: t.raster(1, quantity="slope", method="sibson"), InputError, "leave out meth"),
+        (
+            lambda t, _: t.raster(1, interpolation="kriging"),
+            InputError,
+            "interpolation is 'kriging'",
+        ),
+        (
+            lambda t, _: t.raster(1, quantity="slope", interpolation="sibson"),
+            InputError,
+            "leave out interp",
+        ),
         (lambda t, _: t.raster(1, progress=3), InputError, "progress is 3"),
         (lambda t, to: t.save_raster(to / "a.png", 1), FormatError, "written as GeoTIFF"),
         (lambda t, to: t.save_raster(to / "a.tif", 1, compress="x"), InputError, "compress is 'x'"),
@@ -245,26 +254,28 @@ def test_a_raster_that_breaks_off_leaves_no_file(tmp_path: Path) -> None:
 
 def test_the_commands(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "a.las", liftmesh.Cloud(CLOUD.points, crs=CLOUD.crs))
-    options = ("--surface", "--duplicates", "lowest", "--tile-rows", 400, "--bbox", "0,0,20,20")
+    options = ("--surface", "--on-duplicate", "lowest", "--tile-rows", 400, "--bounds", "0,0,20,20")
     options += ("--neighbors",)
     done = command("tile", "a.las", "out", *options, cwd=tmp_path)
     assert (done.returncode, done.stderr.count("\n")) == (0, done.stderr.count("note:"))
-    cloud = liftmesh.read(tmp_path / "a.las", bbox=[0, 0, 20, 20])
-    surface = liftmesh.triangulate(cloud, duplicates="lowest")
-    assert f"overhangs   {surface.report.overhangs:,}\n" in done.stdout
-    assert f"duplicates  {surface.report.duplicates:,}\n" in done.stdout
+    cloud = liftmesh.read(tmp_path / "a.las", bounds=[0, 0, 20, 20])
+    surface = liftmesh.triangulate(cloud, on_duplicate="lowest")
+    assert f"overhangs   {surface.report.n_overhangs:,}\n" in done.stdout
+    assert f"duplicates  {surface.report.n_duplicates:,}\n" in done.stdout
     assert command("verify", "out", cwd=tmp_path).returncode == 0
-    assert liftmesh.open_tiled(tmp_path / "out").compute_neighbors().shape == surface.faces.shape
+    assert liftmesh.open_tiled(tmp_path / "out").neighbors_to_array().shape == surface.faces.shape
     done = command("raster", "out", "a.tif", "--resolution", "0.5", "--json", cwd=tmp_path)
     expected = surface.raster(0.5, dtype="float32")
     told = json.loads(done.stdout)
     assert (told["rows"], told["columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
-    options = ("--resolution", "0.5", "--method", "sibson", "--cog", "--double")
+    options = ("--resolution", "0.5", "--interpolation", "sibson", "--cog", "--double")
     assert command("raster", "out", "b.tif", *options, cwd=tmp_path).returncode == 0
     with rasterio.open(tmp_path / "b.tif") as file:
-        assert file.read(1).tobytes() == surface.raster(0.5, method="sibson").values.tobytes()
+        assert (
+            file.read(1).tobytes() == surface.raster(0.5, interpolation="sibson").values.tobytes()
+        )
         assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
     command("contour", "out", "a.geojson", "--interval", "0.25", cwd=tmp_path)
     surface.contours(interval=0.25).save(tmp_path / "b.geojson")
@@ -280,7 +291,7 @@ def test_the_commands(tmp_path: Path) -> None:
         (("contour", "out", "a.gpkg", "--interval", 1, "--plane", "xz"), "--plane is for files"),
         (("raster", "flat", "a.tif", "--resolution", 1), "flat holds triangles without heights"),
         (("raster", "none", "a.tif", "--resolution", 1), "no finished triangulation is here"),
-        (("tile", "a.npy", "b", "--duplicates", "mean"), "--duplicates is for surfaces"),
+        (("tile", "a.npy", "b", "--on-duplicate", "mean"), "--on-duplicate is for surfaces"),
         (("tile", "a.npy", "b", "--classes", "2"), "--classes is for surfaces"),
         (("tile", "a.npy", "b", "--surface", "--shards", "ply"), "--shards ply is for triangles"),
     ],

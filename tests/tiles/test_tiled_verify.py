@@ -31,7 +31,7 @@ def test_the_certificate_is_that_of_one_call(name: str, tmp_path: Path) -> None:
     points[rng.integers(0, len(points), 30)] = points[rng.integers(0, len(points), 30)]
     points[[5, 70]] = np.nan
     tiled = liftmesh.tile(points, tmp_path, tile_rows=400, nonfinite="skip")
-    expected = liftmesh.verify(points, tiled.compute(), nonfinite="skip")
+    expected = liftmesh.verify(points, tiled.to_array(), nonfinite="skip")
     assert tiled.verify(points) == expected
     assert expected.canonical
     assert tiled.verify(iter(np.split(points, [1_000, 1_003])), threads=2) == expected
@@ -160,7 +160,7 @@ def test_the_source_is_found_and_has_to_be_the_same(tmp_path: Path) -> None:
     np.save(tmp_path / "b.npy", POINTS[500:])
     sources = [tmp_path / "a.npy", tmp_path / "b.npy"]
     tiled = liftmesh.tile(sources, tmp_path / "out", tile_rows=450)
-    assert tiled.verify() == liftmesh.verify(POINTS, tiled.compute())
+    assert tiled.verify() == liftmesh.verify(POINTS, tiled.to_array())
     assert tiled.verify(scratch=tmp_path).canonical
     for wrong, message in (
         (sources[::-1], "rows 0 to 449 are not the points that were tiled"),
@@ -219,7 +219,7 @@ def test_the_command_proves_a_folder(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
     assert "Valid, and canonical" in done.stdout
     done = command("verify", "out", "--certificate", "out.json", "--json", cwd=tmp_path)
-    expected = liftmesh.verify(POINTS, tiled.compute()).to_json()
+    expected = liftmesh.verify(POINTS, tiled.to_array()).to_json()
     assert (tmp_path / "out.json").read_text() == done.stdout == expected
     (tmp_path / "points.npy").rename(tmp_path / "moved.npy")
     assert command("verify", "out", cwd=tmp_path).returncode == 3

@@ -150,15 +150,15 @@ def _ground(space: Space) -> None:
 def _paraboloid(space: Space) -> None:
     """Draw the paraboloid's outline, its rim, and some meridians and parallels."""
     around, radii = unit_circle(145), np.linspace(0, np.sqrt(TOP), 40)
-    rim = lift(around * radii[-1])
-    solid = np.vstack([lift(around * radius) for radius in radii])
-    outline = solid[delaunay(space.view.flat(solid)).convex_hull[:, 0]]
+    rim = lift(around * radii[-1], "origin")
+    solid = np.vstack([lift(around * radius, "origin") for radius in radii])
+    outline = solid[delaunay(space.view.flat(solid)).convex_hull]
     space.faces([outline], facecolors=SKY, alpha=0.16, zorder=1.2)
     space.faces([rim], facecolors=SKY, alpha=0.14, zorder=1.3)
     for direction in around[:-1:12]:
-        _seen(space, lift(np.outer(radii, direction)), color=BLUE, lw=0.5)
+        _seen(space, lift(np.outer(radii, direction), "origin"), color=BLUE, lw=0.5)
     for radius in radii[13:-1:9]:
-        _seen(space, lift(around * radius), color=BLUE, lw=0.5)
+        _seen(space, lift(around * radius, "origin"), color=BLUE, lw=0.5)
     space.line([*outline, outline[0]], color=BLUE, lw=1.0, zorder=2)
     space.line(rim, color=BLUE, lw=1.2, zorder=2, gid="rim")
     space.name(rim[2], r"$(\mathcal{P})$", (24, 0), color=BLUE)

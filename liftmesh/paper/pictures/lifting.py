@@ -26,7 +26,7 @@ from liftmesh.paper.pictures.style import (
 )
 from liftmesh.paper.printed import SQUARE, Vertex
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import lift, resolve_q
+from liftmesh.planar.lifting import lift, resolve_apex
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -110,8 +110,8 @@ def figure_2_2() -> Figure:
         axes = blank_axes(figure, (0.005 + 0.5 * column, 0.07, 0.49, 0.93))
         space = Space(axes, VIEWS[q])
         _triangulation(space, triangulation.points, triangulation.simplices)
-        _hull(space, triangulation.lifted(q), triangulation.convex_hull[:, 0])
-        _vertex(space, resolve_q(q, triangulation.points))
+        _hull(space, triangulation.lifted(q), triangulation.convex_hull)
+        _vertex(space, resolve_apex(q, triangulation.points))
         axes.set(xlim=(-2.2, 2.6), ylim=(-2.05, 2.35))
         captions(figure, 0.04, {0.25 + 0.5 * column: text})
     return figure
@@ -194,7 +194,7 @@ def _data(q: Vertex) -> Figure:
     figure = new_figure(8.6, 4.1)
     points = square_points()
     lifted = lift(points, q)
-    vertex = (*resolve_q(q, points), 0.0)
+    vertex = (*resolve_apex(q, points), 0.0)
     for column, (azimuth, elevation) in enumerate(DIRECTIONS):
         axes = space_axes(figure, (0.035 + 0.465 * column, 0.01, 0.455, 0.99))
         _scatter(axes, lifted, vertex)

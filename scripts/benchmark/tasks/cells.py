@@ -28,12 +28,12 @@ from typing import TypeAlias
 import numpy as np
 import scipy.spatial
 import shapely
+from benchmark.contest import SEED
+from benchmark.measuring import add_common, console, empty_table
 from distributions import Points
 
 import liftmesh
-from benchmark.contest import SEED
-from benchmark.measuring import add_common, console, empty_table
-from liftmesh.cells.transport import Transported
+from liftmesh.cells.optimization import TransportResult
 
 Case: TypeAlias = tuple[str, str, Points, Callable[[Points], object]]
 
@@ -98,7 +98,7 @@ def uses(few: Points) -> Iterator[Case]:
     rng = np.random.default_rng(SEED + 1)  # not what the points are drawn by
     masses, image = rng.random(len(few)) + 0.5, np.tile(np.arange(1, 501), (500, 1))
     spread = partial(liftmesh.transport, masses=masses, domain=BOX)
-    relaxed = partial(liftmesh.lloyd, domain=BOX, steps=10, tolerance=0)
+    relaxed = partial(liftmesh.lloyd, domain=BOX, max_iter=10, tol=0)
     yield "transport to 1e-8", "liftmesh", few, partial(spread, domain=UNIT)
     yield "transport to 1e-8, wider", "liftmesh", few, spread
     yield "transport of an image", "liftmesh", few, partial(spread, density=image)
@@ -121,11 +121,10 @@ def best(call: Callable[[], object], rounds: int) -> tuple[float, object]:
 
 def steps_of(made: object) -> str:
     """How many steps were made, if they are no matter of an option."""
-    return str(len(made.damping)) if isinstance(made, Transported) else ""
+    return str(len(made.damping)) if isinstance(made, TransportResult) else ""
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add_common(parser)
     parser.add_argument("--most", type=int, default=100_000)
     parser.add_argument("--only", default="")
@@ -133,7 +132,6 @@ def add_options(parser: ArgumentParser) -> None:
 
 
 def run(options: Namespace) -> None:
-    """Print the table."""
     os.environ["LIFTMESH_NUM_THREADS"] = "1"
     points = np.random.default_rng(SEED).random((options.n, 2))
     numbers = ("points", "seconds", "x delaunay", "steps")

@@ -7,10 +7,10 @@ import struct
 
 import laspy
 import numpy as np
-from growth.files.lidar import nodes_of_one_point
-
+from files.las import encoded, records
 from fuzz.structure.case import Case, Points, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
+from growth.files.lidar import nodes_of_one_point
 
 LAS_WORDS = [b"LASF", b"LASF_Spec", b"LASF_Projection", b"laszip encoded", b"copc", b"x", b"red"]
 _STEP = 0.25
@@ -105,7 +105,9 @@ def copc(chance: Chance) -> Case:
     data = bytearray(nodes_of_one_point(count))
     data[8:24] = bytes(chance.randrange(256) for _ in range(16))  # the GUID of a project
     index = len(data) - 32 * (count + count // 2)
-    options = chance.choice(({"bbox": (0, 0, 400, 400)}, {"resolution": 3.0}, {"z_range": (0, 9)}))
+    options = chance.choice(
+        ({"bounds": (0, 0, 400, 400)}, {"copc_resolution": 3.0}, {"z_range": (0, 9)})
+    )
     if chance.one_in(4):
         points = np.array(laspy.read(io.BytesIO(data)).xyz)
         return Case("laz", bytes(data), in_order(points), options=options)
@@ -120,12 +122,6 @@ def copc(chance: Chance) -> Case:
 
 
 def _compressed(points: Points, point_format: int) -> bytes:
-    header = laspy.LasHeader(
-        point_format=point_format, version="1.4" if point_format > 5 else "1.3"
-    )
-    header.scales, header.offsets = np.full(3, _STEP), np.zeros(3)
-    made = laspy.LasData(header)
-    made.x, made.y, made.z = points.T
-    stream = io.BytesIO()
-    made.write(stream, do_compress=True, laz_backend=laspy.LazBackend.Lazrs)
-    return stream.getvalue()
+    version = "1.4" if point_format > 5 else "1.3"
+    tile = records(points, point_format, version=version, scale=_STEP, offset=np.zeros(3))
+    return encoded(tile, compressed=True)

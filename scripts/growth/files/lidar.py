@@ -12,8 +12,8 @@ import struct
 import laspy
 import lazrs
 import numpy as np
-
-from growth.families import named, random
+from files.las import encoded, records
+from growth.families import families_in, random
 from growth.files.points import Compressed
 
 _RECORD = struct.Struct("<H16sHH32s")
@@ -23,22 +23,16 @@ _AT_LONG_RECORDS = 235
 
 
 def _tile(n: int, point_format: int = 3, version: str = "1.2") -> laspy.LasData:
-    header = laspy.LasHeader(point_format=point_format, version=version)
-    header.scales, header.offsets = np.full(3, 0.01), np.zeros(3)
-    tile = laspy.LasData(header)
-    tile.x, tile.y, tile.z = random().random((n, 3)).T * 1000
-    tile.intensity = random().integers(0, 65535, n).astype(np.uint16)
-    tile.classification = np.full(n, 2, np.uint8)
-    return tile
+    values = {
+        "intensity": random().integers(0, 65535, n).astype(np.uint16),
+        "classification": np.full(n, 2, np.uint8),
+    }
+    places = random().random((n, 3)) * 1000
+    return records(places, point_format, version=version, offset=np.zeros(3), **values)
 
 
 def _written(tile: laspy.LasData, *, compressed: bool = False) -> bytes:
-    stream = io.BytesIO()
-    backend = laspy.LazBackend.Lazrs if compressed else None
-    tile.write(stream, do_compress=compressed, laz_backend=backend)
-    if not compressed:
-        return stream.getvalue()
-    made = Compressed(stream.getvalue())
+    made = Compressed(encoded(tile, compressed=compressed))
     made.content = max(len(made), len(tile.points) * tile.point_format.size)
     return made
 
@@ -138,14 +132,4 @@ def long_system(n: int) -> bytes:
     return bytes(data) + _LONG_RECORD.pack(0, b"LASF_Projection", 2112, len(text), b"") + text
 
 
-LAS = named(
-    rows,
-    compressed_rows,
-    compressed_in_layers,
-    equal_points,
-    chunks_of_one_point,
-    nodes_of_one_point,
-    records_of_nothing,
-    extended_records,
-    long_system,
-)
+LAS = families_in(globals(), "bytes")

@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 from file_samples import assert_same_bits
-from lidar import copc, encoded, patched, tile
+from files.las import copc, encoded, patched, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
@@ -53,17 +53,17 @@ def test_the_whole_file_is_laz_like_another() -> None:
     cloud = read()
     assert len(cloud) == COUNT
     assert cloud.metadata["las"]["copc"] == {"spacing": 16.0, "levels": 3}
-    assert cloud.metadata.get("skipped") is None
+    assert cloud.metadata.get("not_read") is None
 
 
 @pytest.mark.parametrize(
     "options",
     [
-        {"bbox": BOX},
+        {"bounds": BOX},
         {"z_range": (10.0, 20.0)},
-        {"bbox": BOX, "classes": 2, "returns": "last", "every": 3},
-        {"bbox": BOX, "classes": "ground"},
-        {"bbox": (0.0, 0.0, 1.0, 1.0)},
+        {"bounds": BOX, "classes": 2, "returns": "last", "every": 3},
+        {"bounds": BOX, "classes": "ground"},
+        {"bounds": (0.0, 0.0, 1.0, 1.0)},
         {"every": 7},
     ],
 )
@@ -81,17 +81,17 @@ def test_the_rows_are_those_of_the_whole_file(options: Any, decoded: list[int]) 
     assert counts.pop("rows") == COUNT
     counts.pop("ground", None)
     assert counts.pop("selected") == len(found) == COUNT - sum(counts.values())
-    if "bbox" in options:
+    if "bounds" in options:
         assert sum(decoded) < 0.7 * COUNT
 
 
 @pytest.mark.parametrize(("resolution", "levels"), [(100, 1), (16, 1), (15.9, 2), (8, 2), (0.1, 3)])
 def test_a_resolution_reads_the_levels_that_it_needs(resolution: float, levels: int) -> None:
-    found = read(resolution=resolution)
+    found = read(copc_resolution=resolution)
     rows = np.arange(COUNT) % 3 < levels
     expected = np.asarray(LAS.xyz)[rows]
     assert {*map(tuple, found.points.tolist())} == {*map(tuple, expected.tolist())}
-    finer = {} if levels == 3 else {"resolution": COUNT - len(found)}
+    finer = {} if levels == 3 else {"copc_resolution": COUNT - len(found)}
     assert found.metadata["selection"] == {"rows": COUNT, "selected": len(found), **finer}
 
 
@@ -102,17 +102,17 @@ def test_ground_beyond_the_box_counts() -> None:
     las.classification = np.where(inside | (np.arange(COUNT) > 2), 5, 2).astype(np.uint8)
     first = np.flatnonzero(~inside)[0]
     las.classification[first] = 2
-    assert len(read(copc(las), bbox=BOX, classes="ground")) == 0
+    assert len(read(copc(las), bounds=BOX, classes="ground")) == 0
     las.classification = np.full(COUNT, 5, np.uint8)
-    assert len(read(copc(las), bbox=BOX, classes="ground")) == inside.sum()
+    assert len(read(copc(las), bounds=BOX, classes="ground")) == inside.sum()
 
 
 def test_a_resolution_needs_an_index() -> None:
     plain = encoded(LAS, compressed=True)
     with pytest.raises(FormatError, match=r"by resolution, for which the file has no index \(COPC"):
-        read(plain, resolution=1.0)
-    with pytest.raises(InputError, match="resolution is 0: give a positive number"):
-        read(resolution=0)
+        read(plain, copc_resolution=1.0)
+    with pytest.raises(InputError, match="copc_resolution is 0: give a positive number"):
+        read(copc_resolution=0)
 
 
 def test_written_it_is_laz_without_the_index() -> None:
@@ -145,10 +145,10 @@ LIES = {
 def test_a_damaged_index_is_named_and_not_used(lie: str) -> None:
     data, cause = LIES[lie]
     with pytest.raises(FormatError, match=cause):
-        read(data, resolution=1.0)
-    found = read(data, bbox=BOX)
-    assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
-    assert_same_bits(found.points, read(bbox=BOX).points)
+        read(data, copc_resolution=1.0)
+    found = read(data, bounds=BOX)
+    assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
+    assert_same_bits(found.points, read(bounds=BOX).points)
 
 
 CENTRE, HALF = struct.unpack_from("<d", DATA, INFO)[0], struct.unpack_from("<d", DATA, INFO + 24)[0]
@@ -166,14 +166,18 @@ MOVED = {
 def test_an_index_that_points_contradict_is_named_and_not_used(case: str) -> None:
     data = MOVED[case]
     assert data != DATA
-    for options in ({"bbox": BOX}, {"z_range": (10.0, 20.0)}, {"bbox": BOX, "classes": "ground"}):
+    for options in (
+        {"bounds": BOX},
+        {"z_range": (10.0, 20.0)},
+        {"bounds": BOX, "classes": "ground"},
+    ):
         found, expected = read(data, **options), read(**options)
-        assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+        assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
         assert_same_bits(found.points, expected.points)
         counts = [each.metadata["selection"]["selected"] for each in (found, expected)]
         assert counts[0] == counts[1] == len(found)
     with pytest.raises(FormatError, match="COPC: points lie outside the cubes of their nodes"):
-        read(data, resolution=1.0)
+        read(data, copc_resolution=1.0)
 
 
 def test_points_that_decoding_shows_outside(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -186,14 +190,14 @@ def test_points_that_decoding_shows_outside(monkeypatch: pytest.MonkeyPatch) -> 
             check(self, *rest)
 
     monkeypatch.setattr(Index, "check", all_but_the_first)
-    found = read(MOVED["a cube a bit small"], bbox=BOX)
-    assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+    found = read(MOVED["a cube a bit small"], bounds=BOX)
+    assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
     assert len(checked) > 1
     monkeypatch.undo()
-    assert_same_bits(found.points, read(bbox=BOX).points)
+    assert_same_bits(found.points, read(bounds=BOX).points)
 
 
 def test_nodes_of_one_name_are_no_index() -> None:
     same = patched(DATA, "<4i", ROOT + 32, 0, 0, 0, 0)
     with pytest.raises(FormatError, match="COPC: two nodes are one"):
-        read(same, resolution=1.0)
+        read(same, copc_resolution=1.0)

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beside.e57_files import PAGE, Scan, e57, with_checksums, with_xml
 from commands import liftmesh
 from file_samples import assert_same_bits
+from files.e57 import PAGE, Scan, e57, with_checksums, with_xml
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError
@@ -67,7 +67,7 @@ def test_scans_are_moved_by_their_poses() -> None:
     assert_same_bits(cloud.points[53:, 0], X[:50] + 1000.0)
     assert_same_bits(cloud.points[53:, 1], Y[:50])
     assert cloud.attributes["scan"].tolist() == [0] * 50 + [1] * 3 + [3] * 50
-    assert cloud.metadata["skipped"] == ("intensity (of some scans)",)
+    assert cloud.metadata["not_read"] == ("intensity (of some scans)",)
 
 
 def test_spheres_steps_and_states() -> None:
@@ -83,7 +83,7 @@ def test_spheres_steps_and_states() -> None:
     x, y = across * np.cos(angle), across * np.sin(angle)
     z = sphere["sphericalRange"] * np.sin(angle / 3)
     assert_same_bits(cloud.points, np.column_stack([x, y, z])[::3])
-    assert cloud.metadata["skipped"] == ("40 points without a valid position",)
+    assert cloud.metadata["not_read"] == ("40 points without a valid position",)
     steps = np.array([-50.001, 0.002, 7.25])
     scale = {"cartesianX": (0.001, 400.0)}
     cloud = read(e57(Scan(dict.fromkeys(PLACES, steps), scaled=scale)))

@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 from commands import liftmesh
-from lidar import encoded, tile
+from files.las import encoded, tile
 
 import liftmesh as lm
 from liftmesh import Cloud
@@ -58,7 +58,7 @@ def test_by_way_of_a_surface(tmp_path: Path) -> None:
     data = written(lm.triangulate(read(las)))
     assert np.array_equal(channels(data), channels(encoded(las)))
     las.write(str(tmp_path / "a.las"))
-    done = liftmesh("triangulate", "a.las", "b.las", "--classes", "all", cwd=tmp_path)
+    done = liftmesh("triangulate", "a.las", "b.las", "--all-classes", cwd=tmp_path)
     assert done.returncode == 0
     before, after = (laspy.read(tmp_path / name).points.array for name in ("a.las", "b.las"))
     assert np.array_equal(before, after)

@@ -68,14 +68,14 @@ class Index:
 
     def _conditions(self, selection: Selection, *, boxed: bool) -> list[tuple[str, Array]]:
         conditions: list[tuple[str, Array]] = []
-        if selection.resolution is not None:
-            level = math.log2(self.spacing) - math.log2(selection.resolution)
+        if selection.copc_resolution is not None:
+            level = math.log2(self.spacing) - math.log2(selection.copc_resolution)
             conditions.append(
-                ("resolution", np.asarray(self.levels <= max(math.ceil(level - 1e-9), 0)))
+                ("copc_resolution", np.asarray(self.levels <= max(math.ceil(level - 1e-9), 0)))
             )
-        if selection.bbox is not None and boxed:
-            box = np.array(selection.bbox).reshape(2, 2)
-            conditions.append(("bbox", _meet(self.low[:, :2], self.high[:, :2], *box)))
+        if selection.bounds is not None and boxed:
+            box = np.array(selection.bounds).reshape(2, 2)
+            conditions.append(("bounds", _meet(self.low[:, :2], self.high[:, :2], *box)))
         if selection.z_range is not None and boxed:
             low, high = (np.array([each]) for each in selection.z_range)
             conditions.append(("z_range", _meet(self.low[:, 2:], self.high[:, 2:], low, high)))

@@ -63,7 +63,9 @@ def _selected(file: _File, selection: Selection, name: str) -> Cloud:
             raise
         file.index, file.damage = None, damage
         return _selected(file, selection, name)
-    is_part = file.index is not None and not (selection.bbox is None and selection.z_range is None)
+    is_part = file.index is not None and not (
+        selection.bounds is None and selection.z_range is None
+    )
     if selection.classes == "ground" and is_part and not has_ground:
         return _part(file, selection, name, boxed=False)[0]  # is there any beyond the box?
     return cloud
@@ -71,7 +73,7 @@ def _selected(file: _File, selection: Selection, name: str) -> Cloud:
 
 def _part(file: _File, selection: Selection, name: str, *, boxed: bool) -> tuple[Cloud, bool]:
     """Read rows, of COPC some nodes; all that are read decide how many bits colours have."""
-    if selection.resolution is not None and file.damage is not None:
+    if selection.copc_resolution is not None and file.damage is not None:
         raise file.damage
     selector = Selector(selection, name, has_levels=file.index is not None)
     blocks, points = file.blocks(BLOCK), file.points
@@ -166,7 +168,7 @@ class _File:
             }
         own_vlr = LiftmeshVlr(header.records)
         entries = noted({**own_vlr.metadata, "las": layout}, las_records=entry_of(header))
-        entries = noted(entries, selection=selection, skipped=self._skipped())
+        entries = noted(entries, selection=selection, not_read=self._skipped())
         crs = own_vlr.crs(crs_of(header.records, is_wkt=header.wkt))
         cloud = builder.cloud(metadata=entries, crs=crs, color_depth=own_vlr.color_depth or depth)
         if cloud.color_depth == _SHALLOW:  # which surfaces and other formats do not keep

@@ -1,7 +1,7 @@
 """Clip cells of random sites to random domains, and check each set by definition in rationals.
 
-    python scripts/domains                    1,000 domains of each kind
-    python scripts/domains --count 20000 --seed 7 --kinds boxes
+    python scripts/domains.py                    1,000 domains of each kind
+    python scripts/domains.py --count 20000 --seed 7 --kinds boxes
 
 Domains are what boxes and triangles on a lattice leave of each other, with holes, parts and corners
 that touch, and stars with arbitrary corners. Sites and weights are on the lattice, where ties and
@@ -14,27 +14,20 @@ from __future__ import annotations
 
 import sys
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import shapely
+from campaign import run_kinds
+from oracles.cells import check
 
-SCRIPTS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(SCRIPTS))  # it holds this package
-sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the check of cells
-
-from campaign import run_kinds  # noqa: E402 - found there
-from checked_cells import check  # noqa: E402 - as above
-
-import liftmesh  # noqa: E402 - as above
+import liftmesh
 
 SIDE = 6  # of the lattice
 MOST = 10  # sites
 
 
 def main() -> None:
-    """Run the campaign."""
     run_kinds(__doc__, DOMAINS, 1000, holds, "domains")
 
 

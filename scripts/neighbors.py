@@ -1,7 +1,7 @@
 """Ask natural neighbours where rounding hurts, and check every weight in rationals.
 
-    python scripts/neighbors                    200 sets of each kind
-    python scripts/neighbors --count 1000 --seed 7 --kinds rims pairs
+    python scripts/neighbors.py                    200 sets of each kind
+    python scripts/neighbors.py --count 1000 --seed 7 --kinds rims pairs
 
 Points are asked within an ulp of sides of the hull, beside and between rows that almost coincide,
 in slivers, on lattices and near the centres of circles; sets are moved by 10^8 and scaled to any
@@ -15,21 +15,15 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 from fractions import Fraction
-from pathlib import Path
 from typing import TypeAlias
 
 import numpy as np
+from campaign import run_kinds
 from numpy.random import Generator
 from numpy.typing import NDArray
+from oracles.natural import Exact, exact, shares, turn
 
-SCRIPTS = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(SCRIPTS))  # it holds this package
-sys.path.append(str(SCRIPTS.parent / "tests" / "support"))  # for the oracle
-
-from campaign import run_kinds  # noqa: E402 - found there
-from natural_oracle import Exact, exact, shares, turn  # noqa: E402 - as above
-
-import liftmesh  # noqa: E402 - as above
+import liftmesh
 
 Planar: TypeAlias = NDArray[np.float64]
 ALLOWED = Fraction(1, 10**12)  # of the largest weight
@@ -37,7 +31,6 @@ ASKED = 3  # points of a set
 
 
 def main() -> None:
-    """Run the campaign."""
     run_kinds(__doc__, KINDS, 200, holds, "sets")
 
 
@@ -79,7 +72,8 @@ def lengths_of(points: Planar, asked: Planar) -> Planar:
 def is_inside(tri: liftmesh.Triangulation, query: Exact) -> bool:
     """Whether a point is strictly inside the hull, and at no row."""
     rows = [exact(p) for p in tri.points.tolist()]
-    sides = [turn(rows[a], rows[b], query) for a, b in tri.convex_hull.tolist()]
+    hull = tri.convex_hull.tolist()
+    sides = [turn(rows[a], rows[b], query) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
     return query not in rows and (min(sides) > 0 or max(sides) < 0)
 
 

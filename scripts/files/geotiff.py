@@ -1,8 +1,10 @@
-"""GeoTIFF files that tests make in memory."""
+"""GeoTIFF files, made in memory by rasterio."""
 
 from __future__ import annotations
 
 import io
+import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +24,8 @@ def geotiff(
     bands = np.atleast_3d(np.asarray(values).T).T
     count, height, width = bands.shape
     setter = {key: more.pop(key) for key in ("scales", "offsets", "units", "mask") if key in more}
-    with rasterio.MemoryFile() as memory:
+    with rasterio.MemoryFile() as memory, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         with memory.open(
             driver="GTiff", count=count, height=height, width=width, dtype=bands.dtype,
             transform=transform, **more,
@@ -38,3 +41,16 @@ def geotiff(
 
 def read(data: bytes, kind: str = "tif", **options: Any) -> Cloud:
     return lm.read(io.BytesIO(data), format=kind, **options)
+
+
+def elevation_model(
+    path: Path, heights: np.ndarray, pixel: float, crs: str | None = None,
+    corner: tuple[float, float] = (0.0, 0.0),
+) -> None:  # fmt: skip
+    rows, columns = heights.shape
+    transform = rasterio.Affine(pixel, 0, corner[0], 0, -pixel, corner[1] + pixel * rows)
+    with rasterio.open(
+        path, "w", driver="GTiff", count=1, height=rows, width=columns, dtype=heights.dtype,
+        transform=transform, crs=crs,
+    ) as file:  # fmt: skip
+        file.write(heights, 1)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
-from surface_oracle import ExactSurface, Point, turn
+from oracles.surfaces import ExactSurface, Point, turn
 
 if TYPE_CHECKING:
     import liftmesh
@@ -101,7 +101,7 @@ def under_roof(polygon) -> Fraction:
     return total
 
 
-def error(found: liftmesh.Earthwork, exact: Exact) -> float:
+def error(found: liftmesh.CutFillResult, exact: Exact) -> float:
     """The largest relative error: of volumes, to the area times the largest distance."""
     errors = [abs(Fraction(found.area) - exact.area) / exact.area]
     for value, true in ((found.cut, exact.cut), (found.fill, exact.fill)):

@@ -1,7 +1,7 @@
 """Insert and remove points at random, and compare with fresh triangulations at checkpoints.
 
-    python scripts/changes                               100,000 changes of each kind of points
-    python scripts/changes --changes 2000 --checkpoints 100 --kinds lattice circle
+    python scripts/changes.py                               100,000 changes of each kind of points
+    python scripts/changes.py --changes 2000 --checkpoints 100 --kinds lattice circle
 
 Single points and batches come and go, while their number rises and falls. At each checkpoint the
 triangles must be those that `delaunay` makes of the points present, as sets of positions, and each
@@ -10,15 +10,10 @@ neighbour must have the two corners of its edge. Exits with 1 at a difference.
 
 from __future__ import annotations
 
-import sys
 import time
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
-from pathlib import Path
 
 import numpy as np
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
-
 from distributions import DISTRIBUTIONS, Points
 
 import liftmesh
@@ -28,7 +23,6 @@ SEED = 21
 
 
 def main() -> None:
-    """Run the campaign."""
     options = read_options()
     failed = [kind for kind in options.kinds if not holds(kind, options)]
     if failed:
@@ -36,7 +30,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--changes", type=int, default=100_000)
     parser.add_argument("--checkpoints", type=int, default=200)

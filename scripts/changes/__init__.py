@@ -1,1 +1,0 @@
-"""Points that come and go, held against fresh triangulations."""

@@ -1,1 +1,0 @@
-"""Cells in random domains, held against their definition."""

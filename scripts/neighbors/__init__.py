@@ -1,1 +1,0 @@
-"""The shares of natural neighbours in hard places, against rationals."""
