@@ -22,8 +22,8 @@ MODULES = {
     "walls.py": "from house import (\n    ground,\n    _engine,\n)\n",
     "ground.py": "import json\n",
     "attic.py": "",
-    "_core/core/main.cpp": '#include <vector>\n#include "lines/cut.hpp"\n  #  include "point.hpp"\n',
-    "_core/core/point.hpp": "",
+    "_core/hall/main.cpp": '#include <vector>\n#include "lines/cut.hpp"\n  #  include "point.hpp"\n',
+    "_core/hall/point.hpp": "",
     "_core/lines/cut.hpp": '#include "side.hpp"\n#include "planes/plane.hpp"\n',
     "_core/lines/side.hpp": "",
     "_core/planes/plane.hpp": '#include "../lines/side.hpp"\n// #include "none.hpp"\n',
@@ -36,7 +36,7 @@ IMPORTS: Graph = {
     "ground": set(),
     "attic": set(),
 }
-INCLUDES: Graph = {"core": {"lines"}, "lines": {"planes"}, "planes": {"lines"}}
+INCLUDES: Graph = {"hall": {"lines"}, "lines": {"planes"}, "planes": {"lines"}}
 PAGE = """\
 # A house
 <!-- imports: begin -->
@@ -125,7 +125,7 @@ def test_the_page_is_written_and_checked(
     text = page.read_text()
     parts = ["# A house\n<!-- imports: begin -->\n```mermaid\n", "    roof --> walls\n",
              "```\n<!-- imports: end -->\nBetween them.\n<!-- includes: begin -->\n```mermaid\n",
-             "    core --> lines\n", "```\n<!-- includes: end -->\n"]  # fmt: skip
+             "    hall --> lines\n", "```\n<!-- includes: end -->\n"]  # fmt: skip
     assert all(text.index(a) < text.index(b) for a, b in pairwise(parts))
     assert "old" not in text
     (house / "attic.py").write_text("import house.ground")
