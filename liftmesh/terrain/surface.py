@@ -10,11 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.options import Interpolation, Pinched, RasterQuantity, counted
+from liftmesh.base.options import Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
@@ -28,6 +27,7 @@ if TYPE_CHECKING:
     import matplotlib.tri as matplotlib_tri
     import open3d as o3d
     import trimesh as trimesh_package
+    from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import WriteResult
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
+    from liftmesh.terrain.raster import RasterOptions
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -363,19 +364,10 @@ class Surface(SurfaceData):
         """
         return profile.profile_along(self, line)
 
-    def raster(  # noqa: PLR0913 - options are keywords
+    def raster(
         self,
         resolution: float | Sequence[float] | None = None,
-        *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        interpolation: Interpolation = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float64,
-        threads: int | None = None,
+        **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute heights, or what follows from them, at the centres of pixels.
 
@@ -430,19 +422,7 @@ class Surface(SurfaceData):
         >>> surface.raster((4, 2), quantity="aspect").values.ravel()
         array([270., 270.])
         """
-        return raster.rasterize(
-            self,
-            resolution,
-            bounds=bounds,
-            transform=transform,
-            shape=shape,
-            quantity=quantity,
-            interpolation=interpolation,
-            light=light,
-            z_factor=z_factor,
-            dtype=dtype,
-            threads=threads,
-        )
+        return raster.rasterize(self, resolution, **options)
 
     def contours(
         self,
