@@ -73,7 +73,8 @@ def lengths_of(points: Planar, asked: Planar) -> Planar:
 def is_inside(tri: liftmesh.Triangulation, query: Exact) -> bool:
     """Whether a point is strictly inside the hull, and at no row."""
     rows = [exact(p) for p in tri.points.tolist()]
-    sides = [turn(rows[a], rows[b], query) for a, b in tri.convex_hull.tolist()]
+    hull = tri.convex_hull.tolist()
+    sides = [turn(rows[a], rows[b], query) for a, b in zip(hull, hull[1:] + hull[:1], strict=True)]
     return query not in rows and (min(sides) > 0 or max(sides) < 0)
 
 

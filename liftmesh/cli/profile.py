@@ -14,7 +14,7 @@ from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.profile import Draped
+    from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Write the heights of a mesh or cloud along lines."
@@ -78,7 +78,7 @@ def run(
         with terminal.stage(f"writing {target.name}"):
             written = draped.save(target).path
     else:
-        name = outputs.write(target, draped.as_cloud(), output_format).path
+        name = outputs.write(target, draped.to_cloud(), output_format).path
         written = None if name is None else Path(name)
     with outputs.report_after(target):
         _say(written, draped, lines, surface, as_json=json)
@@ -131,7 +131,7 @@ def _lines(
     return [cloud.points[:, :2]]
 
 
-def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
+def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Profile:
     from liftmesh.terrain.profile import drape
 
     try:
@@ -148,7 +148,7 @@ def _length(lines: list[Any]) -> float:
 
 
 def _say(
-    path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
+    path: Path | None, draped: Profile, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
     from liftmesh.terrain.units import unit_names

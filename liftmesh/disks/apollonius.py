@@ -100,6 +100,7 @@ def apollonius(
     names = ("simplices", "neighbors", "circles", "convex_hull", "hidden", "duplicates")
     run = _kernel.apollonius(disks[rows], progress)
     arrays: dict[str, Any] = dict(zip(names, run, strict=True))
+    arrays["convex_hull"] = arrays["convex_hull"][:, 0].copy()
     if len(rows) < len(disks):
         of_rows = {
             name: rows[arrays[name]] for name in names if name not in ("neighbors", "circles")
@@ -133,10 +134,10 @@ class ApolloniusGraph(DiskGraph):
     circles : (m, 3) ndarray of float64
         Centre and radius of these circles, rounded. The radius is negative if the circle is
         touched from its inside, in the overlap of three disks.
-    convex_hull : (h, 2) ndarray of int32
-        Pairs of disks with a common tangent that no disk crosses, counter-clockwise, each from the
-        second of the one before to the first of the next. A large disk may occur several times. Of
-        disks that touch one such tangent from the same side, each makes a pair with the next.
+    convex_hull : (h,) ndarray of int32
+        The rows on the convex hull of the disks, counter-clockwise: each has a common tangent with
+        the next that no disk crosses. A large disk may occur several times. Disks that touch one
+        such tangent from the same side follow each other.
     hidden : (k, ) ndarray of int32
         Rows within a disk of another row, in ascending order: also those that touch its boundary
         from inside. They have no cell.
@@ -173,7 +174,7 @@ class ApolloniusGraph(DiskGraph):
         """
         # Of its two sides, of triangles or of the hull, one is in ascending order.
         sides = self.simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
-        pairs = np.concatenate([sides, self.convex_hull[:, ::-1]])
+        pairs = np.concatenate([sides, self.hull_pairs[:, ::-1]])
         pairs = pairs[pairs[:, 0] < pairs[:, 1]]
         return pairs[np.lexsort(pairs.T[::-1])]
 

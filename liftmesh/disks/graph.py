@@ -14,6 +14,7 @@ from liftmesh.base.frozen import FrozenResult, check_copied, check_numbers
 from liftmesh.base.options import NonFinite
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.kinds import TriangulationKind, as_weights
+from liftmesh.planar.points import edges_around
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -29,6 +30,11 @@ class DiskGraph(FrozenResult):
     hidden: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
+
+    @property
+    def hull_pairs(self) -> Rows:
+        """The pairs of disks that follow each other on the hull, (h, 2)."""
+        return edges_around(self.convex_hull)
 
     def _check_copy(self) -> None:
         rows = len(self.radii)

@@ -67,7 +67,7 @@ def trace_sides(graph: DiskGraph, box: Box, max_deviation: float) -> Traced:
         return np.ldexp(values, -scale)
 
     disks = scaled(np.column_stack([graph.centers, graph.radii]))
-    all_sides = sides(graph.simplices, graph.neighbors, graph.convex_hull)
+    all_sides = sides(graph.simplices, graph.neighbors, graph.hull_pairs)
     vertices = vertices_of(disks, graph.simplices, scaled(graph.circles))
     vertices = merge_coinciding(all_sides, disks[:, :2], vertices)
     left, low, right, high = scaled(np.array(box)).tolist()

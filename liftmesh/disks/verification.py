@@ -17,9 +17,10 @@ from liftmesh.base.options import as_threads, check_progress, counted
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.errors import InputError
 from liftmesh.planar.certificate import Certificate, Flaw, Violation, sha256_of
+from liftmesh.planar.points import edges_around
 from liftmesh.planar.violations import Place, Violations
 
-_SHAPES = {"simplices": (3,), "neighbors": (3,), "convex_hull": (2,), "hidden": ()}
+_SHAPES = {"simplices": (3,), "neighbors": (3,), "convex_hull": (), "hidden": ()}
 _SHAPES |= {"duplicates": (2,), "skipped": ()}
 _OF_ROWS = ("missing_vertices", "wrong_hidden", "wrong_duplicates")
 BEYOND = -(2**31)  # in place of what has more than 32 bits
@@ -45,7 +46,7 @@ def verify_graph(
     vertices, places = _kernel.verify_apollonius(
         disks[rows],
         *(flat["simplices"], flat["neighbors"], circles.reshape(-1)),
-        *(flat["convex_hull"], flat["hidden"], flat["duplicates"]),
+        *(edges_around(flat["convex_hull"]).reshape(-1), flat["hidden"], flat["duplicates"]),
         *as_threads(threads, len(disks)),
         progress,
     )
@@ -154,8 +155,8 @@ MEANINGS = {
         "sides have the wrong neighbour",
     ),
     "wrong_hull": (
-        "pair of the hull is not followed, or has no triangle",
-        "pairs of the hull are not followed, or have no triangle",
+        "pair of the hull has no triangle, or several",
+        "pairs of the hull have no triangle, or several",
     ),
     "boundary_winding": ("hull does not wind around once", "hulls do not wind around once"),
     "not_delaunay": (
@@ -193,6 +194,8 @@ class DiskViolations(Violations):
 
     def _invalid_index(self, number: int, place: int) -> Violation:
         name, values = list(self._lists.items())[number]
+        if name == "convex_hull":  # of which the kernel has pairs
+            place = (place + 1) // 2 % len(values)
         row, *_ = at = np.unravel_index(place, values.shape)
         is_triangle = name == "neighbors"
         what, others = ("triangle", "") if is_triangle else ("row", ", or not finite")
@@ -226,9 +229,9 @@ class DiskViolations(Violations):
             return self._at(f"{edge} {text}", *rows, triangles=tuple(t for t in beside if t >= 0))
         pair, is_beyond = (place - simplices.size) % len(hull), place >= simplices.size + len(hull)
         if not is_beyond:
-            rows = hull[pair].tolist()
+            rows = [int(hull[pair]), int(hull[(pair + 1) % len(hull)])]
             return self._at(f"the edge of the hull between {self._named(*rows)} {text}", *rows)
-        rows = [*hull[pair].tolist(), int(hull[(pair + 1) % len(hull)][1])]
+        rows = [int(hull[(pair + k) % len(hull)]) for k in range(3)]
         return self._at(f"the hull at the second of {self._named(*rows)} {text}", *rows)
 
     def _wrong_neighbors(self, place: int, _: int) -> Violation:
@@ -238,9 +241,9 @@ class DiskViolations(Violations):
         return self._edge(place, f"names triangle {beyond}, which does not have it, or not this")
 
     def _wrong_hull(self, pair: int, _: int) -> Violation:
-        rows = self._lists["convex_hull"][pair].tolist()
-        text = "is not followed by one that begins where it ends, or has not one triangle"
-        return self._at(f"the pair {pair} of the hull, {self._named(*rows)}, {text}", *rows)
+        rows = edges_around(self._lists["convex_hull"])[pair].tolist()
+        text = f"the pair {pair} of the hull, {self._named(*rows)}, has no triangle, or several"
+        return self._at(text, *rows)
 
     def _boundary_winding(self, _: int, windings: int) -> Violation:
         return Violation(f"the hull winds around {windings} times", ())

@@ -20,6 +20,7 @@ from liftmesh.base.options import NonFinite, as_count, check_option, check_progr
 from liftmesh.errors import InputError, NonFiniteError
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import METRIC_REMEDY, as_matrices, is_positive_definite
+from liftmesh.planar.points import edges_around
 
 _REMEDY = f"{METRIC_REMEDY} for each row"
 
@@ -107,11 +108,17 @@ def anisotropic_stars(
 def _stars(planar: Floats, matrices: Floats, progress: Progress | None) -> AnisotropicStars:
     tri = delaunay(planar)
     starts, neighbors = tri.vertex_neighbor_vertices
-    hull = np.ascontiguousarray(tri.convex_hull)
     upper = np.ascontiguousarray(matrices.reshape(-1, 4)[:, [0, 1, 3]])
-    given = (planar, upper, starts, np.ascontiguousarray(neighbors), hull, progress)
+    given = (
+        planar,
+        upper,
+        starts,
+        np.ascontiguousarray(neighbors),
+        edges_around(tri.convex_hull),
+        progress,
+    )
     indptr, indices = _kernel.anisotropic_stars(*given)
-    return AnisotropicStars(planar, matrices, indptr, indices, hull[:, 0].copy(), tri.duplicates)
+    return AnisotropicStars(planar, matrices, indptr, indices, tri.convex_hull, tri.duplicates)
 
 
 def _among_all_rows(
@@ -121,7 +128,7 @@ def _among_all_rows(
     lengths = np.zeros(len(planar), dtype=np.int64)
     lengths[kept] = np.diff(stars.indptr)
     indptr = np.concatenate([[0], np.cumsum(lengths)])
-    of_rows = (kept[stars.indices], kept[stars.hull], kept[stars.duplicates])
+    of_rows = (kept[stars.indices], kept[stars.convex_hull], kept[stars.duplicates])
     skipped = np.setdiff1d(np.arange(len(planar), dtype=np.int32), kept)
     return AnisotropicStars(planar, matrices, indptr, *of_rows, skipped)
 
@@ -185,7 +192,7 @@ class AnisotropicStars(FrozenResult):
     indices : (k,) ndarray of int32
         The neighbours, counter-clockwise: from the next row on the hull to the one before, or from
         the lowest row once around.
-    hull : (h,) ndarray of int32
+    convex_hull : (h,) ndarray of int32
         The rows on the convex hull, counter-clockwise. It is the same in every metric.
     duplicates : (d, 2) ndarray of int32
         Rows equal to a row before, each with that row. They have no star.
@@ -206,7 +213,7 @@ class AnisotropicStars(FrozenResult):
     metrics: Floats
     indptr: Integers
     indices: Rows
-    hull: Rows
+    convex_hull: Rows
     duplicates: Rows
     skipped: Rows = field(default_factory=lambda: np.empty(0, dtype=np.int32))
 
@@ -259,7 +266,7 @@ class AnisotropicStars(FrozenResult):
         following[last] = self.indptr[:-1][has_star]
         triangles = np.column_stack([owners, self.indices, self.indices[following]])
         on_hull = np.zeros(len(self.points), dtype=bool)
-        on_hull[self.hull] = True
+        on_hull[self.convex_hull] = True
         is_gap = np.zeros(len(self.indices), dtype=bool)
         is_gap[last] = on_hull[has_star]
         return triangles[~is_gap].astype(np.int32)

@@ -23,7 +23,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.base.arrays import widened
 from liftmesh.base.options import as_threads
-from liftmesh.planar.points import pieces
+from liftmesh.planar.points import edges_around, pieces
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def rows_without_area(lifted: LiftedTriangles) -> Rows:
     flat = quads[is_flat][:, 1:3]
     if not len(flat):
         return np.empty(0, dtype=np.int32)
-    hull = np.stack([lifted.hull, np.roll(lifted.hull, -1)], axis=1)
+    hull = edges_around(lifted.hull)
     creased = np.concatenate([quads[~is_flat][:, 1:3], hull])
     count = np.bincount(creased.reshape(-1), minlength=len(lifted.points))
     touched = np.unique(flat)

@@ -48,7 +48,7 @@ class DynamicTriangulation:
         The triangles, counter-clockwise, as numbers of points.
     neighbors : (m, 3) ndarray of int32
         The triangle across the edge opposite vertex k; -1 outside.
-    hull : (h,) ndarray of int32
+    convex_hull : (h,) ndarray of int32
         The numbers of the points on the convex hull, counter-clockwise; empty without triangles.
 
     Notes
@@ -112,7 +112,7 @@ class DynamicTriangulation:
         return self._read_triangles()[1]
 
     @property
-    def hull(self) -> Rows:
+    def convex_hull(self) -> Rows:
         """The numbers of the points on the convex hull, counter-clockwise."""
         return self._read_triangles()[2]
 

@@ -68,6 +68,11 @@ def find_positions(points: ArrayLike) -> Positions:
         return Positions(count, status != "ok", duplicates, _median(nearest))
 
 
+def edges_around(cycle: Rows) -> Rows:
+    """Return the edges of a closed cycle of rows, from each to the next."""
+    return np.stack([cycle, np.roll(cycle, -1)], axis=1)
+
+
 def pieces(length: int, size: int = _PIECE) -> Iterator[slice]:
     """Cut an array into pieces."""
     return (slice(start, start + size) for start in range(0, length, size))

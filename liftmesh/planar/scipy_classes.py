@@ -37,6 +37,7 @@ from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import Solution, solve, solve_farthest
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
+from liftmesh.planar.points import edges_around
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
@@ -227,6 +228,14 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     def _kept(self, array: Array) -> Array:
         return array  # SciPy's users write to it
+
+    @property
+    def convex_hull(self) -> Rows:
+        """The edges of the convex hull, (h, 2) int32, as SciPy has them; here counter-clockwise.
+
+        A `Triangulation` has the cycle of rows instead: ``convex_hull[:, 0]``.
+        """
+        return edges_around(self._hull)
 
     @cached_property
     def coplanar(self) -> Rows:

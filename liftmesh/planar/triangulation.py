@@ -36,8 +36,8 @@ class Triangulation:
         The planar points.
     simplices, neighbors : (m, 3) ndarray of int32
         See the attributes.
-    hull : (h,) ndarray of int32
-        The rows on the convex hull, counter-clockwise.
+    convex_hull : (h,) ndarray of int32
+        See the attribute.
     duplicates : (k, 2) ndarray of int32
         See the attribute.
     skipped : (j,) ndarray of int32
@@ -89,14 +89,14 @@ class Triangulation:
         points: Reals,
         simplices: Rows,
         neighbors: Rows,
-        hull: Rows,
+        convex_hull: Rows,
         duplicates: Rows,
         skipped: Rows,
         counters: Counters | None = None,
         metric: Floats | None = None,
     ) -> None:
         self._rows = read_only(points)  # the array itself may be the caller's
-        self._hull = hull
+        self._hull = convex_hull
         self.simplices = simplices
         self.neighbors = neighbors
         self.duplicates = duplicates
@@ -128,7 +128,7 @@ class Triangulation:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        shared = ("_locator", "points")  # made again when asked for
+        shared = ("_locator", "points", "convex_hull")  # made again when asked for
         return {name: value for name, value in self.__dict__.items() if name not in shared}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
@@ -156,14 +156,13 @@ class Triangulation:
         """
         return read_only(self._rows.astype(np.float64, copy=False))
 
-    @property
+    @cached_property
     def convex_hull(self) -> Rows:
-        """The edges of the convex hull, (h, 2) int32.
+        """The rows on the convex hull, (h,) int32, counter-clockwise.
 
-        Consecutive and counter-clockwise, from the lexicographically least point. Points on the
-        boundary between two corners of the hull are vertices of it too.
+        From the lexicographically least point. Rows between two corners are among them.
         """
-        return np.stack([self._hull, np.roll(self._hull, -1)], axis=1)
+        return read_only(np.ascontiguousarray(self._hull))
 
     @cached_property
     def edges(self) -> Rows:

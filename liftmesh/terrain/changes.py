@@ -136,7 +136,7 @@ def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
 
 def _at(planar: Floats, old: Triangulation) -> Triangulation:
     """The same triangulation of other points."""
-    hull = _from_least(old.convex_hull[:, 0], planar)
+    hull = _from_least(old.convex_hull, planar)
     same = (planar, old.simplices, old.neighbors, hull, old.duplicates, old.skipped)
     if isinstance(old, RegularTriangulation):
         return RegularTriangulation(*same, old.hidden, weights=old.weights, radii=old.radii)

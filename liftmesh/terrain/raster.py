@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
+from liftmesh.base.arrays import planar_bounds
 from liftmesh.base.options import Interpolation, RasterQuantity, as_threads, check_option, shown
 from liftmesh.errors import InputError
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
@@ -91,9 +92,8 @@ def rasterize(
 def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
-    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces]
-    west, south = corners.min(axis=(0, 1)).tolist()
-    return (west, south, *corners.max(axis=(0, 1)).tolist())
+    corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
+    return planar_bounds(solved.points[corners])
 
 
 def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:

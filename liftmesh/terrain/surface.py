@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import WriteResult
+    from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
@@ -81,6 +82,11 @@ class Surface(SurfaceData):
     def __repr__(self) -> str:
         triangles = counted(len(self.faces), "triangle")
         return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
+        return raster.bounds_of_faces(self)
 
     def replace(
         self,
@@ -815,6 +821,32 @@ class Surface(SurfaceData):
         [array([0, 1, 3, 2], dtype=int32)]
         """
         return trimming.boundary(self)
+
+    def verify(self, *, threads: int | None = None) -> Certificate:
+        """Verify the triangulation from scratch, as `Triangulation.verify`.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            Of all triangles, those that `trim` leaves out among them.
+
+        Raises
+        ------
+        InputError
+            `threads` is not a valid number.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> bool(liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).verify())
+        True
+        """
+        return self.triangulation.verify(threads=threads)
 
     def to_cloud(self) -> Cloud:
         """Convert the surface to a cloud with faces.

@@ -79,7 +79,7 @@ def positions_of(surface: SurfaceData) -> tuple[Rows, Floats, Rows]:
     place = np.empty(len(is_used), np.int32)
     place[used] = np.arange(len(used), dtype=np.int32)
     points = np.ascontiguousarray(surface.triangulation.points[used], np.float64) + 0.0
-    return used, points, place[surface.triangulation.convex_hull[:, 0]]
+    return used, points, place[surface.triangulation.convex_hull]
 
 
 def corner_order(corners: Floats) -> Array:

@@ -257,7 +257,7 @@ class Proof:
     def _check_boundary(self, root: Loose) -> None:
         """The edges that are left have to be those of the stated hull, and the hull convex."""
         rows = np.ascontiguousarray(root.records[:, 0])
-        stated = np.asarray(self._tiled.convex_hull)[:, 0]
+        stated = np.asarray(self._tiled.convex_hull)
         if len(root.edges) != len(stated) or not np.isin(stated, rows).all():
             self.findings.add("other_hull", 1)
             return

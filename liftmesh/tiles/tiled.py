@@ -619,7 +619,7 @@ def open_tiled(folder: str | os.PathLike[str]) -> Tiled:
     >>> liftmesh.tile([[0, 0], [1, 0], [0, 1]], folder)
     <Tiled: 1 triangles over 3 rows in 1 shards>
     >>> open_tiled(folder).convex_hull.tolist()
-    [[0, 1], [1, 2], [2, 0]]
+    [0, 1, 2]
     """
     folder = Path(as_folder("folder", folder))
     manifest = manifest_of(folder)

@@ -66,9 +66,8 @@ class TiledData(FrozenResult):
 
     @property
     def convex_hull(self) -> Integers:
-        """The edges of the convex hull, (h, 2) int64, as of a `Triangulation`."""
-        hull = array_of(self, "hull.npy", np.int64, self.manifest["hull"])
-        return np.stack([hull, np.roll(hull, -1)], axis=1)
+        """The rows on the convex hull, (h,) int64, as of a `Triangulation`; mapped."""
+        return array_of(self, "hull.npy", np.int64, self.manifest["hull"])
 
     @cached_property
     def _digests(self) -> dict[str, str]:

@@ -38,7 +38,7 @@ def looked_up(points: Points) -> Work:
 
     def look() -> object:
         twin = copy.copy(tri)
-        told = twin.points, twin.vertices, twin.simplices, twin.neighbors, twin.hull
+        told = twin.points, twin.vertices, twin.simplices, twin.neighbors, twin.convex_hull
         return told, twin.find(points[:, :2])
 
     return Work(look, len(points))

@@ -54,7 +54,7 @@ def by_radius(points: Points) -> Work:
 def under_the_hull(points: Points) -> Work:
     """Prepare a triangulation whose inner rows are all hidden."""
     weights = np.zeros(len(points))
-    weights[liftmesh.delaunay(points, threads=1).convex_hull[:, 0]] = 1e300
+    weights[liftmesh.delaunay(points, threads=1).convex_hull] = 1e300
     return Work(lambda: liftmesh.regular(points, weights=weights, threads=1), len(points))
 
 

@@ -44,7 +44,7 @@ def triangulated(points: NDArray[np.float64], starts: NDArray[np.int64], threads
         found["simplices"].append(one.simplices + first)
         found["neighbors"].append(np.where(one.neighbors < 0, -1, one.neighbors + triangles))
         found["duplicates"].append(one.duplicates + first)
-        hulls.append(one.convex_hull[:, 0] + first)
+        hulls.append(one.convex_hull.reshape(len(one.convex_hull), -1)[:, 0] + first)  # once pairs
         errors.append("")
         counts.append(one.nsimplex)
     empty = np.empty((0, 3), dtype=np.int64)

@@ -89,5 +89,5 @@ def under_the_hull(points: Points) -> Weights:
     """Return weights that hide all rows but those on the hull."""
     weights = np.zeros(len(points))
     extent = np.ptp(points, axis=0).max()
-    weights[liftmesh.delaunay(points, threads=1).convex_hull[:, 0]] = 8 * extent * extent
+    weights[liftmesh.delaunay(points, threads=1).convex_hull] = 8 * extent * extent
     return weights

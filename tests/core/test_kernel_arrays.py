@@ -179,7 +179,9 @@ def test_few_triangles_are_views_of_one_array_and_more_are_not() -> None:
         points = rng.random((n, 2))
         found = liftmesh.delaunay(points)
         assert second_opinion.flaw(points, found.simplices, found.neighbors) == ""
-        edges = {tuple(edge) for edge in found.convex_hull.tolist()}
+        edges = {
+            *zip(found.convex_hull.tolist(), np.roll(found.convex_hull, -1).tolist(), strict=True)
+        }
         corner, side = np.nonzero(found.neighbors < 0)
         start, end = (found.simplices[corner, (side + k) % 3].tolist() for k in (1, 2))
         assert edges == set(zip(start, end, strict=True))

@@ -124,9 +124,8 @@ def test_neighbors_share_an_edge_and_the_outer_ones_are_the_hull() -> None:
             other = graph.simplices[beside[k]].tolist()
             at = next(j for j in range(3) if (other[j], other[j - 2]) == (b, a))
             assert graph.neighbors[beside[k]][at - 1] == t
-    assert sorted(outer) == sorted(map(tuple, graph.convex_hull.tolist()))
-    hull = graph.convex_hull
-    assert (hull[:, 1] == np.roll(hull[:, 0], -1)).all()
+    hull = graph.convex_hull.tolist()
+    assert sorted(outer) == sorted(zip(hull, hull[1:] + hull[:1], strict=True))
     seen = len(graph.radii) - len(graph.hidden)
     assert len(graph.edges) == seen + len(graph.simplices) - 1  # Euler
 
@@ -140,7 +139,7 @@ def test_a_small_disk_between_two_large_ones_has_two_triangles() -> None:
 
 def test_few_disks_have_no_triangle_but_neighbors() -> None:
     assert len(liftmesh.apollonius(np.empty((0, 2)), []).edges) == 0
-    assert liftmesh.apollonius([[1, 2]], [3]).convex_hull.shape == (0, 2)
+    assert liftmesh.apollonius([[1, 2]], [3]).convex_hull.shape == (0,)
     pair = liftmesh.apollonius([[0, 0], [5, 0], [0, 0]], [1, 2, 1])
     assert pair.edges.tolist() == [[0, 1]]
     assert pair.duplicates.tolist() == [[2, 0]]
@@ -181,8 +180,8 @@ def test_a_row_that_is_too_wide_alone_is_named_once() -> None:
 def test_disks_on_one_tangent_follow_each_other_on_the_hull() -> None:
     order = [2, 0, 3, 1]
     disks = np.array([[0, 1, 1], [4, 1, 1], [8, 1, 1], [14, 1, 1]], dtype=float)[order]
-    pairs = liftmesh.apollonius(disks[:, :2], disks[:, 2]).convex_hull
-    along = [(order[a], order[b]) for a, b in pairs]
+    hull = liftmesh.apollonius(disks[:, :2], disks[:, 2]).convex_hull
+    along = [(order[a], order[b]) for a, b in zip(hull, np.roll(hull, -1), strict=True)]
     assert sorted(along) == [(0, 1), (1, 0), (1, 2), (2, 1), (2, 3), (3, 2)]
 
 

@@ -186,7 +186,7 @@ def test_each_spoilt_array_is_named() -> None:
             {"simplices": with_entry(graph.simplices.astype(np.int64), (0, 0), 2**40)},
             {"neighbors": with_entry(graph.neighbors, (0, 0), 9)},
             {"neighbors": with_entry(graph.neighbors, (0, 0), -2)},
-            {"convex_hull": with_entry(graph.convex_hull, (0, 1), -1)},
+            {"convex_hull": with_entry(graph.convex_hull, 1, -1)},
             {"hidden": np.array([77])},
             {"duplicates": np.array([[5, -1]])},
         ],
@@ -199,16 +199,16 @@ def test_each_spoilt_array_is_named() -> None:
             {"neighbors": graph.neighbors[:, ::-1]},
             {"neighbors": np.full_like(graph.neighbors, -1)},
             {"neighbors": np.where(graph.neighbors < 0, 0, graph.neighbors)},
-            {"convex_hull": np.empty((0, 2), dtype=int)},
+            {"convex_hull": np.empty(0, dtype=int)},
         ],
         "wrong_hull": [
             {"convex_hull": graph.convex_hull[1:]},
-            {"convex_hull": graph.convex_hull[:, ::-1]},
-            {"convex_hull": np.vstack([graph.convex_hull] * 2)},
+            {"convex_hull": graph.convex_hull[::-1]},
+            {"convex_hull": np.tile(graph.convex_hull, 2)},
         ],
         "missing_vertices": [
             {"hidden": np.empty(0, dtype=int)},
-            {"duplicates": np.empty((0, 2), dtype=int)},
+            {"duplicates": np.empty(0, dtype=int)},
         ],
         "wrong_hidden": [{"hidden": np.array(rows)} for rows in ([0, 4], [4, 4], [4, 5])],
         "wrong_duplicates": [
@@ -317,7 +317,7 @@ def test_few_disks() -> None:
         "valid: these 0 triangles are the canonical Delaunay graph of disks of 3 rows"
     )
     assert (found.edges, found.hull_edges, found.euler_characteristic) == (1, 2, 1)
-    none = replace(pair, convex_hull=np.empty((0, 2), dtype=int))
+    none = replace(pair, convex_hull=np.empty(0, dtype=int))
     assert kinds(none.verify()) == {"missing_vertices"}
     assert kinds(replace(pair, convex_hull=pair.convex_hull[:1]).verify()) >= {"wrong_hull"}
 
@@ -357,7 +357,7 @@ def test_errors_say_what_is_no_graph() -> None:
     graph = graph_of(SQUARE)
     for change, message in (
         ({"simplices": graph.simplices * 1.0}, r"simplices have the shape \(2, 3\) .*float64"),
-        ({"convex_hull": graph.convex_hull.ravel()}, r"give whole numbers of the shape \(k, 2\)"),
+        ({"convex_hull": graph.convex_hull[None]}, r"give whole numbers of the shape \(k,\)"),
         ({"neighbors": graph.neighbors[1:]}, "neighbors have 1 row for 2 triangles"),
         ({"circles": graph.circles[1:]}, r"circles have the shape \(1, 3\)"),
         ({"radii": -graph.radii}, "row 0 has the radius -1.0"),

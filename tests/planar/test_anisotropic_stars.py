@@ -128,7 +128,7 @@ def test_skipped_rows_are_accounted_for() -> None:
     for row in range(40):
         assert found.star(int(rows[row])).tolist() == rows[plain.star(row)].tolist()
     assert found.star(7).tolist() == found.star(42).tolist() == []
-    assert found.hull.tolist() == rows[plain.hull].tolist()
+    assert found.convex_hull.tolist() == rows[plain.convex_hull].tolist()
     assert found.duplicates.tolist() == rows[plain.duplicates].tolist()
     assert len(plain.duplicates) > 0
     assert found.simplices.tolist() == rows[plain.simplices].tolist()

@@ -35,7 +35,7 @@ def test_a_row_on_a_facet_has_a_cell_without_area() -> None:
     points = [[0, 0], [4, 0], [0, 4], [4, 4], [2, 2]]
     tri = liftmesh.regular(points, weights=[0, 0, 0, 0, -8])
     assert tri.weights is not None
-    triangles = tri.points, tri.simplices, tri.neighbors, tri.convex_hull[:, 0]
+    triangles = tri.points, tri.simplices, tri.neighbors, tri.convex_hull
     lifted = LiftedTriangles(*triangles, TriangulationKind("weights", tri.weights))
     assert rows_without_area(lifted).tolist() == [4]
     as_heavy = lifted._replace(kind=TriangulationKind("weights", np.zeros(5)))

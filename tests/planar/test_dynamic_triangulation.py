@@ -53,7 +53,7 @@ def check_neighbors(tri: DynamicTriangulation) -> None:
     rim = [
         (simplices[i, k - 2], simplices[i, k - 1]) for i, k in np.argwhere(neighbors < 0).tolist()
     ]
-    hull = tri.hull
+    hull = tri.convex_hull
     assert {*rim} == {*zip(hull.tolist(), np.roll(hull, -1).tolist(), strict=True)}
 
 

@@ -88,7 +88,8 @@ def test_many_queries_lie_in_what_is_found(family: str) -> None:
     for first, second in ((a, b), (b, c), (c, a)):
         assert (liftmesh.orient2d(first, second, queries[inside]) >= 0).all()
     for query in queries[~inside][:40]:
-        start, end = np.moveaxis(points[triangulation.convex_hull], 1, 0)
+        start = points[triangulation.convex_hull]
+        end = np.roll(start, -1, axis=0)
         assert (liftmesh.orient2d(start, end, query) < 0).any()
 
 

@@ -147,14 +147,14 @@ def test_scipys_triangles_are_judged() -> None:
 
 
 def inner_triangle(simplices: Rows) -> int:
-    hull = liftmesh.delaunay(POINTS).convex_hull[:, 0]
+    hull = liftmesh.delaunay(POINTS).convex_hull
     return int(np.flatnonzero(~np.isin(simplices, hull).any(axis=1))[0])
 
 
 def hull_triangle_gone(simplices: Rows) -> Rows:
     """Remove a triangle with one edge on the boundary: the boundary turns right at its apex."""
     neighbors = liftmesh.delaunay(POINTS).neighbors
-    hull = set(liftmesh.delaunay(POINTS).convex_hull[:, 0].tolist())
+    hull = set(liftmesh.delaunay(POINTS).convex_hull.tolist())
     for row in np.flatnonzero((neighbors < 0).sum(axis=1) == 1):
         apex = simplices[row, np.argmin(neighbors[row])]
         if apex not in hull:

@@ -32,7 +32,7 @@ def check(points: Points, tiles: int, sample: Points | None = None, **options: o
     assert np.array_equal(ordered(found.triangles), ordered(expected.simplices))
     assert np.array_equal(found.duplicates, expected.duplicates)
     assert np.array_equal(found.skipped, expected.skipped)
-    assert np.array_equal(found.root.hull, expected.convex_hull[:, 0])
+    assert np.array_equal(found.root.hull, expected.convex_hull)
     assert len(found.root.frontier) == 0
     assert np.array_equal(
         adjacent(found.triangles, found.neighbors),

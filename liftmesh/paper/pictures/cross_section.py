@@ -152,7 +152,7 @@ def _paraboloid(space: Space) -> None:
     around, radii = unit_circle(145), np.linspace(0, np.sqrt(TOP), 40)
     rim = lift(around * radii[-1], "origin")
     solid = np.vstack([lift(around * radius, "origin") for radius in radii])
-    outline = solid[delaunay(space.view.flat(solid)).convex_hull[:, 0]]
+    outline = solid[delaunay(space.view.flat(solid)).convex_hull]
     space.faces([outline], facecolors=SKY, alpha=0.16, zorder=1.2)
     space.faces([rim], facecolors=SKY, alpha=0.14, zorder=1.3)
     for direction in around[:-1:12]:

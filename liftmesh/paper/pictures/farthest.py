@@ -96,7 +96,7 @@ def _points(axes: Axes, mesh: Triangulation, hidden: Rows) -> None:
 
 def corners(mesh: Triangulation) -> Rows:
     """Return the corners of the convex hull, counter-clockwise."""
-    return mesh.convex_hull[:, 0]
+    return mesh.convex_hull
 
 
 def _triangles(axes: Axes, mesh: Triangulation) -> None:

@@ -74,7 +74,7 @@ def _frame(axes: Axes) -> None:
 
 def _projection(axes: Axes, projected: Floats) -> None:
     """Draw P' and its convex hull."""
-    hull = delaunay(projected).convex_hull[:, 0]
+    hull = delaunay(projected).convex_hull
     axes.fill(*projected[hull].T, fc=SKY, alpha=0.16, zorder=1, lw=0)
     axes.plot(*projected[np.append(hull, hull[0])].T, color=FAINT, lw=1.0, zorder=1.5)
     axes.plot(*projected.T, ls="none", marker="o", ms=3.2, mew=0, color=SOFT, gid="projected")

@@ -110,7 +110,7 @@ def figure_2_2() -> Figure:
         axes = blank_axes(figure, (0.005 + 0.5 * column, 0.07, 0.49, 0.93))
         space = Space(axes, VIEWS[q])
         _triangulation(space, triangulation.points, triangulation.simplices)
-        _hull(space, triangulation.lifted(q), triangulation.convex_hull[:, 0])
+        _hull(space, triangulation.lifted(q), triangulation.convex_hull)
         _vertex(space, resolve_apex(q, triangulation.points))
         axes.set(xlim=(-2.2, 2.6), ylim=(-2.05, 2.35))
         captions(figure, 0.04, {0.25 + 0.5 * column: text})
