@@ -81,7 +81,7 @@ _SETTINGS = {
 
 
 def delaunay(  # noqa: PLR0913 - options are keywords
-    source: object,
+    points: object,
     out: str | os.PathLike[str],
     *,
     client: Any = None,
@@ -100,7 +100,7 @@ def delaunay(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+    points : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
         As for `liftmesh.tile`; also arrays of Dask with two or three columns, and DataFrames with
         columns x and y. Paths must lead to the same files on all workers.
     out : str or path
@@ -149,14 +149,14 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used)
-        tiled = open_tiled(triangulated(source, options, workers, fitting))
+        tiled = open_tiled(triangulated(points, options, workers, fitting))
     if progress is not None:
         progress(1.0)
     return tiled
 
 
 def triangulate(  # noqa: PLR0913 - options are keywords
-    source: object,
+    cloud: object,
     out: str | os.PathLike[str],
     *,
     client: Any = None,
@@ -179,7 +179,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
+    cloud : path, list of paths, array_like, iterator, dask.array.Array or dask.dataframe.DataFrame
         As for `liftmesh.tile_surface`; also arrays of Dask with two or three columns, and
         DataFrames, whose columns are known by their names. Paths must lead to the same files on all
         workers.
@@ -230,7 +230,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     with client_of(client) as used:
         workers = _Workers(used, progress)
         fitting = _tile_rows(used, SURFACE_ROW_BYTES)
-        tiled = open_tiled(triangulated(source, options, workers, fitting))
+        tiled = open_tiled(triangulated(cloud, options, workers, fitting))
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", tiled)

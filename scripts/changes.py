@@ -23,7 +23,6 @@ SEED = 21
 
 
 def main() -> None:
-    """Run the campaign."""
     options = read_options()
     failed = [kind for kind in options.kinds if not holds(kind, options)]
     if failed:
@@ -31,7 +30,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--changes", type=int, default=100_000)
     parser.add_argument("--checkpoints", type=int, default=200)

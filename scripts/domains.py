@@ -28,7 +28,6 @@ MOST = 10  # sites
 
 
 def main() -> None:
-    """Run the campaign."""
     run_kinds(__doc__, DOMAINS, 1000, holds, "domains")
 
 

@@ -22,7 +22,6 @@ MOST_ERROR = 1e-12
 
 
 def main() -> None:
-    """Run the campaign."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)

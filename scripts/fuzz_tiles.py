@@ -64,7 +64,6 @@ def main() -> None:
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--seconds", type=float, default=60)

@@ -31,7 +31,6 @@ ASKED = 3  # points of a set
 
 
 def main() -> None:
-    """Run the campaign."""
     run_kinds(__doc__, KINDS, 200, holds, "sets")
 
 

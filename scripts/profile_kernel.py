@@ -107,7 +107,6 @@ def stages_of(points: Points) -> dict[int, list[Stage]]:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--distribution", choices=INPUTS, nargs="+", default=["uniform"], metavar="D")

@@ -23,6 +23,7 @@ from liftmesh.cli.signals import (
     discard_unprinted_errors,
     open_closed,
 )
+from liftmesh.cli.wording import worded
 from liftmesh.errors import DataWarning
 
 __all__ = ["main", "program"]
@@ -116,7 +117,8 @@ def _noted_warnings() -> Iterator[None]:
 
         def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
             if issubclass(category, DataWarning):
-                import_module("liftmesh.cli.terminal").note(str(message))
+                note = import_module("liftmesh.cli.terminal").note
+                note(worded(message.args[0] if isinstance(message, Warning) else message))
             else:
                 other(message, category, *place)
 

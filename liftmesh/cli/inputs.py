@@ -16,24 +16,12 @@ from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import (
-    DataWarning,
-    DegenerateInputError,
-    DuplicateHeightError,
-    FormatError,
-    InputError,
-    NonFiniteError,
-)
+from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
-_ABOUT_A_FILE = (
-    *("row ", "the coordinates ", "weights are ", "radii are "),
-    *("the points have ", "the mesh says "),
-)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -77,7 +65,7 @@ def table(
     if given:
         from liftmesh.io.formats.text.options import validate_table_options
 
-        with options.as_option():
+        with options.as_usage():
             validate_table_options(**given)
     return given
 
@@ -138,7 +126,7 @@ def _selection(
     if conditions:
         from liftmesh.io.selection import validate_selection
 
-        with options.as_option():
+        with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
@@ -277,20 +265,18 @@ def _merged(sources: Sequence[Path], clouds: list[Cloud]) -> Cloud:
 
 def _say_parts(cloud: Cloud) -> None:
     """Say on stderr how many rows each file adds, and where they overlap."""
-    from liftmesh.terrain.merging import parts_of
-
     far = (
         ", {:.4g} away from all earlier files, and none states a coordinate system: they may be in "
         "different ones; --src-crs says which"
     )
-    for each in parts_of(cloud):
+    for each in notes.provenance_of(cloud).merged:
         inside = f", {each['overlap']:,} of them where an earlier file has some"
         note(
             f"{each['source']}: {counted(each['rows'], 'row')}"
             + (inside if each["overlap"] else "")
             + (far.format(each["distance"]) if "distance" in each else "")
         )
-    flown = cloud.metadata.get("flight_lines")
+    flown = notes.provenance_of(cloud).flight_lines
     if flown and flown["lines"] > 1:
         where = f"in cells of size {flown['cell']:.3g} where several lines have some"
         note(f"{flown['lines']:,} flight lines; {flown['overlap']:,} rows are {where}")
@@ -321,9 +307,8 @@ def about(path: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error):
-            name = "stdin" if is_stream(path) else path
-            error.args = (f"{name}: {error}", *error.args[1:])
+        if _is_about_data(error):
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -334,19 +319,20 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         with about(sources[0]):
             yield
         return
-    from liftmesh.terrain.merging import parts_of
-
-    starts = [(each["source"], each["rows"]) for each in parts_of(cloud)]
+    starts = [(each["source"], each["rows"]) for each in notes.provenance_of(cloud).merged]
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and "thinning" not in cloud.metadata:
-            error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
+        if _is_about_data(error) and not notes.provenance_of(cloud).thinning:
+            placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
+            error.args = (Message(placed),)
         raise
 
 
-def _is_about_rows(error: InputError) -> bool:
-    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
+def _is_about_data(error: InputError) -> bool:
+    """Whether an error is about what a file holds, and not about options."""
+    parts = error.message.parts
+    return not any(isinstance(each, Option) and each.value is None for each in parts)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

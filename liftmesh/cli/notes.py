@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 from datetime import date, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.cli.wording import as_on_command_line
+from liftmesh.cli.wording import worded
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.metadata import Provenance
     from liftmesh.terrain.surface import Surface
 
 _MOST_LISTED = 8
@@ -31,20 +32,26 @@ _GPS, _ADJUSTED = datetime(1980, 1, 6), 1e9
 _OVERLAP = 12  # the class of overlap, in files without a flag for it
 
 
+def provenance_of(cloud: Cloud | Surface) -> Provenance:
+    """Return what is known of where a cloud or a surface comes from."""
+    from liftmesh.io.metadata import Provenance
+
+    return Provenance(cloud.metadata)
+
+
 def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read."""
-    from liftmesh.io.metadata import found_columns
-
-    first = (*_about_rows(cloud), *_about_system(cloud, is_transformed=is_transformed))
-    names = found_columns(cloud.metadata)
+    about_system = _about_system(cloud, is_transformed=is_transformed)
+    first = (*_about_rows(cloud), *map(worded, about_system))
+    known = provenance_of(cloud)
+    names = known.columns
     if not names:
         is_told = not {"raster", "e57"}.isdisjoint(cloud.metadata)
-        said = cloud.metadata.get("notes") if is_told else ()
-        return (*first, *said) if isinstance(said, tuple) else first
+        return (*first, *known.notes) if is_told else first
     from liftmesh.io.formats.text.columns import coordinates_sentence
 
     said = coordinates_sentence(names)
-    told = map(as_on_command_line, cloud.metadata.get("notes", ()))
+    told = map(worded, known.notes)
     return (*first, *([said] if said else []), *told)
 
 
@@ -55,35 +62,29 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
         return ()
     from liftmesh.io.selection import selection_sentence
 
-    said = selection_sentence(counts).replace("by every=", "by --every")
+    said = worded(selection_sentence(counts))
     return tuple(filter(None, (said, _flagged(cloud))))
 
 
 def counts_of(cloud: Cloud) -> dict[str, int] | None:
     """Return the counts of rows that were selected and left out; None if all were read."""
-    if "selection" not in cloud.metadata:
-        return None
-    from liftmesh.io.selection import found_selection
-
-    return found_selection(cloud.metadata) or None
+    return provenance_of(cloud).selection or None
 
 
 def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     """Say what most users do not want of a coordinate system, or that it is not understood."""
     from liftmesh.crs.description import crs_name, is_system
-    from liftmesh.crs.transformation import transformation_of, transformation_text
+    from liftmesh.crs.transformation import transformation_text
     from liftmesh.crs.units import coordinate_warnings, system_of
 
     crs, system = cloud.crs, system_of(cloud)
-    stated = cloud.metadata.get("stated_crs")
-    told = transformation_of(cloud.metadata)
+    known = provenance_of(cloud)
+    stated, told = known.stated_crs, known.transformation
     instead = "--src-crs says another system" if told else f"taken as {crs_name(crs)}"
-    taken = [f"states {crs_name(stated)}; {instead}"] if isinstance(stated, str) else []
+    taken = [f"states {crs_name(stated)}; {instead}"] if stated is not None else []
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
-        words = "name a projected system with" if is_transformed else "transform them with"
-        change = "transform them with dst_crs=", f"{words} --dst-crs"
-        return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
+        return (*taken, *coordinate_warnings(system, is_transformed=is_transformed))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""
@@ -92,8 +93,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
 
 def parts_not_read(cloud: Cloud) -> tuple[str, ...]:
     """Return the parts of a file that its reader named as not read, with their counts."""
-    skipped = cloud.metadata.get("skipped")
-    return skipped if isinstance(skipped, tuple) else ()  # what a file itself says is no tuple
+    return provenance_of(cloud).not_read
 
 
 def listed(names: Sequence[str]) -> str:
@@ -107,10 +107,9 @@ def listed(names: Sequence[str]) -> str:
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
     """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
-    from liftmesh.crs.transformation import transformation_of
     from liftmesh.io.surface_rows import classes_of
 
-    told = transformation_of(held.metadata) or None
+    told = provenance_of(held).transformation or None
     return {"classes": classes_of(held.attributes), "transformation": told}
 
 
@@ -125,9 +124,8 @@ def lidar_counts(cloud: Cloud) -> dict[str, Any]:
     counts |= {} if returns is None else {"returns": bytes_of(returns)}
     counted: dict[str, Any] = {key: each for key, each in counts.items() if each}
     counted |= _about_file(cloud)
-    layout = cloud.metadata.get("las")
-    if isinstance(layout, dict):
-        counted |= {key: layout[key] for key in ("scale", "copc") if key in layout}
+    layout = provenance_of(cloud).las
+    counted |= {key: layout[key] for key in ("scale", "copc") if key in layout}
     for name in FLAGS:
         values = cloud.attributes.get(name)
         if values is not None and values.dtype == np.uint8 and values.any():
@@ -139,8 +137,7 @@ def _about_file(cloud: Cloud) -> dict[str, Any]:
     """Return by which program and when a LAS file was made, and the times of its points."""
     import numpy as np
 
-    records = cloud.metadata.get("las_records")
-    header = records.get("header", b"") if isinstance(records, Mapping) else b""
+    header = provenance_of(cloud).las_records.get("header", b"")
     if len(header) < _HEADER:
         return {}
     facts: dict[str, Any] = {}
@@ -194,7 +191,7 @@ def lidar_lines(counted: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 def _flagged(cloud: Cloud) -> str:
     """Say which rows a surface keeps though a flag may speak against them; "" if there are none."""
-    if "las" not in cloud.metadata:
+    if not provenance_of(cloud).las:
         return ""
     counted = lidar_counts(cloud)
     has_flag = "overlap" in cloud.attributes

@@ -7,7 +7,6 @@ an error about the table recommends is an option of the table itself.
 from __future__ import annotations
 
 import inspect
-import re
 from copy import copy
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,8 +16,7 @@ import typer
 
 from liftmesh.base.options import shown
 from liftmesh.cli import inputs, options
-from liftmesh.cli.wording import as_on_command_line
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Message
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -56,10 +54,8 @@ class Places:
             kind["flat"] = None if "columns" in self.table else flat
         try:
             cloud = inputs.read(path, {**self.table, **kind, "max_bytes": max_bytes})
-        except (FormatError, InputError, typer.BadParameter) as error:
-            error.args = (self._worded(str(error)), *error.args[1:])
-            if isinstance(error, typer.BadParameter):
-                error.message = self._worded(error.message)
+        except (FormatError, InputError) as error:
+            error.args = (error.message.renamed(_own_names(self.option)),)
             raise
         if are_different(crs, cloud.crs):
             there, here = shown(cloud.crs), shown(crs)
@@ -68,11 +64,11 @@ class Places:
             )
         return cloud
 
-    def _worded(self, message: str) -> str:
-        """Name the options of this table where a message names those of IN."""
-        names = "|".join(each.replace("_", "-") for each in (*_table_options(), "input_format"))
-        mine = rf"--{self.option}-\g<1>"
-        return re.sub(rf"--({names})\b", mine, as_on_command_line(message))
+
+def _own_names(option: str) -> dict[str, str]:
+    """Return by option of IN that of the table which an option names."""
+    names = {each: f"--{option}-{each.replace('_', '-')}" for each in _table_options()}
+    return names | {"format": f"--{option}-input-format", "header": f"--{option}-no-header"}
 
 
 def group(option: str) -> options.Group:
@@ -84,7 +80,8 @@ def group(option: str) -> options.Group:
         try:
             return Places(option, file_format, inputs.table(**plain))
         except typer.BadParameter as error:
-            raise typer.BadParameter(error.message.replace("--", f"--{option}-", 1)) from error
+            message = Message(error.message).renamed(_own_names(option))
+            raise typer.BadParameter(message) from error
 
     file_format = typer.Option(
         metavar="FORMAT", help=f"Format of --{option}, instead of its suffix."

@@ -137,7 +137,7 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Profile:
     try:
         return drape(surface, lines)
     except InputError as error:
-        error.args = (f"--along {' '.join(along)}: {error}",)
+        error.within(f"--along {' '.join(along)}")
         raise
 
 

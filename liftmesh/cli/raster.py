@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal, TypeAlias
 
 import typer
 
@@ -12,6 +12,7 @@ from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import numbers, option, positive
 from liftmesh.errors import InputError
 
+Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
@@ -52,7 +53,7 @@ def run(
     ] = None,
     double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
     cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    compress: Annotated[Compression, typer.Option(help="Compression of the file.")] = "deflate",
     crs: Annotated[
         str | None, option("CRS", "Coordinate system, as EPSG:25832; IN states no other.")
     ] = None,

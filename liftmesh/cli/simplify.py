@@ -93,7 +93,7 @@ def run(
 
 
 def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
-    told = surface.metadata["simplification"]
+    told = notes.provenance_of(surface).simplification
     if as_json:
         cloud = surface.to_cloud()
         terminal.as_json(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ import numpy as np
 from liftmesh._typing import Floats, Rows
 from liftmesh.cli.notes import cloud_notes, lidar_counts, parts_not_read
 from liftmesh.crs.units import system_of
-from liftmesh.io.metadata import found_columns
+from liftmesh.io.metadata import Provenance
 from liftmesh.planar.points import find_positions, pieces
 
 if TYPE_CHECKING:
@@ -79,7 +78,7 @@ def summarise(cloud: Cloud) -> Summary:
         units=_units(cloud),
         holds=_holds(cloud),
         not_read=parts_not_read(cloud),
-        columns=found_columns(cloud.metadata),
+        columns=Provenance(cloud.metadata).columns,
         notes=cloud_notes(cloud),
         lidar=lidar_counts(cloud),
         raster=_raster(cloud),
@@ -96,8 +95,8 @@ def summarise(cloud: Cloud) -> Summary:
 
 
 def _raster(cloud: Cloud) -> dict[str, Any]:
-    raster = cloud.metadata.get("raster")
-    return dict(raster) if isinstance(raster, Mapping) and "transform" in raster else {}
+    raster = Provenance(cloud.metadata).raster
+    return raster if "transform" in raster else {}
 
 
 def _units(cloud: Cloud) -> tuple[str | None, ...]:

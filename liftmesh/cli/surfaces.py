@@ -11,8 +11,8 @@ import typer
 from liftmesh.base.options import NonFinite, counted
 from liftmesh.cli import inputs, options, terminal
 from liftmesh.cli.options import option, positive
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import InputError
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import InputError, Option
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
@@ -115,11 +115,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
             _note_overhangs(source, made.report.n_overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
-            try:
-                return liftmesh.as_surface(cloud, **choices)
-            except InputError as error:
-                error.args = (f"{source}: {error}", *error.args[1:])
-                raise
+            return liftmesh.as_surface(cloud, **choices)
 
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
@@ -135,7 +131,7 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     given += ["plane"] if reading.plane != "xy" else []
     if given:
         raise typer.BadParameter(
-            f"{of_reading(given[0])} is for files: {source} is a surface in tiles as it is"
+            f"{spelled(Option(given[0]))} is for files: {source} is a surface in tiles as it is"
         )
     tiled = open_tiled(source)
     if "surface" not in tiled.manifest:

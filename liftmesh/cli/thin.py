@@ -96,7 +96,7 @@ def run(
     written = outputs.write(target, kept, output_format, writing)
     told = {
         **outputs.as_values(written),
-        "thinning": kept.metadata.get("thinning"),
+        "thinning": notes.provenance_of(kept).thinning or None,
         "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
@@ -115,7 +115,7 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
 
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)
-    told = kept.metadata["thinning"].items()
+    told = notes.provenance_of(kept).thinning.items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
     return kept

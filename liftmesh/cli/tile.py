@@ -14,8 +14,8 @@ import typer
 from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import option, whole
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import DegenerateInputError
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import DegenerateInputError, Option
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -90,7 +90,7 @@ def run(
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
     if not surface and (on_duplicate or rows):
-        given = "--on-duplicate" if on_duplicate else of_reading(next(iter(rows)))
+        given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
         raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
         raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
@@ -128,7 +128,7 @@ def _named(paths: list[str]) -> Iterator[None]:
     try:
         yield
     except DegenerateInputError as error:
-        error.args = (f"{notes.listed(paths)}: {error}",)
+        error.within(notes.listed(paths))
         raise
 
 
@@ -208,7 +208,9 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        said = {"folder": str(tiled.folder), **counts, "classes": classes}
+        named = {f"n_{name}": count for name, count in counts.items()}
+        named["n_hull_edges"] = named.pop("n_hull")
+        said = {"folder": str(tiled.folder), **named, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
         return
     merges = tiled.manifest["merges"]

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import typer
 
-from liftmesh.base.options import Algorithm, GroundAlgorithm
+from liftmesh.base.options import Algorithm, GroundAlgorithm, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option, positive
 from liftmesh.cli.thin import Thinning, thinned
+from liftmesh.cli.wording import worded
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise refused("cloth_rigidness", text, "give 1, 2 or 3")
     return int(text)
 
 
@@ -166,15 +167,10 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     from liftmesh.io.selection import Selector, selected, validate_selection
     from liftmesh.terrain.ground import bare_warning, classify_ground
 
-    with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
-        try:
-            with inputs.without_warnings():
-                classified = classify_ground(cloud, **ground)
-        except InputError as error:
-            said = str(error).replace("cloth_resolution= to classify_ground", "--cloth-resolution")
-            error.args = (said,)
-            raise
-    counts = classified.metadata["ground"]
+    stage = terminal.stage(f"finding the ground among {len(cloud):,} rows")
+    with stage, inputs.without_warnings():
+        classified = classify_ground(cloud, **ground)
+    counts = notes.provenance_of(classified).ground
     if not counts["ground"]:
         raise InputError(f"{counts['algorithm']} finds no ground among {counts['rows']:,} rows")
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
@@ -184,8 +180,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         "; where ground is sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
-        remedy = ("a smaller cloth_resolution= to classify_ground, or cloth_rigidness=1",)
-        terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
+        terminal.note(worded(lost))
     chosen = validate_selection(classes=classes)
     classified = (
         classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))
@@ -222,14 +217,15 @@ def _print_report(
     report = surface.report
     if as_json:
         cloud = surface.to_cloud()
+        known = notes.provenance_of(cloud)
         about = {
             "notes": [*notes.cloud_notes(cloud), *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
-            "triangulated_by": cloud.metadata.get("triangulated_by"),
+            "triangulated_by": known.lifted_by or None,
             "selection": notes.counts_of(cloud),
-            "merged": cloud.metadata.get("merged"),
-            "ground": cloud.metadata.get("ground"),
-            "thinning": cloud.metadata.get("thinning"),
+            "merged": known.merged or None,
+            "ground": known.ground or None,
+            "thinning": known.thinning or None,
             **notes.provenance(cloud),
             "n_trimmed": 0 if surface.mask is None else int(surface.mask.sum()),
         }

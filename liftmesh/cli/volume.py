@@ -85,10 +85,11 @@ def run(
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.selection import found_selection
     from liftmesh.io.surface_rows import check_grounds
 
-    check_grounds((str(path), found_selection(each.metadata)) for path, each in surfaces_.items())
+    check_grounds(
+        (str(path), notes.provenance_of(each).selection) for path, each in surfaces_.items()
+    )
 
 
 def _values(measures: VolumeResult | CutFillResult) -> dict[str, Any]:

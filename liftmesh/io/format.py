@@ -25,7 +25,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.base.interruption import defer_signals
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io import metadata
 from liftmesh.io.precision import Origin, fits_single
 
@@ -204,7 +204,7 @@ def configured(
         return reader
     if file_format.options is None:
         raise FormatError(
-            f"{name}: {', '.join(f'{each}=' for each in options)} cannot be given: "
+            f"{name}: {', '.join(f'{Option(each, ...)}' for each in options)} cannot be given: "
             f"{file_format.name} files are read without options"
         )
     try:
@@ -267,7 +267,7 @@ def dropped(
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
     named = (each for each in losses if each not in CONTENT)
-    return (*names, *named, *metadata.not_read(cloud.metadata))
+    return (*names, *named, *metadata.Provenance(cloud.metadata).lost)
 
 
 def _has(cloud: Cloud, word: str) -> bool:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import re
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 
 LEAST = 1 << 28  # bytes that the content of any file may take
 
@@ -57,7 +57,7 @@ def check_expanded(needed: int, limit: int, name: str, what: str, remedy: str = 
     if needed > limit:
         raise FormatError(
             f"{name}: {what} expands to {needed:,} bytes, more than the limit of {limit:,}: "
-            f"{remedy}if you trust the file, raise it with max_bytes="
+            f"{remedy}if you trust the file, raise it with {Option('max_bytes', ...)}"
         )
 
 

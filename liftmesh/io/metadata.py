@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
@@ -68,7 +69,7 @@ class Notes(TypedDict, total=False):
     format: Label
     columns: NotedColumns
     notes: tuple[str, ...]
-    skipped: tuple[str, ...]
+    not_read: tuple[str, ...]
     polygons: int
     degenerate_faces: int
     repeated_vertices: int
@@ -93,34 +94,133 @@ def noted(metadata: Mapping[str, Any], **notes: Unpack[Notes]) -> dict[str, Any]
     return {**metadata, **{key: each for key, each in notes.items() if each not in (None, (), {})}}
 
 
-def is_read(metadata: Mapping[str, Any]) -> bool:
-    """Whether a cloud was read from a file, whatever its user says of it."""
-    return all(isinstance(metadata.get(each), Label) for each in _LABELS)
-
-
 def user_entries(metadata: Mapping[str, Any]) -> dict[str, Any]:
     """Return the entries that are not a reader's notes, sorted by their keys."""
-    of_table = _OF_TABLES if found_columns(metadata) else ()
-    notes = _NOTES if is_read(metadata) else of_table
+    known = Provenance(metadata)
+    of_table = _OF_TABLES if known.columns else ()
+    notes = _NOTES if known.is_read else of_table
     keys = (key for key in sorted(metadata, key=str) if key not in notes)
-    return {key: metadata[key] for key in keys if key != "skipped" or not unread(metadata)}
+    return {key: metadata[key] for key in keys if key != "not_read" or not known.not_read}
 
 
-def unread(metadata: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return what was not read of a file or of an object."""
-    skipped = metadata.get("skipped")
-    kind = tuple if is_read(metadata) else Unread
-    return skipped if isinstance(skipped, kind) else ()
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Where a cloud comes from, as its metadata say: what has another form there says nothing."""
+
+    entries: Mapping[str, Any]
+
+    @property
+    def is_read(self) -> bool:
+        """Whether the cloud was read from a file, whatever its user says of it."""
+        return all(isinstance(self.entries.get(each), Label) for each in _LABELS)
+
+    @property
+    def source(self) -> str | None:
+        """The name of the file."""
+        entry = self.entries.get("source")
+        return entry if isinstance(entry, str) else None
+
+    @property
+    def columns(self) -> dict[str, str]:
+        """Which columns of a table are the coordinates, colours and normals."""
+        entry = self.entries.get("columns")
+        return entry if isinstance(entry, NotedColumns) else {}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is worth knowing about how the file was read."""
+        entry = self.entries.get("notes")
+        return entry if isinstance(entry, tuple) else ()
+
+    @property
+    def not_read(self) -> tuple[str, ...]:
+        """What was not read of a file or of an object."""
+        entry = self.entries.get("not_read")
+        return entry if isinstance(entry, tuple if self.is_read else Unread) else ()
+
+    @property
+    def lost(self) -> tuple[str, ...]:
+        """What an object of another library had and its cloud has not."""
+        names = self.not_read
+        return () if self.is_read and not isinstance(names, Unread) else names
+
+    @property
+    def selection(self) -> dict[str, int]:
+        """How many rows were selected and left out when the cloud was read."""
+        entry = self._mapping("selection")
+        is_right = {"rows", "selected"} <= entry.keys() and _are_counts(entry.values())
+        return entry if is_right else {}
+
+    @property
+    def stated_crs(self) -> str | None:
+        """The coordinate system that the file states, if the caller has said another."""
+        entry = self.entries.get("stated_crs")
+        return entry if isinstance(entry, str) else None
+
+    @property
+    def transformation(self) -> dict[str, Any]:
+        """How coordinates were transformed as they were read."""
+        entry = self._mapping(TRANSFORMATION)
+        return entry if {"operation", "accuracy"} <= entry.keys() else {}
+
+    @property
+    def merged(self) -> list[dict[str, Any]]:
+        """The "source", "rows" and "overlap" of each part of a merged cloud."""
+        entry = self.entries.get("merged")
+        return [*entry] if isinstance(entry, list | tuple) else []
+
+    @property
+    def flight_lines(self) -> dict[str, Any]:
+        """The number of "lines" of a merged cloud, and the "overlap" in each "cell"."""
+        return self._mapping("flight_lines")
+
+    @property
+    def ground(self) -> dict[str, Any]:
+        """How the ground was classified."""
+        return self._mapping("ground")
+
+    @property
+    def thinning(self) -> dict[str, Any]:
+        """How the cloud was thinned."""
+        return self._mapping("thinning")
+
+    @property
+    def simplification(self) -> dict[str, Any]:
+        """How the surface was simplified."""
+        return self._mapping("simplification")
+
+    @property
+    def las(self) -> dict[str, Any]:
+        """Scales, version and point format of a LAS file."""
+        return self._mapping("las")
+
+    @property
+    def las_records(self) -> dict[str, Any]:
+        """The bytes of the header and the records of a LAS file."""
+        return self._mapping("las_records")
+
+    @property
+    def raster(self) -> dict[str, Any]:
+        """The pixels and the unit of a raster."""
+        return self._mapping("raster")
+
+    @property
+    def lifted_by(self) -> dict[str, Any]:
+        """By what the points of a mesh were lifted when it was triangulated."""
+        entry = self.entries.get(LIFTED)  # a file may hold anything of that name
+        if not isinstance(entry, dict) or len(entry) != 1:
+            return {}
+        kind, value = next(iter(entry.items()))
+        is_name = kind in {"weights", "radii"} and isinstance(value, str)
+        return entry if is_name or (kind == "metric" and _is_matrix(value)) else {}
+
+    def _mapping(self, name: str) -> dict[str, Any]:
+        entry = self.entries.get(name)
+        return {**entry} if isinstance(entry, Mapping) else {}
 
 
-def lifted_by(metadata: Mapping[str, object]) -> dict[str, Any]:
-    """Return by what the points of a mesh were lifted when it was triangulated."""
-    entry = metadata.get(LIFTED)  # a file may hold anything of that name
-    if not isinstance(entry, dict) or len(entry) != 1:
-        return {}
-    kind, value = next(iter(entry.items()))
-    is_name = kind in {"weights", "radii"} and isinstance(value, str)
-    return entry if is_name or (kind == "metric" and _is_matrix(value)) else {}
+def _are_counts(values: Iterable[object]) -> bool:
+    return all(isinstance(each, int) for each in values)
 
 
 def _is_matrix(value: object) -> bool:
@@ -129,18 +229,6 @@ def _is_matrix(value: object) -> bool:
         isinstance(row, list) and len(row) == 2 and all(isinstance(x, float | int) for x in row)
         for row in rows
     )
-
-
-def found_columns(metadata: Mapping[str, object]) -> dict[str, str]:
-    """Return which columns of a table are the coordinates, colours and normals of a cloud."""
-    entry = metadata.get("columns")
-    return entry if isinstance(entry, NotedColumns) else {}
-
-
-def not_read(metadata: Mapping[str, Any]) -> tuple[str, ...]:
-    """Name what an object of another library had and its cloud has not."""
-    skipped = unread(metadata)
-    return () if is_read(metadata) and not isinstance(skipped, Unread) else skipped
 
 
 def storable(metadata: Mapping[str, Any]) -> dict[str, Any]:

@@ -13,7 +13,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import refused
+from liftmesh.errors import FormatError, Option
 
 Missing: TypeAlias = float | str | None
 
@@ -65,8 +66,8 @@ class Outliers:
         apart = "far from all others, " if self.has_others else ""
         raise FormatError(
             f"{what} is {shown} in {self.counts[value]:,} of {self.rows:,} {rows}, {apart}a value "
-            f"or the mark of a missing one: read it with nodata='{shown}' if it is missing there, "
-            "or with nodata='none'"
+            f"or the mark of a missing one: read it with {Option('nodata', shown)} if it is "
+            f"missing there, or with {Option('nodata', 'none')}"
         )
 
     def _found(self) -> float | None:
@@ -87,8 +88,6 @@ def as_missing(value: Any) -> tuple[float | str, ...] | None:
             return (value.strip(),)
         number = math.nan
     if math.isnan(number):
-        raise InputError(
-            f"nodata is {value!r}: give the number or the text that stands for a missing value, "
-            "or 'none' if there is none"
-        )
+        remedy = "give the number or the text that stands for a missing value, or 'none' if there"
+        raise refused("nodata", value, f"{remedy} is none")
     return (number,)

@@ -18,15 +18,15 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count
+from liftmesh.base.options import Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
-from liftmesh.io.metadata import Label, noted
+from liftmesh.io.metadata import Label, Provenance, noted
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import ClassChoice, Selection, Selector, selected, validate_selection
 from liftmesh.io.streams import PathOrStream, at_home, format_of, name_of, opened
@@ -263,7 +263,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         withheld=withheld,
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+        reason = f"which the whole file decides: give {Option('classes', 2)}"
+        raise refused("classes", classes, reason, mark=", ")
     if src_crs is not None:
         check_system(src_crs)
     source = at_home(source)
@@ -358,7 +359,12 @@ def _selecting(reader: Reader, file_format: Format, chosen: Selection | None) ->
         return reader
     if file_format.selects:
         return partial(reader, selection=chosen)
-    return lambda stream, name: selected(reader(stream, name), Selector(chosen, name))
+
+    def read_selected(stream: BinaryIO, name: str) -> Cloud:
+        whole = _labelled(reader(stream, name), file_format, name)
+        return selected(whole, Selector(chosen, name))
+
+    return read_selected
 
 
 def _reader(
@@ -396,7 +402,8 @@ def _changed(
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
         return placed(cloud, crs, target, chosen)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from error
+        error.within(name)
+        raise
 
 
 def placed(
@@ -427,14 +434,15 @@ def _raised(points: Floats, factor: float) -> Floats:
 def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
     """Return what still holds of coordinates in another system."""
     entries = dict(cloud.metadata)
-    if isinstance(las := entries.get("las"), Mapping):
+    known = Provenance(entries)
+    if las := known.las:
         kept = {key: each for key, each in las.items() if key not in ("scale", "offset")}
         scale = steps_in(las.get("scale"), cloud.crs, target)
         entries["las"] = kept | ({} if scale is None else {"scale": scale})
-    if isinstance(notes := entries.get("notes"), tuple):
+    if notes := known.notes:
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
     system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
-    if has_unit and isinstance(raster := entries.get("raster"), Mapping):
+    if has_unit and (raster := known.raster):
         entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
     return entries

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.columns import POSITION
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read, read_chunks
 from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import (
@@ -25,7 +26,6 @@ from liftmesh.io.selection import (
     Selection,
     Selector,
     class_column,
-    found_selection,
     validate_selection,
 )
 from liftmesh.io.streams import suffix_of
@@ -63,7 +63,7 @@ def read_rows(source: object, **options: Unpack[ReadOptions]) -> Cloud:
         return check_some(read(source, **chosen), source)
     if "classes" in given:
         raise InputError(
-            "classes= is for files: select the rows of a cloud, as "
+            f"{Option('classes', ...)} is for files: select the rows of a cloud, as "
             'cloud.select(cloud.attributes["classification"] == 2)'
         )
     return as_cloud(source, **given)
@@ -104,14 +104,14 @@ def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
     rest = f" and {len(lacking) - _NAMED} more" if len(lacking) > _NAMED else ""
     raise InputError(
         f"{', '.join(lacking[:_NAMED])}{rest}: no ground (class 2), while other files have some: "
-        "give classes='all' for all rows of each file, classes=2 for none of these, or find the "
-        "ground with classify_ground"
+        f"give {Option('classes', 'all')} for all rows of each file, {Option('classes', 2)} for "
+        f"none of these, or find the ground with {Option('classify_ground')}"
     )
 
 
 def check_some(cloud: Cloud, name: str | os.PathLike[str]) -> Cloud:
     """Return a cloud; raise if conditions on rows have left none."""
-    rows = found_selection(cloud.metadata).get("rows")
+    rows = Provenance(cloud.metadata).selection.get("rows")
     if rows and not len(cloud):
         raise InputError(f"{os.fspath(name)}: none of {rows:,} rows meets the conditions")
     return cloud

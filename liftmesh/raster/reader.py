@@ -26,9 +26,9 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.cloud import Cloud, is_crs
-from liftmesh.base.options import as_count, shown
+from liftmesh.base.options import as_count, refused
 from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import noted
@@ -71,9 +71,11 @@ def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterO
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
     if marks is not None and numbers != marks:
-        raise InputError(
-            f"nodata is {shown(nodata)}: give the number that stands for a missing value in the "
-            "raster, or 'none' if there is none"
+        raise refused(
+            "nodata",
+            nodata,
+            "give the number that stands for a missing value in the raster, or 'none' if there is "
+            "none",
         )
     return RasterOptions(as_count("band", band, 1), numbers)
 
@@ -272,7 +274,7 @@ class _OpenRaster:
             skipped.append(f"band {', '.join(map(str, others[:8]))}")
         if unit := file.units[self._band - 1]:
             layout["unit"] = unit
-        return noted({"raster": layout}, skipped=tuple(skipped), notes=self._notes(unit))
+        return noted({"raster": layout}, not_read=tuple(skipped), notes=self._notes(unit))
 
     def _notes(self, unit: str | None) -> tuple[str, ...]:
         """Say what the file does not, or only of the band."""

@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.colors import judged, with_depth
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
-from liftmesh.io.metadata import lifted_by
+from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.lifting import HIDDEN
@@ -66,7 +66,7 @@ def with_attributes(
 
 def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:
     """Raise for other values under the name of those by which the surface was triangulated."""
-    for kind, name in lifted_by(surface.metadata).items():
+    for kind, name in Provenance(surface.metadata).lifted_by.items():
         held = getattr(surface.triangulation, kind, None)
         if kind == "metric" or held is None:
             continue
@@ -202,5 +202,5 @@ def _array(name: str, values: Any) -> Array:
     except ValueError as error:
         raise InputError(f"{name} cannot be converted to an array: {error}") from error
     if array.ndim == 0:
-        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
+        raise refused(name, values, "give an array with one row per point")
     return array

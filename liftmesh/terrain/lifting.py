@@ -18,8 +18,8 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.base.options import Algorithm
-from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.metadata import LIFTED, lifted_by
+from liftmesh.errors import DataWarning, InputError, Option
+from liftmesh.io.metadata import LIFTED, Provenance
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
 from liftmesh.planar.kinds import (
@@ -92,7 +92,9 @@ def lifting_of(
     if metric is not None:
         raise InputError(f"both {kind} and a metric are given: give one of them")
     if algorithm not in _DIVIDING:
-        raise InputError(f"algorithm {algorithm!r} takes no {kind}: leave one of the two out")
+        raise InputError(
+            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
+        )
     _check_hidden(cloud, kind)
     if isinstance(given, str):
         values = as_weights(kind, named_values(cloud, kind, given), len(cloud))
@@ -117,7 +119,7 @@ def _check_hidden(cloud: Cloud, kind: str) -> None:
 
 def replaced_flags(cloud: Cloud) -> str:
     """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if HIDDEN not in cloud.attributes or (former and "metric" not in former):
         return ""
     ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
@@ -130,7 +132,7 @@ def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
 
 def _without_former(cloud: Cloud) -> Cloud:
     """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
-    former = lifted_by(cloud.metadata)
+    former = Provenance(cloud.metadata).lifted_by
     if not former:
         return cloud
     noted = () if "metric" in former else (HIDDEN,)

@@ -1,7 +1,7 @@
 """`merge`: several clouds as one, as the tiles of a survey are.
 
 Rows follow one another. What every cloud has is kept; what only some have is named in
-``metadata["skipped"]``. Coordinate systems must be the same: coordinates are never mixed.
+``metadata["not_read"]``. Coordinate systems must be the same: coordinates are never mixed.
 """
 
 from __future__ import annotations
@@ -16,15 +16,14 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, kept_depth, with_alpha
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused, shown
 from liftmesh.crs.comparison import are_different, is_same
 from liftmesh.crs.description import parse_crs
-from liftmesh.crs.transformation import common_transformation, transformation_of
+from liftmesh.crs.transformation import common_transformation
 from liftmesh.crs.units import band_unit
-from liftmesh.errors import DataWarning, InputError
-from liftmesh.io.metadata import TRANSFORMATION, Label, Unread, is_read, unread, user_entries
+from liftmesh.errors import DataWarning, InputError, Option
+from liftmesh.io.metadata import TRANSFORMATION, Label, Provenance, Unread, user_entries
 from liftmesh.io.read import read_cloud
-from liftmesh.io.selection import found_selection
 from liftmesh.io.surface_rows import check_grounds
 from liftmesh.terrain.overlap import distances_of, overlap_of
 
@@ -35,7 +34,7 @@ _POINTS, _NORMALS = 0, 1  # keys beside the names of attributes
 _OF_A_FILE = (
     "source",
     "format",
-    "skipped",
+    "not_read",
     "selection",
     "merged",
     "las_records",
@@ -62,7 +61,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
         too; and "distance" from the earlier ones if none states a coordinate system, and it is more
         than ten times as far as the boxes of all in the plane are long. If rows have a
         ``point_source_id``, ``metadata["flight_lines"]`` has the number of "lines", and "overlap",
-        the rows in cells of several. ``metadata["skipped"]`` names what is left out.
+        the rows in cells of several. ``metadata["not_read"]`` names what is left out.
 
     Warns
     -----
@@ -107,7 +106,7 @@ def merge(clouds: Iterable[object]) -> Cloud:
     values = {key: _stacked(_taken(columns, key), names, key, left_out) for key in keys}
     left_out += ["faces"] if has_faces else []
     if new := left_out[notes:]:
-        entries |= _skipped([*entries.get("skipped", ()), *new])
+        entries |= _not_read([*entries.get("not_read", ()), *new])
     entries |= _account(points, sizes, names, values.get(_LINE))
     if crs is None:
         _note_distances(entries["merged"], distances_of(points, sizes))
@@ -139,18 +138,12 @@ def _listed(clouds: object) -> Iterable[Any]:
     try:
         return [] if is_one else iter(clouds)  # type: ignore[call-overload]
     except TypeError:
-        raise InputError(f"clouds is {shown(clouds)}: give a list of clouds or paths") from None
-
-
-def parts_of(cloud: Cloud) -> list[dict[str, Any]]:
-    """Return the entries of a merged cloud: "source", "rows" and "overlap" of each part."""
-    entries = cloud.metadata.get("merged")
-    return list(entries) if isinstance(entries, list | tuple) else []
+        raise refused("clouds", clouds, "give a list of clouds or paths") from None
 
 
 def _name(cloud: Cloud, number: int) -> str:
-    source = cloud.metadata.get("source")
-    return source if isinstance(source, str) else f"cloud {number}"
+    source = Provenance(cloud.metadata).source
+    return f"cloud {number}" if source is None else source
 
 
 def _first_of(names: Sequence[str]) -> str:
@@ -177,11 +170,11 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
                 f"only {first if _states_heights(crs) else name} states what heights are: say it "
-                "of the other with src_crs=, such as EPSG:7415"
+                f"of the other with {Option('src_crs', ...)}, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
-            f"{_titled(other)}: give dst_crs=, which transforms both"
+            f"{_titled(other)}: give {Option('dst_crs', ...)}, which transforms both"
         )
     return crs
 
@@ -193,7 +186,8 @@ def _note_distances(merged: list[dict[str, Any]], distances: Sequence[float]) ->
             each["distance"] = distance
             message = (
                 f"{each['source']} is {distance:.4g} away from {merged[0]['source']}, and neither "
-                "states a coordinate system: they may be in different ones; say which with src_crs="
+                "states a coordinate system: they may be in different ones; say which with "
+                f"{Option('src_crs', ...)}"
             )
             warnings.warn(message, DataWarning, stacklevel=3)
 
@@ -235,11 +229,10 @@ def _of_one_depth(parts: Sequence[Cloud]) -> Sequence[Cloud]:
     ]
 
 
-def _layouts(parts: Sequence[Cloud]) -> list[Mapping[str, Any]]:
+def _layouts(parts: Sequence[Cloud]) -> list[dict[str, Any]]:
     """Return what lidar says of its scales for each part; nothing if one is no lidar."""
-    layouts = [each.metadata.get(_LAYOUT) for each in parts]
-    known = [each for each in layouts if isinstance(each, Mapping)]
-    return known if len(known) == len(parts) else []
+    layouts = [Provenance(each.metadata).las for each in parts]
+    return layouts if all(layouts) else []
 
 
 def _stacked(
@@ -286,19 +279,20 @@ def _entries(parts: Sequence[Cloud], left_out: list[str]) -> dict[str, Any]:
         elif any(key in user_entries(each.metadata) for each in parts):
             left_out.append(f"metadata {key}")
     for key in ("source", "format"):
-        labels = [each.metadata[key] for each in parts if is_read(each.metadata)]
+        labels = [each.metadata[key] for each in parts if Provenance(each.metadata).is_read]
         entries |= {key: Label(", ".join(dict.fromkeys(labels)))} if labels else {}
     if layouts := _layouts(parts):
         entries[_LAYOUT] = _common_layout(layouts)
-    told = common_transformation([transformation_of(each.metadata) for each in parts])
+    told = common_transformation([Provenance(each.metadata).transformation for each in parts])
     entries |= {TRANSFORMATION: told} if told else {}
     if any(map(_selection, parts)):
         entries["selection"] = _counts(parts)
-    return entries | _skipped([word for each in parts for word in unread(each.metadata)] + left_out)
+    unread = [word for each in parts for word in Provenance(each.metadata).not_read]
+    return entries | _not_read(unread + left_out)
 
 
-def _skipped(names: Sequence[str]) -> dict[str, Any]:
-    return {"skipped": Unread(dict.fromkeys(names))} if names else {}
+def _not_read(names: Sequence[str]) -> dict[str, Any]:
+    return {"not_read": Unread(dict.fromkeys(names))} if names else {}
 
 
 def _lasting(metadata: Mapping[str, Any]) -> list[str]:
@@ -317,8 +311,8 @@ def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         if unit != first:
             raise InputError(
                 f"the band of {name} says that heights are in {shown(unit.name)}, that of {before} "
-                f"in {shown(first.name)}: convert one, or read both with dst_crs= of a system that "
-                "names a unit"
+                f"in {shown(first.name)}: convert one, or read both with {Option('dst_crs', ...)} "
+                "of a system that names a unit"
             )
     if stated and len(stated) < len(parts):
         unit, name = stated[0]
@@ -347,7 +341,7 @@ def _common_layout(layouts: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
 
 
 def _selection(cloud: Cloud) -> dict[str, int]:
-    return found_selection(cloud.metadata)
+    return Provenance(cloud.metadata).selection
 
 
 def _counts(parts: Sequence[Cloud]) -> dict[str, int]:

@@ -17,7 +17,7 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.errors import InputError
 from liftmesh.io.faces import checked_faces
-from liftmesh.io.metadata import is_read, lifted_by
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
 from liftmesh.planar.delaunay import delaunay
@@ -110,7 +110,7 @@ def as_surface(
 
 def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
     """Triangulate the corners by what the mesh says that it was triangulated by."""
-    said = lifted_by(cloud.metadata)
+    said = Provenance(cloud.metadata).lifted_by
     if "metric" in said or not said:
         form = said.get("metric")
         return delaunay(planar, nonfinite="skip", order="canonical", threads=threads, metric=form)
@@ -150,7 +150,8 @@ def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
 
 def _remedy(cloud: Cloud, points: str) -> str:
     """Say what to do about faces; of a format that rounds, why they are not those written."""
-    origin = known_formats().get(cloud.metadata["format"]) if is_read(cloud.metadata) else None
+    is_read = Provenance(cloud.metadata).is_read
+    origin = known_formats().get(cloud.metadata["format"]) if is_read else None
     if origin is None or "float64" in origin.keeps:
         return f"triangulate the {points}"
     return (

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
-from liftmesh.crs.transformation import transformation_of, transformation_text
+from liftmesh.crs.transformation import transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
-from liftmesh.io.selection import found_selection, selection_sentence
+from liftmesh.io.metadata import Provenance
+from liftmesh.io.selection import selection_sentence
 from liftmesh.io.surface_rows import classes_of
 
 if TYPE_CHECKING:
@@ -143,7 +144,7 @@ def report_on(cloud: Cloud, **fields: Any) -> Report:
         "n_rows": len(cloud),
         "color_depth": cloud.color_depth,
         "classes": classes_of(cloud.attributes),
-        "selection": found_selection(cloud.metadata),
-        "transformation": transformation_of(cloud.metadata),
+        "selection": Provenance(cloud.metadata).selection,
+        "transformation": Provenance(cloud.metadata).transformation,
     }
     return Report(**{**known, **fields})

@@ -28,8 +28,8 @@ from liftmesh.base.options import (
 )
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
-from liftmesh.errors import DataWarning, InputError, NonFiniteError
-from liftmesh.io.metadata import found_columns
+from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.surface_rows import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
@@ -237,7 +237,8 @@ def check_system(
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
             f"the coordinates are geocentric ({system.name}), and x, y is no plane on the ground: "
-            "read the file with dst_crs= a projected system, or give the normal of a plane"
+            f"read the file with {Option('dst_crs', ...)} a projected system, or give the normal "
+            "of a plane"
         )
     for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)
@@ -379,6 +380,6 @@ def _report(
         seconds=seconds,
         left_out=left_out[order],
         representatives=representatives[order],
-        columns=found_columns(cloud.metadata),
+        columns=Provenance(cloud.metadata).columns,
         n_hidden=len(hidden),
     )

@@ -23,7 +23,7 @@ _MANY = 1 << 30  # rows: enough for any number of threads
 
 
 def tile(  # noqa: PLR0913 - options are keywords
-    source: object,
+    points: object,
     out: str | os.PathLike[str],
     *,
     tile_rows: int | Literal["auto"] = "auto",
@@ -42,7 +42,7 @@ def tile(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, or iterator of arrays
+    points : path, list of paths, array_like, or iterator of arrays
         Planar points; a third column is ignored. NPY files, mapped arrays, LAS files and
         Parquet files with columns x and y are read by ranges, other files that `read_chunks` reads,
         LAZ among them, and iterators, once. Rows are numbered through all files.
@@ -118,14 +118,14 @@ def tile(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
     options = Options.validated(out, tile_rows, scratch, nonfinite, resume, shards, neighbors)
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(points, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return tiled
 
 
 def tile_surface(  # noqa: PLR0913 - options are keywords
-    source: object,
+    cloud: object,
     out: str | os.PathLike[str],
     *,
     crs: str | None = None,
@@ -148,7 +148,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    source : path, list of paths, array_like, cloud, table, or iterator of these
+    cloud : path, list of paths, array_like, cloud, table, or iterator of these
         Points in space, as for `triangulate`; also Parquet. Rows are numbered through all files,
         which must have the same values and coordinate system. NPY files and mapped arrays are read
         by ranges; what else is read is written to the scratch folder first.
@@ -233,7 +233,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
-    tiled = open_tiled(triangulated(source, options, Serial(count, progress)))
+    tiled = open_tiled(triangulated(cloud, options, Serial(count, progress)))
     if progress is not None:
         progress(1.0)
     return cast("TiledSurface", tiled)

@@ -50,7 +50,7 @@ def points_of(path: Path, crs: str | None) -> Cloud:
     return Cloud(
         np.column_stack([planar, np.zeros(len(planar))]),
         attributes=columns,
-        metadata=noted({}, skipped=Unread(skipped)),
+        metadata=noted({}, not_read=Unread(skipped)),
         crs=stated_system(shapes),
     )
 

@@ -18,7 +18,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from campaign import seed_of
-
 from conversions.campaign import hunt
 from conversions.comparing import ChangedError
 from conversions.given import files_in, there_and_back
@@ -26,7 +25,6 @@ from conversions.table import PAGE, page
 
 
 def main() -> None:
-    """Run the command."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true", help="change nothing; 1 if out of date")
     parser.add_argument("--seconds", type=float, help="draw clouds for so long")

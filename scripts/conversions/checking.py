@@ -23,8 +23,9 @@ from conversions.comparing import (
 )
 from conversions.passages import OF_LAS, Passage, chunks
 from conversions.probing import Kept, kept_by
+
 from liftmesh import Cloud, LiftmeshError
-from liftmesh.io.metadata import not_read
+from liftmesh.io.metadata import Provenance
 
 
 def went_through(passage: Passage, cloud: Cloud) -> Cloud | None:
@@ -56,7 +57,7 @@ def went_through(passage: Passage, cloud: Cloud) -> Cloud | None:
     missing = unnamed(lost - by_table, arrival.named)
     _demand(not missing, passage, f"loses {missing}, but names {arrival.named}")
     # What the object before had, and the cloud made of it has not, is named once more.
-    now = [each for each in arrival.named if each not in not_read(arrival.sent.metadata)]
+    now = [each for each in arrival.named if each not in Provenance(arrival.sent.metadata).lost]
     false = untrue(lost, now)
     _demand(not false, passage, f"names {false}, but loses {lost}")
     return arrival.cloud

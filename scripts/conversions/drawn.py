@@ -31,7 +31,7 @@ KEYS = ("survey", "Höhe", "comments", "obj_info", "metadata", "extras", "crs", 
 NOTES: dict[str, tuple[Any, ...]] = {
     "source": ("survey 2024", Label("tile.laz")),
     "format": ("paper", Label("las"), "las"),
-    "skipped": (("texture",), Unread(["texture"]), ["a"], ("a", 1)),
+    "not_read": (("texture",), Unread(["texture"]), ["a"], ("a", 1)),
     "columns": (NotedColumns(x="E", y="N"), {"x": "E", "y": "N"}, "x,y"),
     "notes": (("x is 'E'",), "by hand", 5),
     "origin": ([1.0, 2.0, 0.0], (0, 0, 0)),

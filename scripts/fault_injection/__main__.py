@@ -26,7 +26,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from campaign import seed_of
-
 from fault_injection.control import PRELOAD, build
 
 SCRIPTS = Path(__file__).resolve().parents[1]
@@ -55,7 +54,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--seconds", type=float, default=1e9, help="by default until all cases are done")

@@ -33,7 +33,6 @@ from pathlib import Path
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from campaign import seed_of
-
 from fuzz.campaign import Outcome, fuzz, reason
 from fuzz.distill import distill
 from fuzz.shrink import shrink
@@ -45,7 +44,6 @@ STRUCTURE = "structure"
 
 
 def main() -> None:
-    """Run the command."""
     options = read_options()
     if options.target == STRUCTURE:
         raise SystemExit(run_files(options.run) if options.run else hunt_lies(options))
@@ -60,7 +58,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("target", choices=[*TARGETS, STRUCTURE])

@@ -31,13 +31,12 @@ from typing import TYPE_CHECKING
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from rich.console import Console
-from rich.table import Table
-
 from growth import honest
 from growth.resident import SIZE, measured
 from growth.seconds import Timing, timed
 from growth.subjects import FILES, subjects
+from rich.console import Console
+from rich.table import Table
 
 if TYPE_CHECKING:
     from growth.counting import Count
@@ -46,7 +45,6 @@ MOST_MORE = 1.02
 
 
 def main() -> None:
-    """Run the command."""
     options = read_options()
     if options.instructions:
         raise SystemExit(instructions(options))
@@ -54,7 +52,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--seconds", type=float, default=3, help="of CPU time for each case")
@@ -88,7 +85,6 @@ def seconds(options: Namespace) -> int:
 
 
 def line_of(found: Timing) -> str:
-    """Describe a case in a line."""
     costs = [1e6 * taken / units for units, taken in found.seconds.items()] or [0.0]
     largest = max(found.seconds, default=0)
     label = f"{found.subject} on {found.family}"

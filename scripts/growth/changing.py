@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 from distributions import Points, polar
-
-import liftmesh
 from growth.counting import Work
 from growth.families import named, random
 from growth.functions import EXACT, TERRAIN, on_points, on_surface
 from growth.planar import FANS, PLANAR
 from growth.spatial import SPATIAL
+
+import liftmesh
 
 
 def inserted(points: Points) -> Work:

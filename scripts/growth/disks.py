@@ -7,16 +7,17 @@ more than three.
 from __future__ import annotations
 
 import copy
+import io
 from collections.abc import Callable, Iterator
 from math import isqrt
 from typing import Any
 
 import numpy as np
-
-import liftmesh
 from growth.cells import CELLS
 from growth.counting import Work
 from growth.families import FEW, named, random
+
+import liftmesh
 
 Disks = np.ndarray
 
@@ -146,8 +147,10 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     for name in CELLS:
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
-    for method in (kind.sides, kind.to_shapely, kind.to_geodataframe):
+    for method in (kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
+    saved = on_cells(lambda c: c.save(io.BytesIO(), format="geojson"))
+    yield "ApolloniusCells.save", DISKS, saved, ()
     yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 

@@ -27,6 +27,18 @@ def named(*families: Family) -> dict[str, Family]:
     return {family.__name__.replace("_", " ").strip(): family for family in families}
 
 
+def families_in(module: Mapping[str, Any], kind: str, first: str = "") -> dict[str, Family]:
+    """Key the families that a module defines: its functions of n that return a kind of thing."""
+    found = (
+        each
+        for name, each in module.items()
+        if name.startswith(first)
+        and getattr(each, "__annotations__", None) == {"n": "int", "return": kind}
+        and (each.__module__, name[0]) == (module["__name__"], name.lstrip("_")[0])
+    )
+    return named(*found)
+
+
 def random() -> np.random.Generator:
     """Make the generator of random numbers that a family starts from."""
     return np.random.default_rng(SEED)

@@ -15,13 +15,13 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 from growth.spatial import SPATIAL
 from growth.tiled import tiled_functions
+
+import liftmesh
 from liftmesh import Cloud, Triangulation
 
 PLAIN = ("uniform", "lattice", "circle and centre")

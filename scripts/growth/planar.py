@@ -12,8 +12,7 @@ from math import isqrt
 import numpy as np
 from collisions import colliding_column
 from distributions import Points, lattice, polar
-
-from growth.families import BENCHMARK, named, random
+from growth.families import BENCHMARK, families_in, random
 
 
 def circle_and_centre(n: int) -> Points:
@@ -177,35 +176,7 @@ def wide_spiral(n: int) -> Points:
     return polar(np.exp(t), t)
 
 
-PLANAR = {
-    **BENCHMARK,
-    **named(
-        circle_and_centre,
-        polar_scan,
-        column_and_apex,
-        facing_arcs,
-        nested_clusters,
-        two_scales,
-        tiny_and_far,
-        mixed_exponents,
-        wide_line,
-        huge_by_denormal,
-        powers_of_two,
-        one_position_but_three,
-        few_positions,
-        colliding_hashes,
-        off_the_sample,
-        collinear_but_one,
-        sorted_rows,
-        organ_pipe,
-        cross,
-        oblique_line,
-        line_and_two,
-        hexagon_sides,
-        noisy_cross,
-        wide_spiral,
-    ),
-}
+PLANAR = {**BENCHMARK, **families_in(globals(), "Points")}
 
 FANS = ("uniform", "circle and centre", "polar scan", "column and apex")
 THIN = ("oblique line", "line and two", "hexagon sides", "noisy cross")

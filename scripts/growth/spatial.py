@@ -10,8 +10,7 @@ from math import isqrt
 
 import numpy as np
 from distributions import Points, lattice, polar
-
-from growth.families import named, random
+from growth.families import families_in, random
 
 
 def lifted_points(n: int) -> Points:
@@ -94,17 +93,7 @@ def thin_valley(n: int) -> Points:
     return np.column_stack([x, y, np.abs(x - n / 4)])
 
 
-SPATIAL = named(
-    random_heights,
-    lifted_points,
-    cone,
-    adversarial_order,
-    coplanar,
-    towers,
-    two_scales_of_height,
-    descending,
-    thin_valley,
-)
+SPATIAL = families_in(globals(), "Points")
 
 DEEP = ("coplanar", "two scales of height", "thin valley")
 """Exact arithmetic makes these dear: they are counted at an eighth of the rows.

@@ -15,8 +15,6 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from beside import stream_of
-
-import liftmesh
 from growth import cells, changing, disks, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
@@ -31,10 +29,13 @@ from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.planar import DEAR
 from growth.spatial import DEEP
+
+import liftmesh
 from liftmesh.io.registry import FORMATS
 
 if TYPE_CHECKING:
     from growth.families import Families
+
     from liftmesh.io.format import Format
 
 FILES: dict[str, Families] = {

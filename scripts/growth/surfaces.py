@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.functions import near_the_middle
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
+
+import liftmesh
 from liftmesh import Surface, Triangulation
 
 HALVES = {

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.functions import EXACT, PLAIN
 from growth.planar import PLANAR
+
+import liftmesh
 from liftmesh import RegularTriangulation
 
 FEW = ("uniform", "lattice")

@@ -23,11 +23,10 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from jobs import LONG_COMMANDS
-from process_state import hear_ctrl_c
-
 from interrupt.campaign import Interrupt, JobResult, interrupt_command, interrupt_job
 from interrupt.jobs import JOBS, prepare
+from jobs import LONG_COMMANDS
+from process_state import hear_ctrl_c
 
 
 def main() -> None:
@@ -51,7 +50,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     known = [*JOBS, *LONG_COMMANDS]

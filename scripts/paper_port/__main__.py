@@ -45,7 +45,6 @@ SIMULATED = {
 
 
 def main() -> None:
-    """Run the command."""
     options = read_options()
     console = Console() if os.isatty(1) else Console(width=WIDTH)
     with tempfile.TemporaryDirectory() as name:
@@ -60,7 +59,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--n", nargs="+", type=int, default=[1000], metavar="POINTS")

@@ -31,7 +31,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 
 from native.build import built
 from native.instructions import fused
-
 from portability.builds import BUILDS, PACKAGES, missing
 from portability.questions import write_files
 from portability.results import Results, differences, results
@@ -63,7 +62,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("--rows", type=int, default=20_000, help="of each distribution")
     parser.add_argument("--sets", type=int, default=100, help="small sets of each kind")

@@ -53,7 +53,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("sanitizer", choices=PROGRAMS)
     parser.add_argument("--rows", type=int, default=ROWS, help="of each point set")

@@ -26,7 +26,6 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from process_state import MEGA, RETURNING, State
-
 from soak.calls import Aborted, large_call, load_libraries, small_call
 from soak.leaks import growth, leaks
 
@@ -50,7 +49,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--calls", type=int, default=100_000)

@@ -27,7 +27,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 
 from jobs import commands
 from process_state import hear_ctrl_c
-
 from sweep.jobs import learn, prepare
 from sweep.runs import AFTER, BEFORE, DURING, Run, plan, run
 
@@ -45,7 +44,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
     add("--runs", type=int, help="how many; by default 5,000, or any number in --seconds")

@@ -29,8 +29,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 from distributions import DISTRIBUTIONS, Points
 from oracles.planar import delaunay as by_definition, exact
 from small_sets import KINDS, small_set
-
-from versions.worker import Arrays  # noqa: TC001 - no time is saved
+from versions.worker import Arrays
 
 ROOT = Path(__file__).resolve().parents[2]
 TOGETHER = 1000  # small sets of one request
@@ -85,7 +84,6 @@ def main() -> None:
 
 
 def read_options() -> Namespace:
-    """Parse the command line."""
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     parser.add_argument("python", help="the interpreter of the other version")
     parser.add_argument("--sets", type=int, default=20_000, help="number of small sets")

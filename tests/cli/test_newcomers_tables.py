@@ -235,7 +235,7 @@ def test_a_frame_of_the_same_dump(read: Any) -> None:
     assert surface.vertices[:3].tolist() == POINTS
     assert surface.report.columns == {"x": "x", "y": "y", "z": "z"}
     assert surface.attributes["id"].tolist() == [1, 2, 3, 4]
-    assert "column measured_at" in str(surface.metadata["skipped"])
+    assert "column measured_at" in str(surface.metadata["not_read"])
 
 
 def test_a_frame_whose_heights_are_text_is_refused() -> None:

@@ -10,6 +10,7 @@ from typing import Annotated, Any, TypeAlias
 import pytest
 
 from liftmesh.cli import options
+from liftmesh.errors import InputError
 
 
 @pytest.mark.parametrize(
@@ -25,7 +26,7 @@ from liftmesh.cli import options
         (options.ends, "-inf,10", [-math.inf, 10.0]),
         (options.classes, "2,9", [2, 9]),
         (options.metric, "2,0.5,1", ((2.0, 0.5), (0.5, 1.0))),
-        (options.vertex, "1.5,-2", (1.5, -2.0)),
+        (options.apex, "1.5,-2", (1.5, -2.0)),
         (options.box, "0,0,2,1", (0.0, 0.0, 2.0, 1.0)),
         (options.box, "city.geojson", None),
         (options.plane, "0,0,1", ((0.0, 0.0, 1.0), None)),
@@ -39,22 +40,25 @@ def test_values_are_parsed(parse: Callable[[str], Any], text: str, value: object
 @pytest.mark.parametrize(
     ("parse", "text", "reason"),
     [
-        (options.positive, "0", "'0' is not a positive number"),
-        (options.number, "inf", "'inf' is not a number"),
-        (options.distance, "nan", "'nan' is not a distance: 0, or more"),
-        (options.numbers, "1,x", "'x' is not a number"),
+        (options.positive, "0", "is 0: give a positive number"),
+        (options.number, "inf", "is inf: give a finite number"),
+        (options.distance, "nan", "is nan: give 0 or a positive number"),
+        (options.numbers, "1,x", "is 'x': give a finite number"),
+        (options.ends, "1,", "is '': give a number"),
         (options.whole(3), "2", "is 2: give a whole number from 3"),
         (options.whole(3), "2.5", "is '2.5': give a whole number from 3"),
         (options.threads, "0", "is 0: give a whole number from 1 to 1024"),
-        (options.metric, "1,5,1", "[[1.0, 5.0], [5.0, 1.0]] is not positive definite: "),
+        (options.metric, "1,5,1", "is [[1.0, 5.0], [5.0, 1.0]], which is not positive definite: "),
     ],
 )
 def test_what_is_wrong_follows_the_name_of_the_option(
     parse: Callable[[str], Any], text: str, reason: str
 ) -> None:
-    with pytest.raises(options.WrongValue) as raised:
+    with pytest.raises(InputError) as raised:
         parse(text)
-    assert raised.value.message.startswith(reason)
+    name, _, said = str(raised.value).partition(" ")
+    assert name == raised.value.option
+    assert said.startswith(reason)
 
 
 def test_one_way_to_lift_is_taken() -> None:

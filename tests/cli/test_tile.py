@@ -39,8 +39,8 @@ def test_counts_as_json(folder: Path) -> None:
     told = json.loads(done.stdout)
     expected = liftmesh.delaunay(POINTS)
     assert told["folder"] == str(folder / "out")
-    assert (told["rows"], told["triangles"]) == (3_000, expected.nsimplex)
-    assert told["duplicates"] == len(expected.duplicates)
+    assert (told["n_rows"], told["n_triangles"]) == (3_000, expected.nsimplex)
+    assert told["n_duplicates"] == len(expected.duplicates)
     assert told["merges"]["tiles"] == 1
     assert liftmesh.open_tiled(folder / "out").manifest["tile_rows"] == 2_500_000
     assert list((folder / "scratch").iterdir()) == []
@@ -114,7 +114,7 @@ def test_progress_on_a_terminal(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["a.npy", "out", "--memory", "much"], 2, "--memory 'much' is not a size"),
+        (["a.npy", "out", "--memory", "much"], 2, "--memory is 'much': give a size"),
         (["a.npy", "out", "--tile-rows", "3"], 2, "--tile-rows"),
         (["a.npy", "out", "--shards", "obj"], 2, "--shards"),
         (["a.npy", "out", "--workers", "0"], 2, "--workers"),

@@ -102,12 +102,12 @@ def test_a_unit_of_heights_without_a_system(keys: dict[str, Any]) -> None:
 def test_a_unit_that_contradicts_the_number_is_named() -> None:
     cloud = read(k1024=1, k3072=2225, k3076=9001)
     assert cloud.crs is None
-    assert cloud.metadata["skipped"] == (
+    assert cloud.metadata["not_read"] == (
         "GeoKeys (EPSG:2225 has the unit US survey foot, but they state metre)",
     )
     beside = record(PROJECTION, 2112, WKT.encode())
     assert read(beside, k1024=1, k3072=2225, k3076=9001).crs == WKT
-    assert "skipped" not in read(beside, wkt=True, k3072=2225, k3076=9001).metadata
+    assert "not_read" not in read(beside, wkt=True, k3072=2225, k3076=9001).metadata
     assert read(k1024=1, k3072=2225, k3076=9003).crs == "EPSG:2225"
 
 
@@ -163,7 +163,7 @@ def test_systems_of_parameters(name: str) -> None:
     stream = io.BytesIO()
     lm.write(stream, cloud, format="las")
     assert stream.getvalue() == las  # GeoKeys stay as they are
-    assert "skipped" not in cloud.metadata
+    assert "not_read" not in cloud.metadata
 
 
 def test_systems_of_parameters_that_nobody_knows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,10 +171,10 @@ def test_systems_of_parameters_that_nobody_knows(monkeypatch: pytest.MonkeyPatch
     for said, beside in (("which are missing", ()), ("that GDAL does not know", (doubles,))):
         cloud = read(*beside, k1024=1, k2048=4269, k3072=32767, k3075=99)
         assert cloud.crs is None
-        assert said in cloud.metadata["skipped"][0]
+        assert said in cloud.metadata["not_read"][0]
     monkeypatch.setitem(sys.modules, "rasterio", None)
     cloud = read(doubles, k1024=1, k2048=4269, k3072=32767, k3075=8)
-    assert "pip install 'liftmesh[terrain]'" in cloud.metadata["skipped"][0]
+    assert "pip install 'liftmesh[terrain]'" in cloud.metadata["not_read"][0]
 
 
 def keys_of(model: int, *others: tuple[int, int, int, int]) -> bytes:
@@ -232,4 +232,4 @@ def test_parameters_that_are_no_numbers() -> None:
     records = record(PROJECTION, 34735, keys), record(PROJECTION, 34736, nan)
     cloud = lm.read(io.BytesIO(with_records(encoded(tile(4)), *records)), format="las")
     assert cloud.crs is None
-    assert "that GDAL does not know" in cloud.metadata["skipped"][0]
+    assert "that GDAL does not know" in cloud.metadata["not_read"][0]

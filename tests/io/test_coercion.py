@@ -105,7 +105,7 @@ def test_the_geometries_of_a_scene_are_put_in_their_places() -> None:
     assert np.allclose(cloud.points[4:], trimesh.transform_points(POINTS, turn))
     assert cloud.normals is not None
     assert np.allclose(cloud.normals[4:], [0, -1, 0])
-    assert cloud.metadata["skipped"] == ("1 lines",)
+    assert cloud.metadata["not_read"] == ("1 lines",)
     assert cloud.crs == "EPSG:2056"
     assert liftmesh.as_cloud(trimesh.Scene()).points.shape == (0, 3)
 

@@ -7,8 +7,9 @@ import pytest
 
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import taken_points, taken_together, type_in_text
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.precision import checked_origin
-from liftmesh.io.selection import class_column, found_selection
+from liftmesh.io.selection import class_column
 
 
 def test_coordinates_of_text_are_doubles() -> None:
@@ -46,4 +47,4 @@ def test_the_column_of_classes_is_one_of_numbers() -> None:
     ],
 )
 def test_only_a_readers_counts_are_a_selection(said: object, expected: object) -> None:
-    assert found_selection({"selection": said}) == expected
+    assert Provenance({"selection": said}).selection == expected

@@ -17,12 +17,10 @@ from liftmesh import Cloud, FormatError
 from liftmesh.io.metadata import (
     LIFTED,
     NotedColumns,
+    Provenance,
     as_extras,
     crs_comment,
-    found_columns,
     is_lines,
-    is_read,
-    lifted_by,
     of_extras,
     others,
     plain_lines,
@@ -204,7 +202,7 @@ def test_comments_that_only_look_like_entries_stay_comments(text: str) -> None:
 def test_an_npz_text_that_states_nothing_is_named() -> None:
     stream = io.BytesIO()
     np.savez(stream, points=MESH.points, metadata=np.array("made by hand"))
-    assert loaded(stream.getvalue(), "npz").metadata["skipped"] == ("metadata ()",)
+    assert loaded(stream.getvalue(), "npz").metadata["not_read"] == ("metadata ()",)
 
 
 def test_chunks_hold_the_metadata() -> None:
@@ -253,7 +251,7 @@ def test_entries_of_a_user_switch_nothing(kind: str) -> None:
     if kind == "face":
         visual = {"face_colors": [[255, 0, 0, 255]]}
     lost = {"texture": "texture", "face": "colors of faces"}[kind]
-    for metadata in ({}, {"skipped": "mine", "processed": "2024", **NOTES}):
+    for metadata in ({}, {"not_read": "mine", "processed": "2024", **NOTES}):
         mesh = trimesh.Trimesh(np.eye(3), [[0, 1, 2]], process=False, metadata=metadata, **visual)
         for source in (mesh, liftmesh.triangulate(mesh), trimesh.Scene([mesh])):
             cloud = liftmesh.as_cloud(source)
@@ -278,7 +276,7 @@ def test_merging_keeps_what_users_say_under_the_names_of_notes() -> None:
     clouds = [Cloud(np.eye(3), metadata={**NOTES, "selection": "mine"}) for _ in range(2)]
     assert {**NOTES, "selection": "mine"}.items() <= liftmesh.merge(clouds).metadata.items()
     others = [clouds[0], Cloud(np.eye(3), metadata={"source": "another"})]
-    assert "metadata source" in liftmesh.merge(others).metadata["skipped"]
+    assert "metadata source" in liftmesh.merge(others).metadata["not_read"]
 
 
 def test_extras_of_other_programs_do_not_pose_as_notes() -> None:
@@ -318,9 +316,9 @@ def test_what_is_stored_and_what_counts_as_lines() -> None:
 
 
 def test_only_readers_make_notes() -> None:
-    assert not is_read({"source": "survey", "format": "paper"})
-    assert found_columns({"columns": NotedColumns(x="E")}) == {"x": "E"}
-    assert found_columns({"columns": {"x": "E"}}) == {}
+    assert not Provenance({"source": "survey", "format": "paper"}).is_read
+    assert Provenance({"columns": NotedColumns(x="E")}).columns == {"x": "E"}
+    assert Provenance({"columns": {"x": "E"}}).columns == {}
 
 
 @pytest.mark.parametrize(
@@ -334,7 +332,7 @@ def test_only_readers_make_notes() -> None:
     ],
 )
 def test_by_what_a_mesh_was_lifted(said: object, is_known: bool) -> None:
-    assert lifted_by({LIFTED: said}) == (said if is_known else {})
+    assert Provenance({LIFTED: said}).lifted_by == (said if is_known else {})
 
 
 def test_the_coordinate_system_in_a_comment() -> None:

@@ -52,7 +52,7 @@ def test_faces_without_corners(encoding: str) -> None:
     cloud = ply(f"{VERTICES}element face 2\nproperty float quality\n", body, encoding)
     assert cloud.faces is None
     assert_same_bits(cloud.points, POINTS)
-    assert cloud.metadata["skipped"] == ("face property quality (2 rows)",)
+    assert cloud.metadata["not_read"] == ("face property quality (2 rows)",)
 
 
 def test_an_obj_line_goes_on_where_a_block_ends() -> None:

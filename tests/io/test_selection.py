@@ -137,7 +137,7 @@ def test_faces_are_left_out_and_named() -> None:
     mesh = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
     found = read(saved(mesh, "ply"), "ply", every=2)
     assert found.faces is None
-    assert found.metadata["skipped"] == ("1 faces (rows were selected)",)
+    assert found.metadata["not_read"] == ("1 faces (rows were selected)",)
 
 
 def test_nothing_is_left() -> None:

@@ -94,7 +94,7 @@ def test_lines_need_not_be_rows_and_keywords_stand_anywhere() -> None:
 def test_marks_of_nothing(mark: bytes, word: bytes) -> None:
     cloud = read(HEAD + b"NODATA_value " + mark + b"\n" + word + b" 1 NaN\n")
     assert cloud.points[:, 2].tolist() == [1]
-    assert cloud.metadata["skipped"] == ("2 samples without a value",)
+    assert cloud.metadata["not_read"] == ("2 samples without a value",)
 
 
 def test_part_of_a_grid() -> None:

@@ -94,7 +94,7 @@ def test_samples_without_a_value_are_left_out(mark: str) -> None:
     values[1, 1:3] = NODATA[mark]
     cloud = read(geotiff(values, nodata=NODATA[mark]))
     assert len(cloud) == 10
-    assert cloud.metadata["skipped"] == ("2 samples without a value",)
+    assert cloud.metadata["not_read"] == ("2 samples without a value",)
     assert_same_bits(cloud.points[:, 2], np.delete(values.ravel(), [5, 6]))
 
 
@@ -118,7 +118,7 @@ def test_what_may_stand_for_a_missing_value_is_refused(mark: str) -> None:
     for nodata in (given[1], mark, float(mark)):
         cloud = read(data, nodata=nodata)
         assert cloud.points[:, 2].tolist() == [0, 1, 2, 3, 4, 7, 8, 9, 10, 11]
-        assert cloud.metadata["skipped"] == ("2 samples without a value",)
+        assert cloud.metadata["not_read"] == ("2 samples without a value",)
     assert len(read(data, nodata="none")) == 12
     alone = geotiff(values[1:2, 1:3])
     with pytest.raises(FormatError, match="in 2 of 2 samples, a value or the mark of a missing"):
@@ -187,7 +187,7 @@ def test_the_unit_of_a_band_is_said(tmp_path: Path) -> None:
 def test_bands() -> None:
     data = geotiff(np.stack([HEIGHTS, HEIGHTS + 1, HEIGHTS + 2]))
     cloud = read(data)
-    assert cloud.metadata["skipped"] == ("band 2, 3",)
+    assert cloud.metadata["not_read"] == ("band 2, 3",)
     assert read(data, band=3).points[0, 2] == 102
     with pytest.raises(FormatError, match="<stream>: there is no band 4: give one from 1 to 3"):
         read(data, band=4)

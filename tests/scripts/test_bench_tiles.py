@@ -86,7 +86,7 @@ def test_families_in_any_order_and_tiling_are_compared_with_one_call(
     assert capsys.readouterr().out == "circle: 120 rows, 4 cases are one call's\n"
     orders = [each(POINTS, np.random.default_rng(1)) for each in fuzz_tiles.ORDERS.values()]
     assert len({each.tobytes() for each in orders}) == len(orders)
-    blocks = liftmesh.Tiled.blocks
-    monkeypatch.setattr(liftmesh.Tiled, "blocks", lambda self: (b[1:] for b in blocks(self)))
+    blocks = liftmesh.Tiled.iter_blocks
+    monkeypatch.setattr(liftmesh.Tiled, "iter_blocks", lambda self: (b[1:] for b in blocks(self)))
     with pytest.raises(AssertionError, match="uniform, seed 0: made, 2 tiles, 0 workers"):
         fuzz_tiles.compare(fuzz_tiles.parsed(["--rows", "90", "--families", "uniform"]))

@@ -28,7 +28,7 @@ def test_rows_in_order_and_values_that_all_have() -> None:
     found = liftmesh.merge([one, two])
     assert np.array_equal(found.points, np.vstack([one.points, two.points]))
     assert found.attributes["a"].tolist() == [0, 1, 2, 300, 301, 302]
-    assert found.metadata["skipped"] == ("b (not in cloud 1)",)
+    assert found.metadata["not_read"] == ("b (not in cloud 1)",)
     assert found.metadata["merged"] == [
         {"source": "cloud 0", "rows": 3, "overlap": 0},
         {"source": "cloud 1", "rows": 3, "overlap": 1},
@@ -111,7 +111,7 @@ def test_types_that_nothing_holds_are_left_out() -> None:
     one = Cloud(ROWS, attributes={"n": np.array([2**63 + 1, 0, 1], np.uint64)})
     two = Cloud(ROWS, attributes={"n": np.array([-1, 0, 1])})
     found = liftmesh.merge([one, two])
-    assert found.metadata["skipped"] == ("n (of different types)",)
+    assert found.metadata["not_read"] == ("n (of different types)",)
     assert not found.attributes
 
 
@@ -154,7 +154,7 @@ def test_metadata_that_all_say_alike() -> None:
     one = Cloud(ROWS, metadata={"survey": 2024, "by": "a"})
     found = liftmesh.merge([one, replace(one, metadata={"survey": 2024, "by": "b"})])
     assert found.metadata["survey"] == 2024
-    assert found.metadata["skipped"] == ("metadata by",)
+    assert found.metadata["not_read"] == ("metadata by",)
 
 
 def test_nothing_to_merge() -> None:

@@ -19,9 +19,9 @@ from liftmesh.crs.comparison import plane_of
 from liftmesh.crs.transformation import (
     common_transformation,
     transform,
-    transformation_of,
     transformation_text,
 )
+from liftmesh.io.metadata import Provenance
 
 UTM = np.array([[500000.0, 5400000.0, 100.0], [500100, 5400000, 110], [500000, 5400100, 120]])
 GAUSS = np.array([[3500000.0, 5400000.0, 100.0], [3500100, 5400000, 1], [3500000, 5400100, 2]])
@@ -153,7 +153,7 @@ def test_clouds_that_were_transformed_by_several_operations_say_so() -> None:
         [{"operation": "a", "accuracy": None}, {"operation": "b", "accuracy": 1.0}]
     )
     assert transformation_text(unknown) == "transformed by a, others by b (accuracy not known)"
-    assert transformation_of({"transformation": {"operation": "by hand"}}) == {}
+    assert not Provenance({"transformation": {"operation": "by hand"}}).transformation
 
 
 @pytest.mark.parametrize(

@@ -139,7 +139,7 @@ def everything(folder: Path) -> None:
     """Ask a folder for all that it has; what is wrong with it may only be told as such."""
     with suppress(LiftmeshError, OSError, MemoryError):
         tiled = liftmesh.open_tiled(folder)
-        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.compute]
+        calls = [lambda: tiled.report, lambda: tiled.convex_hull, tiled.to_array]
         calls += [tiled.neighbors_to_array, lambda: tiled.verify(POINTS, threads=1)]
         if isinstance(tiled, TiledSurface):
             calls += [lambda: tiled.raster(0.25), lambda: [*tiled.iter_meshes()]]

@@ -49,7 +49,7 @@ def test_points_keep_their_numbers_and_the_rest_is_named(tmp_path: Path) -> None
     assert found.attributes["id"].dtype == np.int64
     np.testing.assert_array_equal(found.attributes["depth"], [2.5, np.nan, np.nan])
     assert {*found.attributes} == {"id", "depth"}
-    assert found.metadata["skipped"] == ("property name", "property X", "1 LineString")
+    assert found.metadata["not_read"] == ("property name", "property X", "1 LineString")
 
 
 def test_a_bare_geometry_and_numbers_of_any_size(tmp_path: Path) -> None:
@@ -59,7 +59,7 @@ def test_a_bare_geometry_and_numbers_of_any_size(tmp_path: Path) -> None:
     found = points_of(saved(tmp_path / "b.geojson", *large), None)
     assert found.attributes["large"].tolist() == [2**62, 5]
     np.testing.assert_array_equal(found.attributes["small"], [1, np.nan])
-    assert found.metadata["skipped"] == ("property huge",)
+    assert found.metadata["not_read"] == ("property huge",)
 
 
 @pytest.mark.parametrize("is_one_feature", [True, False])

@@ -252,7 +252,7 @@ def test_six_nodes_and_attributes_of_triangles_are_named(tmp_path: Path) -> None
     (tmp_path / "A.ele").write_bytes(b"1 6 1\n0 0 1 2 0 1 2 9.5\n")
     mesh = liftmesh.read(tmp_path / "A.ele")
     assert mesh.points[:, 2].tolist() == [5, 6, 7]
-    assert mesh.metadata["skipped"] == ("1 attribute of triangles", "midpoints of edges")
+    assert mesh.metadata["not_read"] == ("1 attribute of triangles", "midpoints of edges")
 
 
 @pytest.mark.parametrize(

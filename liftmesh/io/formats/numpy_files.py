@@ -234,7 +234,7 @@ class _Roles:
         entries = None if self.metadata is None else metadata.parsed(str(arrays[self.metadata]))
         is_other = self.metadata is not None and entries is None
         skipped = (*self._skipped, *([f"{_METADATA} ()"] if is_other else []))
-        return metadata.noted(entries or {}, skipped=skipped)
+        return metadata.noted(entries or {}, not_read=skipped)
 
     def _stated_depth(self, arrays: Mapping[str, Array]) -> int | None:
         stated = None if self.depth is None else int(arrays[self.depth])

@@ -188,7 +188,7 @@ def _welded(corners: Floats, name: str, skipped: str) -> Cloud:
         metadata=noted(
             {},
             repeated_vertices=len(corners) - len(kept),
-            skipped=(skipped,) if skipped else (),
+            not_read=(skipped,) if skipped else (),
         ),
     )
 

@@ -55,7 +55,7 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     return replace(
         cloud,
         faces=checked_faces(_whole(faces, name), len(cloud), name),
-        metadata=noted({}, skipped=tuple(skipped)),
+        metadata=noted({}, not_read=tuple(skipped)),
     )
 
 

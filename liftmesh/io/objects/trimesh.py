@@ -26,7 +26,7 @@ from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.io.faces import checked_faces, faces_of, narrowed
-from liftmesh.io.metadata import NOTE, Unread, not_read, user_entries
+from liftmesh.io.metadata import NOTE, Provenance, Unread, user_entries
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -48,8 +48,8 @@ def to_cloud(source: Any) -> Cloud:
     named: Mapping[str, Any] = getattr(source, "vertex_attributes", None) or {}
     described = of_metadata(source.metadata)
     if unread := _unread(source):
-        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
-        described["metadata"]["skipped"] = Unread((*unread, *own))
+        own = ("metadata not_read",) if "not_read" in user_entries(described["metadata"]) else ()
+        described["metadata"]["not_read"] = Unread((*unread, *own))
     return Cloud(
         points=arrays.as_rows3(np.asarray(source.vertices)),
         colors=_colors(source),
@@ -78,8 +78,8 @@ def scene_to_cloud(scene: trimesh.Scene) -> Cloud:
     lines = len(placed) - len(parts)
     skipped = (*([f"{lines} lines"] if lines else []), *_lost(parts, named, described))
     if skipped:
-        own = ("metadata skipped",) if "skipped" in user_entries(described["metadata"]) else ()
-        described["metadata"]["skipped"] = Unread((*skipped, *own))
+        own = ("metadata not_read",) if "not_read" in user_entries(described["metadata"]) else ()
+        described["metadata"]["not_read"] = Unread((*skipped, *own))
     return Cloud(
         np.concatenate([part.points for part in parts]) if parts else np.zeros((0, 3)),
         colors=_joined(colors),
@@ -270,7 +270,7 @@ def _lost(
     """Name what geometries have and their union has not, with the number of geometries."""
     lost: Counter[str] = Counter()
     for part in parts:
-        lost.update(not_read(part.metadata))
+        lost.update(Provenance(part.metadata).lost)
         lost.update(name for name in part.attributes if name not in kept)
         if part.crs not in (None, described["crs"]):
             lost["crs"] += 1

@@ -11,9 +11,8 @@ import subprocess
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from native.build import NATIVE, Program, built
-
 from benchmark.profile.callgrind import ONLY
+from native.build import NATIVE, Program, built
 
 HERE = Path(__file__).resolve().parent
 PROGRAM = Program(

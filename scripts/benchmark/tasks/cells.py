@@ -28,11 +28,11 @@ from typing import TypeAlias
 import numpy as np
 import scipy.spatial
 import shapely
+from benchmark.contest import SEED
+from benchmark.measuring import add_common, console, empty_table
 from distributions import Points
 
 import liftmesh
-from benchmark.contest import SEED
-from benchmark.measuring import add_common, console, empty_table
 from liftmesh.cells.optimization import TransportResult
 
 Case: TypeAlias = tuple[str, str, Points, Callable[[Points], object]]
@@ -125,7 +125,6 @@ def steps_of(made: object) -> str:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add_common(parser)
     parser.add_argument("--most", type=int, default=100_000)
     parser.add_argument("--only", default="")
@@ -133,7 +132,6 @@ def add_options(parser: ArgumentParser) -> None:
 
 
 def run(options: Namespace) -> None:
-    """Print the table."""
     os.environ["LIFTMESH_NUM_THREADS"] = "1"
     points = np.random.default_rng(SEED).random((options.n, 2))
     numbers = ("points", "seconds", "x delaunay", "steps")

@@ -23,9 +23,6 @@ from argparse import ArgumentParser, Namespace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from distributions import DISTRIBUTIONS
-from rich.console import Console
-
 from benchmark import plots, records
 from benchmark.cases import MILLION, PROFILES, Case, grid
 from benchmark.contest import SEED, Limits, run_case
@@ -35,6 +32,8 @@ from benchmark.peers import BEFORE, OURS, PEERS, RIVALS
 from benchmark.startup import import_seconds
 from benchmark.tables import notes_of, tables_of, target_table
 from benchmark.targets import TARGETS, Target
+from distributions import DISTRIBUTIONS
+from rich.console import Console
 
 if TYPE_CHECKING:
     from benchmark.results import Measurement

@@ -20,13 +20,13 @@ from math import log
 from typing import NamedTuple
 
 import numpy as np
+from benchmark import cgal
+from benchmark.measuring import add_common, seconds_of
 from disks.families import FAMILIES, Disks
 from disks.peer import build, by_cgal
 from growth.stars import metrics_of
 
 import liftmesh
-from benchmark import cgal
-from benchmark.measuring import add_common, seconds_of
 
 SEED = 19
 SHOWN = ("uniform radii", "disjoint", "heavy overlap", "one large disk", "around a large disk")
@@ -97,13 +97,11 @@ PARTS: dict[str, Callable[[int, int], Iterator[Row]]] = {
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add_common(parser, n=100_000)
     parser.add_argument("--only", nargs="+", choices=PARTS, default=[*PARTS])
 
 
 def run(options: Namespace) -> None:
-    """Print the table."""
     if options.n < 1000:
         raise SystemExit("--n: give 1000 at least")
     print("| what | rows | seconds | compared with | ratio |")

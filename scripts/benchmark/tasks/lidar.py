@@ -25,11 +25,11 @@ from typing import Any
 
 import laspy
 import numpy as np
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.measuring import add_common, in_process
 from process_state import memory
 
 import liftmesh
-from benchmark.contestants import KEEP_MEMORY
-from benchmark.measuring import add_common, in_process
 from liftmesh.io.formats.las.points import Points
 
 THREADS = "2"
@@ -137,7 +137,6 @@ def measured(job: str, path: Path) -> Any:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add_common(parser)
     parser.add_argument("--json", type=Path, help="write the figures to a file")
 

@@ -26,13 +26,13 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
+from benchmark.contest import SEED
+from benchmark.measuring import add_common, console, empty_table, in_process, load
+from benchmark.peers import BEFORE, OURS
 from distributions import DISTRIBUTIONS, Points
 from rich.table import Table
 
 import liftmesh
-from benchmark.contest import SEED
-from benchmark.measuring import add_common, console, empty_table, in_process, load
-from benchmark.peers import BEFORE, OURS
 
 Find: TypeAlias = Callable[[Points], Any]
 
@@ -53,7 +53,6 @@ class Taken:
 
 
 def run(options: Namespace) -> None:
-    """Print a table for each distribution."""
     terminal = console(110)
     with terminal.status("") as status:
         for distribution in options.distributions:
@@ -76,7 +75,6 @@ def table_of(distribution: str, options: Namespace, tell: Callable[[str], None])
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add_common(parser, rounds=5)
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")

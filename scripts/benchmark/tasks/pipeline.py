@@ -26,9 +26,6 @@ from tempfile import TemporaryDirectory
 from time import perf_counter, process_time
 
 import numpy as np
-from process_state import memory
-from rich.table import Table
-
 from benchmark.measuring import (
     MILLION,
     console,
@@ -37,6 +34,8 @@ from benchmark.measuring import (
     processor_seconds,
     seconds_of,
 )
+from process_state import memory
+from rich.table import Table
 
 BLOCK = 1 << 16
 ROW = np.dtype([("position", "<f8", (3,)), ("color", "u1", (3,))])
@@ -149,7 +148,6 @@ def run(options: Namespace) -> None:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     parser.add_argument("--n", type=int, default=MILLION, metavar="ROWS")
     parser.add_argument(
         "--peers", action="store_true", help="also SciPy with Open3D and with trimesh"

@@ -22,9 +22,9 @@ from time import process_time
 from typing import Any
 
 import numpy as np
+from benchmark.measuring import console, empty_table, load
 
 import liftmesh
-from benchmark.measuring import console, empty_table, load
 from liftmesh import _kernel
 from liftmesh._typing import Floats
 from liftmesh.terrain.surface_data import positions_of
@@ -52,7 +52,6 @@ COLUMNS = (
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add("files", nargs="*", type=Path, metavar="RASTER", help="instead of the example")
     add("--fractal", type=int, default=1025, metavar="SIDE", help="0: none")

@@ -18,15 +18,14 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import trimesh
+from benchmark.measuring import add_common, best_in_turn, console, empty_table, load
 from rich.table import Table
 
 import liftmesh
-from benchmark.measuring import add_common, best_in_turn, console, empty_table, load
 from liftmesh.io.formats.stl import weld
 
 
 def run(options: Namespace) -> None:
-    """Run all calls in turn, and print a table."""
     cloud = terrain(options.n)
     with TemporaryDirectory() as folder:
         best = best_in_turn(calls(cloud, Path(folder)), options.rounds)

@@ -28,14 +28,6 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-from heights.peers import CgalHeights, Faceraster, GdalGrid
-from matplotlib.figure import Figure
-from matplotlib.tri import LinearTriInterpolator
-from rich.table import Table
-from scipy.interpolate import LinearNDInterpolator
-from scipy.spatial import Delaunay
-
-import liftmesh
 from benchmark import cgal
 from benchmark.contest import SEED
 from benchmark.measuring import (
@@ -47,6 +39,14 @@ from benchmark.measuring import (
     seconds_of,
 )
 from benchmark.peers import OURS
+from heights.peers import CgalHeights, Faceraster, GdalGrid
+from matplotlib.figure import Figure
+from matplotlib.tri import LinearTriInterpolator
+from rich.table import Table
+from scipy.interpolate import LinearNDInterpolator
+from scipy.spatial import Delaunay
+
+import liftmesh
 from liftmesh.terrain.surface_data import kernel_surface
 
 Call: TypeAlias = Callable[[], Any]
@@ -153,7 +153,6 @@ def run(options: Namespace) -> None:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add_common(parser)
     add("--points", type=int, default=1_000_000, help="at which heights are asked")

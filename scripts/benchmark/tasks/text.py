@@ -22,10 +22,9 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from rich.table import Table
-
 from benchmark.measuring import add_common, console, empty_table, in_process
 from benchmark.tasks.pipeline import BLOCK
+from rich.table import Table
 
 FILES = {"CSV": "points.csv", "XYZ": "points.xyz", "OBJ": "mesh.obj", "PLY": "mesh.ply"}
 POLARS = {"read": "polars read_csv", "write": "polars write_csv"}
@@ -34,7 +33,6 @@ IN_A_PROCESS = 3  # calls, of which the best counts
 
 
 def run(options: Namespace) -> None:
-    """Run all calls in turn, and print a table."""
     calls = [*([] if options.alone else POLARS.values()), *CALLS]
     with TemporaryDirectory() as name:
         folder = Path(name)
@@ -48,7 +46,6 @@ def run(options: Namespace) -> None:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add_common(parser, rounds=5)
     parser.add_argument("--alone", action="store_true", help="without polars")
 

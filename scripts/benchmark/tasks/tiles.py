@@ -31,6 +31,8 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
+from benchmark.contest import SEED
+from benchmark.measuring import console, empty_table, in_process, load, processor_seconds
 from distributions import Points
 from numpy.typing import NDArray
 from process_state import memory
@@ -38,8 +40,6 @@ from rich.table import Table
 from tilings import FAMILIES
 
 import liftmesh
-from benchmark.contest import SEED
-from benchmark.measuring import console, empty_table, in_process, load, processor_seconds
 
 BLOCK = 1 << 20
 MARGINS = (2, 5, 10)
@@ -82,7 +82,6 @@ class Taken:
 
 
 def run(options: Namespace) -> None:
-    """Print a table for each distribution."""
     for each in (parsed(words.split()) for words in ALL) if options.all else [options]:
         each.folder = options.folder
         compare(each)
@@ -108,7 +107,6 @@ def parsed(words: list[str]) -> Namespace:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add("--n", type=int, default=10_000_000, metavar="ROWS")
     add("--tile-rows", type=int, default=1_500_000, metavar="ROWS")

@@ -26,14 +26,14 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
-from distributions import DISTRIBUTIONS, Points
-from process_state import memory
-
-import liftmesh
 from benchmark.contest import SEED
 from benchmark.contestants import KEEP_MEMORY
 from benchmark.measuring import add_common, console, empty_table, in_process
 from benchmark.peers import OURS, PEERS, Triangles
+from distributions import DISTRIBUTIONS, Points
+from process_state import memory
+
+import liftmesh
 from liftmesh.planar.verification import _sums as hash_input
 
 Call: TypeAlias = Callable[[], Any]
@@ -63,7 +63,6 @@ class Judged:
 
 
 def run(options: Namespace) -> None:
-    """Print a table for each distribution."""
     terminal = console(110)
     for distribution in options.distributions:
         points = DISTRIBUTIONS[distribution](options.n, np.random.default_rng(SEED))
@@ -80,7 +79,6 @@ def run(options: Namespace) -> None:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add_common(parser, rounds=5)
     add("--distributions", nargs="+", choices=DISTRIBUTIONS, default=USUAL, metavar="D")

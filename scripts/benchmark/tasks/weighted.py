@@ -29,14 +29,14 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from benchmark.contestants import KEEP_MEMORY
+from benchmark.measuring import add_common, seconds_of
+from benchmark.system_load import SystemLoad
 from distributions import DISTRIBUTIONS, Points
 from weighted.families import under_the_hull, with_share
 from weighted.peers import Peer, peers
 
 import liftmesh
-from benchmark.contestants import KEEP_MEMORY
-from benchmark.measuring import add_common, seconds_of
-from benchmark.system_load import SystemLoad
 
 SEED = 17
 METRIC = [[2.0, 0.5], [0.5, 1.25]]
@@ -76,7 +76,6 @@ def run(options: Namespace) -> None:
 
 
 def add_options(parser: ArgumentParser) -> None:
-    """Add the options."""
     add = parser.add_argument
     add_common(parser, rounds=5)
     add("--cases", nargs="+", choices=CASES, default=[*CASES], metavar="CASE")

@@ -7,9 +7,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
-
 from fuzz.structure.parts import Chance, Liar, Part, encoded
+from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 

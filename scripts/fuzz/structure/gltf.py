@@ -11,7 +11,6 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-
 from fuzz.structure.case import Case, Points, in_order, quarters
 from fuzz.structure.parts import Chance, Liar, Part, encoded
 from fuzz.structure.trees import Tree, lie

@@ -7,10 +7,9 @@ import struct
 
 import laspy
 import numpy as np
-from growth.files.lidar import nodes_of_one_point
-
 from fuzz.structure.case import Case, Points, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
+from growth.files.lidar import nodes_of_one_point
 
 LAS_WORDS = [b"LASF", b"LASF_Spec", b"LASF_Projection", b"laszip encoded", b"copc", b"x", b"red"]
 _STEP = 0.25

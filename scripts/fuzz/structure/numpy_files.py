@@ -7,7 +7,6 @@ import zlib
 from dataclasses import dataclass
 
 import numpy as np
-
 from fuzz.structure.case import Case, Points, in_order, quarters
 from fuzz.structure.parts import Chance, Liar, Part, encoded
 

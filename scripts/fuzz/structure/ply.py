@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-
 from fuzz.mutator import vocabulary
 from fuzz.structure.case import Case, told
 from fuzz.structure.parts import Chance, Part, words

@@ -6,10 +6,10 @@ import gzip
 
 import numpy as np
 from beside import PLACE
-
 from fuzz.structure.case import Case, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
 from fuzz.structure.text import line
+
 from liftmesh import read
 
 PCD_WORDS = [b"VERSION .5\n", b"FIELDS", b"SIZE", b"TYPE", b"COUNT", b"HEIGHT 2\n", b"POINTS",

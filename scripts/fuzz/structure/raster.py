@@ -6,7 +6,6 @@ import warnings
 
 import numpy as np
 import rasterio
-
 from fuzz.structure.case import Case, Points, in_order, told
 from fuzz.structure.parts import Chance, Part
 from fuzz.structure.text import line

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-
 from fuzz.mutator import vocabulary
 from fuzz.structure.case import Case, Points, quarters, told
 from fuzz.structure.parts import Chance, Part

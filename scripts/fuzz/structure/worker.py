@@ -126,7 +126,6 @@ def run_file(path: Path) -> int:
 
 
 def main() -> None:
-    """Run a worker."""
     if sys.argv[1] == "--file":
         raise SystemExit(run_file(Path(sys.argv[2])))
     folder, seed, step, cases, seconds, *names = sys.argv[1:]

@@ -12,7 +12,6 @@ import zipfile
 from functools import cache
 
 import numpy as np
-
 from growth.families import named, random
 
 

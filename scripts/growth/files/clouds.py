@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-
 from growth.families import named, random
+
 from liftmesh import Cloud
 
 

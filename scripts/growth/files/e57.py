@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import numpy as np
 from beside.e57_files import Scan, e57
-
 from growth.families import named, random
 from growth.files.points import Compressed
 

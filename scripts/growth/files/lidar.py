@@ -12,8 +12,7 @@ import struct
 import laspy
 import lazrs
 import numpy as np
-
-from growth.families import named, random
+from growth.families import families_in, random
 from growth.files.points import Compressed
 
 _RECORD = struct.Struct("<H16sHH32s")
@@ -138,14 +137,4 @@ def long_system(n: int) -> bytes:
     return bytes(data) + _LONG_RECORD.pack(0, b"LASF_Projection", 2112, len(text), b"") + text
 
 
-LAS = named(
-    rows,
-    compressed_rows,
-    compressed_in_layers,
-    equal_points,
-    chunks_of_one_point,
-    nodes_of_one_point,
-    records_of_nothing,
-    extended_records,
-    long_system,
-)
+LAS = families_in(globals(), "bytes")

@@ -7,8 +7,7 @@ element reads what is left of the file, and where rows of unlike lists are handl
 from __future__ import annotations
 
 import numpy as np
-
-from growth.families import named, random
+from growth.families import families_in, random
 
 POINT = ("property double x", "property double y", "property double z")
 LISTS = "property list uchar int vertex_indices"
@@ -215,33 +214,4 @@ def renamed_properties(n: int) -> bytes:
     return ply("little", [*names, *lines], bytes(n + 2))
 
 
-PLY = named(
-    points_in_binary,
-    points_as_text,
-    triangles_in_binary,
-    triangles_as_text,
-    polygons_in_binary,
-    polygons_as_text,
-    empty_lists_in_binary,
-    empty_lists_as_text,
-    one_polygon_in_binary,
-    one_polygon_as_text,
-    list_elements,
-    scalar_elements,
-    text_elements,
-    empty_elements,
-    properties,
-    list_properties,
-    comments,
-    vertices_with_lists,
-    blank_lines,
-    triangles_then_quads,
-    triangles_then_quads_as_text,
-    growing_lists,
-    longest_uniform_lists,
-    rows_of_nothing,
-    two_byte_rows,
-    blank_lines_first,
-    metadata_comments,
-    renamed_properties,
-)
+PLY = families_in(globals(), "bytes")

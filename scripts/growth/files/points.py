@@ -10,7 +10,6 @@ import gzip
 import struct
 
 import numpy as np
-
 from growth.families import named, random
 from growth.files.text import positions, table
 

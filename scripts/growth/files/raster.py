@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 import rasterio
-
-from growth.families import named, random
+from growth.families import families_in, random
 from growth.files.points import Compressed
 
 _WIDTH = 16
@@ -70,11 +69,4 @@ def grid_of_digits(n: int) -> bytes:
     return made
 
 
-RASTER = named(
-    samples,
-    compressed_samples,
-    equal_samples,
-    strips_of_one_row,
-    one_long_row,
-    grid_of_digits,
-)
+RASTER = families_in(globals(), "bytes")

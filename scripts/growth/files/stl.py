@@ -9,8 +9,7 @@ from __future__ import annotations
 import struct
 
 import numpy as np
-
-from growth.families import named, random
+from growth.families import families_in, random
 from growth.files.text import positions
 
 
@@ -27,14 +26,14 @@ def facet(corners: list[str]) -> str:
     return f"facet normal 0 0 1\nouter loop\n{loop}endloop\nendfacet\n"
 
 
-def soup(n: int) -> bytes:
-    """Triangles that share nothing."""
-    return binary(random().random((n, 3, 3)))
-
-
 def grid(n: int) -> bytes:
     """The ordinary mesh: each vertex in several triangles."""
     return binary(random().integers(0, max(int((n / 2) ** 0.5), 2), (n, 3, 3)))
+
+
+def soup(n: int) -> bytes:
+    """Triangles that share nothing."""
+    return binary(random().random((n, 3, 3)))
 
 
 def one_point(n: int) -> bytes:
@@ -77,14 +76,4 @@ def one_line(n: int) -> bytes:
     return facets_as_text(n).replace(b"\n", b" ")
 
 
-STL = named(
-    grid,
-    soup,
-    one_point,
-    signed_zeros,
-    one_axis,
-    solid_in_binary,
-    facets_as_text,
-    solids,
-    one_line,
-)
+STL = families_in(globals(), "bytes")

@@ -7,8 +7,7 @@ joined to all before it, and where a line or a header is as long as the file.
 from __future__ import annotations
 
 import numpy as np
-
-from growth.families import named, random
+from growth.families import families_in, random
 
 
 def positions(n: int, form: str = "{} {} {}\n") -> str:
@@ -131,28 +130,7 @@ def obj_long_keyword(n: int) -> bytes:
     return b"v 0 0 0\n" + b"a" * n + b"\ng " + b"a" * n + b"\n"
 
 
-OBJ = named(
-    obj_triangles,
-    obj_polygons,
-    obj_groups,
-    obj_keywords,
-    obj_alternating,
-    obj_one_polygon,
-    obj_normals,
-    obj_continued,
-    obj_unlike_vertices,
-    obj_comments,
-    obj_polygon_of_pairs,
-    obj_polygon_of_triples,
-    obj_crs_comments,
-    obj_metadata_comments,
-    obj_painted,
-    obj_blank,
-    obj_continued_faces,
-    obj_continued_polygon,
-    obj_continued_nothing,
-    obj_long_keyword,
-)
+OBJ = families_in(globals(), "bytes", "obj_")
 
 
 def off_triangles(n: int) -> bytes:
@@ -199,16 +177,7 @@ def off_blank(n: int) -> bytes:
     return b"OFF\n1 0 0\n0 0 0\n" + b"\n" * n
 
 
-OFF = named(
-    off_triangles,
-    off_polygons,
-    off_colours,
-    off_one_polygon,
-    off_empty_faces,
-    off_comments,
-    off_wide_vertices,
-    off_blank,
-)
+OFF = families_in(globals(), "bytes", "off_")
 
 
 def table(n: int) -> bytes:
@@ -364,35 +333,8 @@ def long_quote(n: int) -> bytes:
     return b'x,y,z,w\n1,2,3,"' + b"ab," * n + b"\n"
 
 
-TEXT = named(
-    decimal_commas,
-    words_beside,
-    word_at_the_end,
-    words_in_columns,
-    ids,
-    marks,
-    sixteen_bits,
-    tabs,
-    long_quote,
-    table,
-    table_with_header,
-    one_digit_rows,
-    columns,
-    unnamed_columns,
-    remarks,
-    remarks_behind_commas,
-    blank_lines,
-    carriage_returns,
-    quoted_values,
-    last_line_broken,
-    long_numbers,
-    six_digits,
-    long_word,
-    wide_rows,
-    remarks_last,
-    long_remark,
-    header_of_words,
-    blanks_in_header,
-    quotes_in_header,
-    empty_names,
-)
+TEXT = {
+    name: family
+    for name, family in families_in(globals(), "bytes").items()
+    if name not in OBJ | OFF
+}

@@ -53,7 +53,7 @@ def test_the_whole_file_is_laz_like_another() -> None:
     cloud = read()
     assert len(cloud) == COUNT
     assert cloud.metadata["las"]["copc"] == {"spacing": 16.0, "levels": 3}
-    assert cloud.metadata.get("skipped") is None
+    assert cloud.metadata.get("not_read") is None
 
 
 @pytest.mark.parametrize(
@@ -147,7 +147,7 @@ def test_a_damaged_index_is_named_and_not_used(lie: str) -> None:
     with pytest.raises(FormatError, match=cause):
         read(data, copc_resolution=1.0)
     found = read(data, bounds=BOX)
-    assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+    assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
     assert_same_bits(found.points, read(bounds=BOX).points)
 
 
@@ -172,7 +172,7 @@ def test_an_index_that_points_contradict_is_named_and_not_used(case: str) -> Non
         {"bounds": BOX, "classes": "ground"},
     ):
         found, expected = read(data, **options), read(**options)
-        assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+        assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
         assert_same_bits(found.points, expected.points)
         counts = [each.metadata["selection"]["selected"] for each in (found, expected)]
         assert counts[0] == counts[1] == len(found)
@@ -191,7 +191,7 @@ def test_points_that_decoding_shows_outside(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(Index, "check", all_but_the_first)
     found = read(MOVED["a cube a bit small"], bounds=BOX)
-    assert found.metadata["skipped"] == ("the index of COPC (damaged)",)
+    assert found.metadata["not_read"] == ("the index of COPC (damaged)",)
     assert len(checked) > 1
     monkeypatch.undo()
     assert_same_bits(found.points, read(bounds=BOX).points)

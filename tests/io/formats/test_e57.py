@@ -67,7 +67,7 @@ def test_scans_are_moved_by_their_poses() -> None:
     assert_same_bits(cloud.points[53:, 0], X[:50] + 1000.0)
     assert_same_bits(cloud.points[53:, 1], Y[:50])
     assert cloud.attributes["scan"].tolist() == [0] * 50 + [1] * 3 + [3] * 50
-    assert cloud.metadata["skipped"] == ("intensity (of some scans)",)
+    assert cloud.metadata["not_read"] == ("intensity (of some scans)",)
 
 
 def test_spheres_steps_and_states() -> None:
@@ -83,7 +83,7 @@ def test_spheres_steps_and_states() -> None:
     x, y = across * np.cos(angle), across * np.sin(angle)
     z = sphere["sphericalRange"] * np.sin(angle / 3)
     assert_same_bits(cloud.points, np.column_stack([x, y, z])[::3])
-    assert cloud.metadata["skipped"] == ("40 points without a valid position",)
+    assert cloud.metadata["not_read"] == ("40 points without a valid position",)
     steps = np.array([-50.001, 0.002, 7.25])
     scale = {"cartesianX": (0.001, 400.0)}
     cloud = read(e57(Scan(dict.fromkeys(PLACES, steps), scaled=scale)))

@@ -37,7 +37,7 @@ def test_every_mode_is_read_beside_others(mode: int, node: dict[str, Any]) -> No
     cloud = model.read()
     assert cloud.points.tolist() == [*SQUARE.tolist(), *TRIANGLE.tolist()]
     assert faces(cloud) == EXPECTED[mode]
-    assert "skipped" not in cloud.metadata
+    assert "not_read" not in cloud.metadata
 
 
 @pytest.mark.parametrize("mode", [4, 5, 6])
@@ -79,10 +79,10 @@ def test_lines_are_named(mode: int, what: str) -> None:
     model = shape(mode)
     cloud = model.read()
     assert (len(cloud), faces(cloud)) == (3, [[0, 1, 2]])
-    assert cloud.metadata["skipped"] == (f"1 {what}",)
+    assert cloud.metadata["not_read"] == (f"1 {what}",)
     model.node(mesh=1)
     plural = what if mode == 1 else f"{what}s"
-    assert model.read().metadata["skipped"] == (f"2 {plural}",)
+    assert model.read().metadata["not_read"] == (f"2 {plural}",)
     model.tree["scenes"][0]["nodes"] = [1]
     model.refused(f"the file holds no vertices: only 1 {what}, 2 nodes outside the scene")
 
@@ -97,7 +97,7 @@ def test_what_is_not_read_is_named() -> None:
     model.node(mesh=one, skin=0, extensions=instances)
     model.node(mesh=one, root=False)
     model.node(mesh=model.mesh({"mode": 0, "attributes": {"COLOR_0": rows}}))
-    assert set(model.read().metadata["skipped"]) == {
+    assert set(model.read().metadata["not_read"]) == {
         "1 skin",
         "1 node with EXT_mesh_gpu_instancing",
         "1 primitive with TEXCOORD_0",
@@ -119,7 +119,7 @@ def test_colours_and_normals_that_not_all_have() -> None:
     cloud = model.read()
     assert cloud.colors is None
     assert cloud.normals is None
-    assert cloud.metadata["skipped"] == (
+    assert cloud.metadata["not_read"] == (
         "1 primitive with COLOR_0, which not all have",
         "1 primitive with NORMAL, which not all have",
     )
@@ -130,7 +130,7 @@ def test_colours_and_normals_that_not_all_have() -> None:
     assert cloud.colors.tolist() == [[9] * 4] * 4
     assert cloud.normals.tolist() == (SQUARE + np.array([0, 0, 1])).tolist()
     model.tree["nodes"][1]["scale"] = [1, 1, 0]
-    assert "1 primitive with NORMAL, which not all have" in model.read().metadata["skipped"]
+    assert "1 primitive with NORMAL, which not all have" in model.read().metadata["not_read"]
 
 
 def test_meshes_stand_in_their_places() -> None:
@@ -259,7 +259,7 @@ def test_normals_that_one_place_flattens() -> None:
     model.node(mesh=mesh, scale=[1, 0, 1])
     cloud = model.read()
     assert cloud.normals is None
-    assert cloud.metadata["skipped"] == ("3 primitives with NORMAL, which not all have",)
+    assert cloud.metadata["not_read"] == ("3 primitives with NORMAL, which not all have",)
 
 
 def test_more_vertices_than_indices_count() -> None:
@@ -292,7 +292,7 @@ def test_required_extensions_that_move_nothing(name: str) -> None:
     model = shape(5)
     model.tree["extensionsRequired"] = [name]
     model.tree["meshes"][1]["primitives"][0]["extensions"] = {name: {}}
-    assert model.read().metadata["skipped"] == (f"1 primitive with {name}",)
+    assert model.read().metadata["not_read"] == (f"1 primitive with {name}",)
 
 
 def test_points_beyond_doubles_are_infinite_without_a_warning() -> None:

@@ -205,7 +205,7 @@ def test_values_of_several_meshes_are_joined_if_all_have_them() -> None:
     assert sorted(cloud.attributes) == ["ALL"]
     assert sorted(cloud.attributes["ALL"].tolist()) == [0, 1, 2, 3, 10, 11, 12, 13]
     assert cloud.points[cloud.attributes["ALL"] == 12].tolist() == [[2, 1, 0]]
-    assert set(cloud.metadata["skipped"]) == {
+    assert set(cloud.metadata["not_read"]) == {
         "1 primitive with _ONE, which not all have",
         "2 primitives with _WIDE, which not all have",
     }
@@ -307,7 +307,7 @@ def test_colours_of_all_types(
     assert np.array_equal(cloud.colors, np.hstack([expected, np.full((4 * uses, 1), 255)]))
     counted = {1: "1 primitive", 2: "2 primitives"}[uses]
     noted = (f"{counted} with COLOR_0 of more than 8 bits, rounded",) if is_rounded else None
-    assert cloud.metadata.get("skipped") == noted
+    assert cloud.metadata.get("not_read") == noted
 
 
 WIDEST = [np.int32(2**31 - 1), np.uint32(2**32 - 1), np.int64(2**63 - 1), np.uint64(2**64 - 1)]

@@ -51,7 +51,7 @@ def test_every_value_of_every_point_format(point_format: int, compressed: bool) 
     }
     waves = ("waveforms",) if point_format in (4, 5, 9, 10) else ()
     packets = ("wave packets (compressed in formats 9 and 10)",) if "x_t" in left_out else ()
-    assert cloud.metadata.get("skipped", ()) == (*packets, *waves)
+    assert cloud.metadata.get("not_read", ()) == (*packets, *waves)
 
 
 def test_the_whole_numbers_come_back_from_the_coordinates() -> None:
@@ -106,7 +106,7 @@ def test_extra_bytes_with_the_name_of_a_coordinate_are_named() -> None:
     las = tile(4)
     las.add_extra_dim(laspy.ExtraBytesParams("q", "f4"))
     cloud = read(encoded(las).replace(b"\x09\x06q\x00", b"\x09\x06z\x00"))
-    assert cloud.metadata["skipped"] == ("extra bytes 'z' (the name of a coordinate, or none)",)
+    assert cloud.metadata["not_read"] == ("extra bytes 'z' (the name of a coordinate, or none)",)
     assert_same_bits(cloud.points[:, 2], np.asarray(las.z, dtype=np.float64))
 
 
@@ -180,17 +180,17 @@ def test_a_path_a_stream_and_a_pipe(tmp_path: Path) -> None:
 def test_bytes_behind_the_last_point_are_named() -> None:
     data = encoded(tile(6))
     count = patched(data, "<I", 107, 4)
-    assert read(count).metadata["skipped"] == ("68 bytes after the last point",)
+    assert read(count).metadata["not_read"] == ("68 bytes after the last point",)
 
 
 def test_points_that_a_header_of_1_4_does_not_count_are_named() -> None:
     las = tile(6, point_format=6, version="1.4")
     short = patched(encoded(las), "<Q", 247, 4)
-    assert read(short).metadata["skipped"] == ("60 bytes after the last point",)
+    assert read(short).metadata["not_read"] == ("60 bytes after the last point",)
     las.evlrs = laspy.vlrs.vlrlist.VLRList([laspy.VLR("somebody", 7, "", bytes(100))])
-    assert "skipped" not in read(encoded(las)).metadata
+    assert "not_read" not in read(encoded(las)).metadata
     short = patched(encoded(las), "<Q", 247, 4)
-    assert read(short).metadata["skipped"] == ("60 bytes after the last point",)
+    assert read(short).metadata["not_read"] == ("60 bytes after the last point",)
 
 
 def test_extra_bytes_of_a_name_that_is_taken_are_named() -> None:
@@ -198,7 +198,7 @@ def test_extra_bytes_of_a_name_that_is_taken_are_named() -> None:
     las.add_extra_dim(laspy.ExtraBytesParams("other_classes", "u1"))
     data = encoded(las).replace(b"other_classes\0", b"classification")
     cloud = read(data)
-    assert cloud.metadata["skipped"] == (
+    assert cloud.metadata["not_read"] == (
         "extra bytes 'classification' (the name of another value)",
     )
     assert_same_bits(cloud.attributes["classification"], np.asarray(las.classification))
@@ -281,14 +281,14 @@ def test_a_last_chunk_that_is_full_or_of_one_point(count: int) -> None:
 def test_laz_that_holds_more_than_its_header_counts(point_format: int) -> None:
     las = tile(120_000, point_format=point_format, version="1.4")
     data = bytearray(encoded(las, compressed=True))
-    assert liftmesh.read(io.BytesIO(data), format="laz").metadata.get("skipped") is None
+    assert liftmesh.read(io.BytesIO(data), format="laz").metadata.get("not_read") is None
     for place, form in ((107, "<I"), (247, "<Q")):
         if struct.unpack_from(form, data, place)[0]:
             struct.pack_into(form, data, place, 100)
     cloud = liftmesh.read(io.BytesIO(data), format="laz")
     assert len(cloud) == 100
     said = {3: "2 chunks after the last point", 6: "119,900 points that the header"}[point_format]
-    assert said in cloud.metadata["skipped"][0]
+    assert said in cloud.metadata["not_read"][0]
 
 
 def test_scaled_numbers_that_doubles_round_are_named() -> None:
@@ -302,9 +302,9 @@ def test_scaled_numbers_that_doubles_round_are_named() -> None:
     for kind in ("las", "laz"):
         data = encoded(las, compressed=kind == "laz")
         cloud = liftmesh.read(io.BytesIO(data), format=kind)
-        assert cloud.metadata["skipped"] == ("low digits of huge (beyond 2**53 steps)",)
+        assert cloud.metadata["not_read"] == ("low digits of huge (beyond 2**53 steps)",)
         chunks = liftmesh.read_chunks(io.BytesIO(data), format=kind, rows=2)
-        assert [len(each.metadata.get("skipped", ())) for each in chunks] == [0, 1]
+        assert [len(each.metadata.get("not_read", ())) for each in chunks] == [0, 1]
 
 
 @pytest.mark.parametrize("part", [0.02, 0.5, 0.7, 1.0])

@@ -106,7 +106,7 @@ def test_foreign_names() -> None:
     data = npz(vertices=AWKWARD, triangles=FACES.astype(np.uint64), scale=2.0, other=np.zeros(3))
     cloud = loaded(data, "npz")
     assert_same_bits(cloud.faces, FACES)
-    assert cloud.metadata["skipped"] == ("scale ()", "other (3,)")
+    assert cloud.metadata["not_read"] == ("scale ()", "other (3,)")
 
 
 @pytest.mark.parametrize(

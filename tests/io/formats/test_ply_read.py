@@ -124,7 +124,7 @@ def test_other_elements_and_properties_are_passed_over_in_place(mixed: bool) -> 
         assert_same_bits(cloud.points, POINTS)
         assert cloud.faces is not None
         assert len(cloud.faces) == 2 + mixed
-        assert cloud.metadata["skipped"] == (
+        assert cloud.metadata["not_read"] == (
             "element material (2 rows)",
             "element edge (2 rows)",
             "face property flags (2 rows)",
@@ -142,7 +142,7 @@ def test_lists_of_vertices_are_named_as_skipped() -> None:
     )
     for cloud in (binary_ply(header, body), ascii_ply(header, "1.5 1 1 2.5\n3.5 2 0 1 4.5\n")):
         assert cloud.points.tolist() == [[1.5, 2.5, 0.0], [3.5, 4.5, 0.0]]
-        assert cloud.metadata["skipped"] == ("vertex property near (2 rows)",)
+        assert cloud.metadata["not_read"] == ("vertex property near (2 rows)",)
 
 
 def test_comments_line_ends_and_blank_lines() -> None:

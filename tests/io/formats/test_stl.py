@@ -91,9 +91,9 @@ def test_short_files_that_are_neither(data: bytes) -> None:
 
 
 def test_attribute_bytes_are_told() -> None:
-    assert "skipped" not in loaded(binary(random_corners()), "stl").metadata
+    assert "not_read" not in loaded(binary(random_corners()), "stl").metadata
     marked = loaded(binary(random_corners(), mark=7), "stl")
-    assert marked.metadata["skipped"] == ("attribute bytes of 50 facets",)
+    assert marked.metadata["not_read"] == ("attribute bytes of 50 facets",)
 
 
 @pytest.mark.parametrize(
@@ -141,7 +141,7 @@ def test_text_in_many_styles(text: str) -> None:
     assert back.points.tolist() == CORNERS
     assert back.faces is not None
     assert back.faces.tolist() == [[0, 1, 2]]
-    assert "skipped" not in back.metadata
+    assert "not_read" not in back.metadata
 
 
 @pytest.mark.parametrize("color", ["color 1 0 0", "COLOR\t1 0 0", "color"])
@@ -151,7 +151,7 @@ def test_colours_are_told(color: str, monkeypatch: pytest.MonkeyPatch) -> None:
         monkeypatch.setattr("liftmesh.io.formats.stl.BLOCK", size)
         back = loaded(text.encode(), "stl")
         assert back.points.tolist() == CORNERS
-        assert back.metadata["skipped"] == ("45 lines of colours",)
+        assert back.metadata["not_read"] == ("45 lines of colours",)
     with pytest.raises(FormatError, match="line 2: 'colors', where 'solid' should be"):
         loaded(b"#\ncolors\n", "stl")
 

@@ -82,7 +82,7 @@ def test_a_controller_s_point_file() -> None:
     cloud = read("P,N,E,Z,D\n1,5000.25,1000.5,12,EP\n7,5001,1001,13,\n")
     assert cloud.points.tolist() == [[1000.5, 5000.25, 12], [1001, 5001, 13]]
     assert cloud.metadata["columns"] == {"x": "E", "y": "N", "z": "Z"}
-    assert cloud.metadata["skipped"] == ("column D (text, line 2: 'EP')",)
+    assert cloud.metadata["not_read"] == ("column D (text, line 2: 'EP')",)
     assert cloud.attributes["P"].tolist() == [1, 7]
 
 
@@ -119,7 +119,7 @@ def test_flat_says_that_heights_do_not_matter() -> None:
     }
     known = read("x,y,Elev.\n1,2,3\n", flat=True)
     assert known.points.tolist() == [[1, 2, 0]]
-    assert known.metadata["skipped"] == ("column Elev.",)
+    assert known.metadata["not_read"] == ("column Elev.",)
     assert read("1 2 3\n4 5 6\n", flat=True).points.tolist() == [[1, 2, 0], [4, 5, 0]]
 
 
@@ -209,7 +209,7 @@ def test_what_is_in_doubt_or_does_not_fit_is_refused(
 def test_a_column_whose_name_is_taken_is_left_out_and_named() -> None:
     cloud = read("x,y,z,E,N\n1,2,3,4,5\n", columns="x=E,y=N")
     assert cloud.points.tolist() == [[4, 5, 3]]
-    assert cloud.metadata["skipped"] == ("column x", "column y")
+    assert cloud.metadata["not_read"] == ("column x", "column y")
 
 
 @pytest.mark.parametrize(

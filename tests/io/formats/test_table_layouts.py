@@ -54,4 +54,4 @@ def test_no_layout_changes_a_value(table: Table) -> None:
     cloud = liftmesh.read(io.BytesIO(table.data), format="csv", nodata="none", **table.options)
     assert_same_bits(cloud.points, np.ascontiguousarray(table.values[:, :3]))
     assert_same_bits(cloud.attributes["class"], np.ascontiguousarray(table.values[:, 3]))
-    assert cloud.metadata["skipped"] == ("column name (text, line 2: 'first')",)
+    assert cloud.metadata["not_read"] == ("column name (text, line 2: 'first')",)

@@ -104,7 +104,7 @@ def test_columns_of_text_and_dates_are_left_out_and_named() -> None:
     )
     assert cloud.points.tolist() == POINTS
     assert [*cloud.attributes] == ["code"]
-    assert cloud.metadata["skipped"] == (
+    assert cloud.metadata["not_read"] == (
         "column name (text, line 2: 'P, 1')",
         "column when (text, line 2: '2019-05-01')",
         "column note (text, line 3: 'a \"b\"')",
@@ -116,7 +116,7 @@ def test_a_text_far_behind_the_first_block_leaves_out_the_whole_column() -> None
     rows = "".join(f"{k % 7}.5,{k % 5},{k},{k}\n" for k in range(50_000))
     cloud = read(f"x,y,z,code\n{rows}1,2,3,A7\n")
     assert not cloud.attributes
-    assert cloud.metadata["skipped"] == ("column code (text, line 50002: 'A7')",)
+    assert cloud.metadata["not_read"] == ("column code (text, line 50002: 'A7')",)
     assert len(cloud) == 50_001
 
 
@@ -131,7 +131,7 @@ def test_a_height_with_text_in_it_is_no_column_of_text() -> None:
 def test_empty_columns_are_named() -> None:
     cloud = read("1.5,2.5,3.5,\n4,5,6,\n7,8.25,9,\n")
     assert cloud.points.tolist() == POINTS
-    assert cloud.metadata["skipped"] == ("column column_4 (empty)",)
+    assert cloud.metadata["not_read"] == ("column column_4 (empty)",)
 
 
 @pytest.mark.parametrize(
@@ -153,7 +153,7 @@ def test_a_hash_in_a_value_begins_no_comment(header: str, row: str, name: str) -
 def test_a_number_before_a_hash_is_text_and_no_number() -> None:
     cloud = read("x,y,z,flat,color\n1,2,3,12#A,#ff0000\n4,5,6,13,#00ff00\n")
     assert not cloud.attributes
-    assert cloud.metadata["skipped"] == (
+    assert cloud.metadata["not_read"] == (
         "column flat (text, line 2: '12#A')",
         "column color (text, line 2: '#ff0000')",
     )

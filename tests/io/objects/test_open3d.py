@@ -378,7 +378,7 @@ def test_what_clouds_do_not_hold_of_meshes_is_named() -> None:
     mesh.triangle["label"] = o3d.core.Tensor(np.zeros((12, 1)))
     assert liftmesh.write(io.BytesIO(), mesh, format="ply").dropped == ("label of triangles",)
     sphere = o3d.geometry.TriangleMesh.create_sphere(resolution=4, create_uv_map=True)
-    assert liftmesh.as_cloud(sphere).metadata["skipped"] == ("texture coordinates",)
+    assert liftmesh.as_cloud(sphere).metadata["not_read"] == ("texture coordinates",)
 
 
 def test_triangles_beyond_32_bits_are_refused() -> None:

@@ -61,7 +61,7 @@ def test_a_table_is_read_like_the_same_table_as_text(kind: str) -> None:
     assert cloud.points[0].tolist() == [1, 10.25, 7.5]
     assert cloud.colors is not None
     assert cloud.colors.dtype == np.uint8
-    assert [each.split(" (")[0] for each in cloud.metadata["skipped"]] == ["column name"]
+    assert [each.split(" (")[0] for each in cloud.metadata["not_read"]] == ["column name"]
 
 
 @pytest.mark.parametrize("kind", MAKERS)
@@ -195,7 +195,7 @@ def test_types_of_values_are_kept_and_dates_are_named() -> None:
     types = {name: values.dtype for name, values in cloud.attributes.items()}
     assert types == {"big": np.int64, "small": np.uint8, "ok": np.uint8}
     assert cloud.attributes["big"][0] == 2**60 + 1
-    assert "column when (datetime64" in cloud.metadata["skipped"][0]
+    assert "column when (datetime64" in cloud.metadata["not_read"][0]
 
 
 def test_coordinates_that_float64_cannot_hold_are_refused() -> None:

@@ -221,7 +221,7 @@ def test_what_faces_hold_is_named() -> None:
     box.visual.face_colors = np.full((12, 4), 9, dtype=np.uint8)
     box.face_attributes["label"] = np.arange(12)
     lost = ("colors of faces", "values label of faces")
-    assert liftmesh.as_cloud(box).metadata["skipped"] == lost
+    assert liftmesh.as_cloud(box).metadata["not_read"] == lost
     assert liftmesh.write(io.BytesIO(), box, format="ply").dropped == lost
     assert liftmesh.triangulate(box).save(io.BytesIO(), format="ply").dropped == lost
 
@@ -233,7 +233,7 @@ def test_a_scene_keeps_the_metadata_that_all_meshes_have() -> None:
     cloud = liftmesh.as_cloud(trimesh.Scene(boxes))
     assert cloud.metadata == {
         "survey": 2024,
-        "skipped": ("metadata by of 2 of 2 geometries", "metadata grid of 2 of 2 geometries"),
+        "not_read": ("metadata by of 2 of 2 geometries", "metadata grid of 2 of 2 geometries"),
     }
 
 
@@ -245,8 +245,8 @@ def test_an_empty_mesh_with_normals() -> None:
 
 def test_an_entry_of_the_metadata_may_be_called_skipped() -> None:
     box = trimesh.creation.box()
-    box.metadata = {"skipped": "no"}
-    assert liftmesh.as_cloud(trimesh.Scene(box)).metadata == {"skipped": "no"}
+    box.metadata = {"not_read": "no"}
+    assert liftmesh.as_cloud(trimesh.Scene(box)).metadata == {"not_read": "no"}
 
 
 def test_weights_of_a_point_cloud_are_named_values_once_they_are_set():

@@ -101,7 +101,7 @@ class _Reader:
             skipped.append(f"{self._invalid:,} points without a valid position")
         if images := self._decoder.images:
             skipped.append(f"{images:,} images")
-        return noted({"e57": {"scans": scans}}, skipped=tuple(skipped), notes=tuple(self._notes))
+        return noted({"e57": {"scans": scans}}, not_read=tuple(skipped), notes=tuple(self._notes))
 
 
 def _common(scans: list[Scan], name: str) -> tuple[dict[str, np.dtype], list[str]]:

@@ -178,7 +178,7 @@ class _Content:
         metadata = of_extras(extras)
         if isinstance(self._document.tree.get("extensions"), dict):
             metadata["gltf_extensions"] = self._document.tree["extensions"]
-        return {"metadata": noted(metadata, skipped=self._named()), "crs": stated}
+        return {"metadata": noted(metadata, not_read=self._named()), "crs": stated}
 
 
 @dataclass(frozen=True, slots=True)

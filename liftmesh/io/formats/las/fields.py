@@ -21,10 +21,11 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, check_colors, stated_depth
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
 from liftmesh.io.format import dropped_values
-from liftmesh.io.formats.las.vlrs import DEPTH, LAYOUT
+from liftmesh.io.formats.las.vlrs import DEPTH
+from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -105,8 +106,7 @@ def with_colors(point_format: int, cloud: Cloud) -> int:
 
 def depth_of(cloud: Cloud) -> int | None:
     """Return the depth of colours: also of those that came from LAS by way of something else."""
-    layout = cloud.metadata.get(LAYOUT)
-    depth = layout.get(DEPTH) if isinstance(layout, Mapping) else None
+    depth = Provenance(cloud.metadata).las.get(DEPTH)
     return cloud.color_depth or (depth if isinstance(depth, int) else None)
 
 
@@ -257,7 +257,7 @@ class _Standard:
         what = what if row is None else f"{shown(values[row].item())} in row {row}"
         return FormatError(
             f"{name} is {what}, but point format {self._point_format} of LAS holds {wanted}: give "
-            "it another name or point_format=, or write PLY or NPZ"
+            f"it another name or {Option('point_format', ...)}, or write PLY or NPZ"
         )
 
 

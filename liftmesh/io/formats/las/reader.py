@@ -168,7 +168,7 @@ class _File:
             }
         own_vlr = LiftmeshVlr(header.records)
         entries = noted({**own_vlr.metadata, "las": layout}, las_records=entry_of(header))
-        entries = noted(entries, selection=selection, skipped=self._skipped())
+        entries = noted(entries, selection=selection, not_read=self._skipped())
         crs = own_vlr.crs(crs_of(header.records, is_wkt=header.wkt))
         cloud = builder.cloud(metadata=entries, crs=crs, color_depth=own_vlr.color_depth or depth)
         if cloud.color_depth == _SHALLOW:  # which surfaces and other formats do not keep

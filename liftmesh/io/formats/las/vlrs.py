@@ -29,6 +29,7 @@ from liftmesh.crs.geokeys import KEYS, OF_KEYS, crs_of_geokeys, has_parameters, 
 from liftmesh.io import metadata
 from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
 from liftmesh.io.json_text import parsed_or_none
+from liftmesh.io.metadata import Provenance
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -75,8 +76,8 @@ class Vlrs:
 
 def kept_vlrs(metadata: Mapping[str, Any]) -> Vlrs:
     """Take the entry out of the metadata of a cloud; anything else of that name is nothing."""
-    entry = metadata.get(ENTRY)
-    values = [entry.get(key) for key in _PARTS] if isinstance(entry, Mapping) else []
+    entry = Provenance(metadata).las_records
+    values = [entry.get(key) for key in _PARTS]
     parts = [each for each in values if isinstance(each, bytes)]
     if len(parts) < len(_PARTS):
         return Vlrs()

@@ -23,7 +23,8 @@ from liftmesh.io.formats.las.fields import depth_of, levels
 from liftmesh.io.formats.las.header import ENCODING_WKT, PACKING, SIZES, Record
 from liftmesh.io.formats.las.layout import Layout, layout_of
 from liftmesh.io.formats.las.points import BLOCK, may_use_threads
-from liftmesh.io.formats.las.vlrs import LAYOUT, make_record, replace_records
+from liftmesh.io.formats.las.vlrs import make_record, replace_records
+from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -81,8 +82,7 @@ def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> Collection[str]:
         parts.append("float64")
     elif not all(each.exact for each in layout.steps):
         parts.append(_LAST_BITS)
-    said = cloud.metadata.get(LAYOUT)
-    if isinstance(said, Mapping) and "copc" in said:
+    if "copc" in Provenance(cloud.metadata).las:
         parts.append("the index of COPC")
     colors = cloud.colors
     if colors is not None and not _is_16_bits(colors[:, :3], depth_of(cloud)):

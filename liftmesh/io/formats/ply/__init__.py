@@ -157,7 +157,7 @@ class _Reading:
         infos = self._header.obj_info
         entries = stated(self._comments) | ({"obj_info": infos} if infos else {})
         counts = {} if faces is None else face_counts(faces)
-        return noted(entries, skipped=tuple(self._skipped)) | counts
+        return noted(entries, not_read=tuple(self._skipped)) | counts
 
 
 def _scalars(element: Element) -> dict[str, np.dtype]:

@@ -251,7 +251,7 @@ class _Meaning:
             unread[k] = f"column {given[k]} (text, line {text.line}: {quoted(text.value)})"
         mapping = NotedColumns(replace(self._columns, names=self._names()).mapping())
         notes = (*self._table.notes, *self._columns.notes, *self._remarks())
-        return noted({}, columns=mapping, notes=notes, skipped=tuple(unread.values()))
+        return noted({}, columns=mapping, notes=notes, not_read=tuple(unread.values()))
 
     def _remarks(self) -> Iterator[str]:
         for k in sorted({*self._others[self._large].tolist()} & {*self._kept()}):

@@ -1,1 +1,0 @@
-"""Instructions and mispredicted branches of the kernel: a small driver under callgrind."""

@@ -1,1 +1,0 @@
-"""The benchmarks, each a module with `add_options` and `run`; `scripts/bench.py` lists them."""

@@ -1,1 +1,0 @@
-"""Every pair of formats and objects: what clouds keep on their way through both."""

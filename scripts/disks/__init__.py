@@ -1,1 +1,0 @@
-"""Graphs of disks compared with CGAL's."""

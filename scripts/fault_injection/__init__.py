@@ -1,1 +1,0 @@
-"""Fault injection: system calls on files that fail, one after the other."""

@@ -1,1 +1,0 @@
-"""Structure-aware fuzzing of the file readers."""

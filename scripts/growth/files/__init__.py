@@ -1,1 +1,0 @@
-"""Families of files: the worst known of each format, and the ordinary ones beside them."""

@@ -1,1 +1,0 @@
-"""Ctrl-C at random moments of long runs."""

@@ -1,1 +1,0 @@
-"""The kernel built by several compilers for several machines: the same bits."""

@@ -1,1 +1,0 @@
-"""The kernel's parallel code under ThreadSanitizer and AddressSanitizer."""

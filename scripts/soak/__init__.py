@@ -1,1 +1,0 @@
-"""Many calls of every kind in one process, and a check for leaks."""

@@ -1,1 +1,0 @@
-"""Signals at random moments of every command, with every format."""

@@ -1,1 +1,0 @@
-"""Regular triangulations compared with CGAL's, set for set and in processors' time."""
