@@ -195,7 +195,7 @@ def _say(certified: Certificate) -> None:
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
     counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(certified, name))) for name in counts]
+    lines = [(name.replace("_", " "), _number(getattr(certified, f"n_{name}"))) for name in counts]
     sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
     sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
