@@ -382,27 +382,21 @@ class Surface(SurfaceData):
         resolution : float or pair of float, optional
             Width and height of a pixel. The edges of pixels are multiples of it, so that rasters of
             neighbouring surfaces fit together; row 0 is the one with the largest y.
-        bounds : sequence of float, optional
-            xmin, ymin, xmax and ymax to cover; by default those of the faces.
-        transform : sequence of float, optional
-            a, b, c, d, e and f of a `Raster`, in place of the resolution: any affine transform, as
-            that of another raster.
-        shape : pair of int, optional
-            Rows and columns, with a transform.
-        quantity : {"height", "slope", "aspect", "hillshade"}
-            Heights above the plane; or what the face that owns the centre has: degrees as of
-            `Surface.slope` and `Surface.aspect`, or brightness from 0 to 255.
-        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
-            How heights are interpolated, as for `Surface.sample`.
-        light : pair of float, default (315, 45)
-            Azimuth of the light, in degrees clockwise from the direction of y, and altitude above
-            the plane, for "hillshade".
-        z_factor : float, optional
-            As for `Surface.slope`; other than 1, it exaggerates shades.
-        dtype : {"float64", "float32"}
-            Type of the values; heights are rounded once.
-        threads : int, optional
-            As for `delaunay`.
+        **options
+            What else is asked for:
+
+            - ``bounds``: xmin, ymin, xmax and ymax to cover; by default those of the faces.
+            - ``transform`` and ``shape``, in place of the resolution: a, b, c, d, e and f of a
+              `Raster`, any affine transform, as that of another raster; rows and columns.
+            - ``quantity``: "height", above the plane; or what the face that owns the centre has:
+              "slope" or "aspect", in degrees as of `Surface.slope` and `Surface.aspect`, or
+              "hillshade", brightness from 0 to 255.
+            - ``interpolation``: of heights, as for `Surface.sample`.
+            - ``light``, default (315, 45): azimuth of the light, in degrees clockwise from the
+              direction of y, and altitude above the plane, for "hillshade".
+            - ``z_factor``: as for `Surface.slope`; other than 1, it exaggerates shades.
+            - ``dtype``: "float64", or "float32"; heights are rounded once.
+            - ``threads``: as for `delaunay`.
 
         Returns
         -------
