@@ -360,7 +360,7 @@ def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
     found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
-    with pytest.raises(liftmesh.InputError, match="leave out method"):
+    with pytest.raises(liftmesh.InputError, match="leave out interpolation"):
         surface.raster(0.05, interpolation=method, quantity="slope")
 
 
@@ -371,3 +371,9 @@ def test_a_transform_of_rasterio_is_taken() -> None:
     expected = surface.raster(transform=(1, 0, 0, 0, -1, 8), shape=(8, 8))
     assert found.transform == expected.transform
     assert np.array_equal(found.values, expected.values)
+
+
+def test_unknown_options_are_told_with_those_there_are() -> None:
+    surface = liftmesh.triangulate(np.eye(3))
+    with pytest.raises(TypeError, match="no option 'method': give some of bounds, transform"):
+        surface.raster(1, method="linear")  # type: ignore[call-arg]
