@@ -255,7 +255,7 @@ class TestLayout:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            ({}, "give either the resolution, or transform and shape"),
+            ({}, "give either resolution, or transform and shape"),
             ({"resolution": 0}, "resolution is 0: give a positive number"),
             ({"resolution": -1.0}, "give a positive number"),
             ({"resolution": np.nan}, "resolution is nan"),
@@ -360,7 +360,7 @@ def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
     found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
-    with pytest.raises(liftmesh.InputError, match="leave out method"):
+    with pytest.raises(liftmesh.InputError, match="leave out interpolation"):
         surface.raster(0.05, interpolation=method, quantity="slope")
 
 
