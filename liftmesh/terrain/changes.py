@@ -147,7 +147,7 @@ def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
     certificate = triangulation.verify()
     hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
-    return certificate.canonical and certificate.hidden == len(hidden)
+    return certificate.canonical and certificate.n_hidden == len(hidden)
 
 
 def _from_least(hull: Rows, planar: Floats) -> Rows:

@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypedDict
 
 import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
+from liftmesh.base.arrays import planar_bounds
 from liftmesh.base.options import (
     Interpolation,
     RasterQuantity,
@@ -31,67 +32,81 @@ from liftmesh.terrain.sampling import aspect_degrees, heights_at, slope_degrees
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.units import OverPlane, slope_scale, steepness, unit_names
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 _UNITS = {"slope": "degree", "aspect": "degree"}
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
 _TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 _STEEP, _SCALE = 2.0**500, 2.0**-600
 
 
-def rasterize(  # noqa: PLR0913 - options are keywords
+class RasterOptions(TypedDict, total=False):
+    """The options of `Surface.raster`, which also describes those of tiles."""
+
+    bounds: Sequence[float] | None
+    transform: Sequence[float] | None
+    shape: Sequence[int] | None
+    quantity: RasterQuantity
+    interpolation: Interpolation
+    light: tuple[float, float]
+    z_factor: float | None
+    dtype: DTypeLike
+    threads: int | None
+
+
+_DEFAULTS: RasterOptions = {
+    "bounds": None,
+    "transform": None,
+    "shape": None,
+    "quantity": "height",
+    "interpolation": "linear",
+    "light": (315.0, 45.0),
+    "z_factor": None,
+    "dtype": np.float64,
+    "threads": None,
+}
+
+
+def rasterize(
     surface: SurfaceData,
-    resolution: float | Sequence[float] | None,
-    *,
-    bounds: Sequence[float] | None,
-    transform: Sequence[float] | None,
-    shape: Sequence[int] | None,
-    quantity: RasterQuantity,
-    interpolation: Interpolation,
-    light: tuple[float, float],
-    z_factor: float | None,
-    dtype: DTypeLike,
-    threads: int | None,
+    resolution: float | Sequence[float] | None = None,
+    **options: Unpack[RasterOptions],
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels."""
-    layout = layout_of(resolution, bounds, transform, shape, lambda: _extent(surface))
-    wanted = Wanted.validated(surface, quantity, interpolation, dtype, light, z_factor)
-    scan = scanner(surface, layout, threads)
-    values = np.empty((layout.rows, layout.columns), wanted.kind)
-    if quantity == "height":
-        _check_range(surface, wanted)
-    if quantity == "height" and interpolation == "linear":
+    plan = RasterPlan.of(surface, resolution, lambda: bounds_of_faces(surface), options)
+    values = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
+    scan = scanner(surface, plan.layout, plan.threads)
+    if plan.quantity == "height":
+        _check_range(surface, plan)
+    if plan.quantity == "height" and plan.interpolation == "linear":
         scan(values[:, :, None], 0)
-    elif quantity == "height":
+    elif plan.quantity == "height":
         for first, block in _blocks_of_rows(values):
             rows = range(first, first + len(block))
-            centres = centres_of(layout.transform, rows, layout.columns)
-            block[...] = heights_at(surface, centres, interpolation, threads=threads)
+            centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
+            block[...] = heights_at(surface, centers, plan.interpolation, threads=plan.threads)
     else:
         for first, block in _blocks_of_rows(values):
             gradients = np.empty((*block.shape, 2))
             scan(gradients, first)
-            block[...] = wanted.of_gradients(gradients)
-    wanted.finish(values)
-    unit = unit_of(surface, quantity)
-    return Raster(values, layout.transform, plane_system(surface), quantity, unit)
+            block[...] = plan.of_gradients(gradients)
+    plan.finish(values)
+    return plan.raster(values, plane_system(surface))
 
 
-def _extent(surface: SurfaceData) -> list[float]:
+def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
-    corners = solved.points[solved.convex_hull if surface.mask is None else surface.faces.ravel()]
-    return [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
+    corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
+    return planar_bounds(solved.points[corners])
 
 
-def unit_of(surface: OverPlane, quantity: str) -> str | None:
-    """Return the unit of what a raster holds; None if it is not known, or there is none."""
-    return unit_names(surface)[1] if quantity == "height" else _UNITS.get(quantity)
-
-
-def _check_range(surface: SurfaceData, wanted: Wanted) -> None:
+def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:
     """Raise if a height of a face is beyond the type; others than those of faces may be."""
     heights = surface.frame.heights(surface.vertices)
-    if not np.fmax.reduce(np.abs(heights)) <= np.finfo(wanted.kind).max:
-        wanted.check_range(heights[surface.faces])
+    if not np.fmax.reduce(np.abs(heights)) <= np.finfo(plan.kind).max:
+        plan.check_range(heights[surface.faces])
 
 
 def _blocks_of_rows(values: Array) -> Iterator[tuple[int, Array]]:
@@ -119,30 +134,45 @@ def scanner(
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """Which values a raster is asked to hold, checked."""
+class RasterPlan:
+    """Where the pixels of a raster are, and which values they are asked to hold, checked."""
 
+    layout: Layout
     quantity: str
+    interpolation: Interpolation
     kind: np.dtype[Any]
     light: Floats  # the unit vector towards it
     rise: tuple[float, float]  # what gradients are multiplied by
+    unit: str | None
+    threads: int | None
 
     @classmethod
-    def validated(
+    def of(
         cls,
         surface: OverPlane,
-        quantity: RasterQuantity,
-        interpolation: Interpolation,
-        dtype: DTypeLike,
-        light: tuple[float, float],
-        z_factor: float | None,
-    ) -> Wanted:
+        resolution: float | Sequence[float] | None,
+        extent: Callable[[], Sequence[float]],
+        options: RasterOptions,
+    ) -> RasterPlan:
         """Check the options."""
+        for name in options.keys() - _DEFAULTS.keys():
+            raise TypeError(f"a raster has no option {name!r}: give some of {', '.join(_DEFAULTS)}")
+        all_of = _DEFAULTS | options
+        quantity, interpolation = all_of["quantity"], all_of["interpolation"]
+        layout = layout_of(
+            resolution, all_of["bounds"], all_of["transform"], all_of["shape"], extent
+        )
         check_option("quantity", quantity, RasterQuantity)
         check_option("interpolation", interpolation, Interpolation)
         check_interpolation(quantity, interpolation)
-        scale = slope_scale if quantity == "height" else steepness
-        return cls(quantity, _checked_type(dtype), _light_of(light), scale(surface, z_factor))
+        rise = (slope_scale if quantity == "height" else steepness)(surface, all_of["z_factor"])
+        unit = unit_names(surface)[1] if quantity == "height" else _UNITS.get(quantity)
+        kind, light = _checked_type(all_of["dtype"]), _light_of(all_of["light"])
+        return cls(layout, quantity, interpolation, kind, light, rise, unit, all_of["threads"])
+
+    def raster(self, values: Array, crs: str | None) -> Raster:
+        """Put values where they belong."""
+        return Raster(values, self.layout.transform, crs, self.quantity, self.unit)
 
     def check_range(self, heights: Floats) -> None:
         """Raise if one of some heights, or of their bounds, is finite but beyond the type."""

@@ -18,7 +18,14 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Apex, Floats, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
-from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
+from liftmesh.base.options import (
+    Algorithm,
+    NonFinite,
+    OnDuplicate,
+    check_option,
+    check_progress,
+    part_of,
+)
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
@@ -32,9 +39,10 @@ from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.formats.text.options import ColumnChoice
-    from liftmesh.io.selection import ClassChoice
+    from liftmesh.io.options import ReadOptions
     from liftmesh.planar.delaunay import Solution
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
@@ -59,12 +67,10 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     apex: Apex = "median",
     threads: int | None = None,
     progress: Progress | None = None,
-    columns: ColumnChoice = None,
-    flat: bool = False,
-    classes: ClassChoice = None,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     metric: ArrayLike | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
@@ -112,16 +118,6 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         each stage, at most about twenty times a second during divide and conquer, and with 1.0 at
         the end. It is called in the thread that called `triangulate`. An exception that it raises
         aborts the run and propagates unchanged; the cloud stays as it was, and no result remains.
-    columns : str, mapping or sequence, optional
-        Of a table, the names of its columns, as for `read`; of an array of more than three columns,
-        the name of each, as ``"x,y,z,red,green,blue"``.
-    flat : bool, default False
-        Whether the heights of a table do not matter, as for `read`.
-    classes : int, iterable of int, "ground" or "all", optional
-        Of a file, the classes of the rows to read, as for `read`. Of LAS, LAZ and COPC by default
-        "ground": class 2 if any row has it, else all rows; rows that the file flags as withheld are
-        left out whatever the classes. Of a `Cloud` or another object all rows count, as they are.
-        The report says which classes were taken.
     weights, radii : (n,) array_like or str, optional
         The faces are those of the regular triangulation, as from `regular`, of the planar points
         with these weights, or radii: numbers, or the name of values of the cloud, such as a column
@@ -129,6 +125,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         these.
     metric : (2, 2) array_like, optional
         The metric of the planar coordinates, as for `delaunay`.
+    **options
+        Of a file all options of `read`, such as `bounds`, `src_crs` or `columns`; of an array or a
+        table in memory ``columns``, ``flat`` and ``nodata``, as for `as_cloud`. The default of
+        `classes` is another than that of `read`: of LAS, LAZ and COPC "ground", which is class 2 if
+        any row has it, else all rows, and rows that the file flags as withheld are left out
+        whatever the classes. ``classes="all"`` takes all. Of a `Cloud` or another object all rows
+        count, as they are. ``Surface.report.classes`` says which classes were taken.
 
     Returns
     -------
@@ -185,7 +188,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_rows(cloud, classes=classes, columns=columns, flat=flat), given)
+    source = with_parts(read_rows(cloud, **options), given)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -195,13 +198,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     stages.finish("plane")
-    options: _Options = {
+    engine: _Options = {
         "nonfinite": nonfinite,
         "algorithm": algorithm,
         "apex": apex,
         "threads": threads,
     }
-    solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
+    solution = _solve(lifting, planar, heights, engine, stages.within("triangulation"))
     stages.finish("triangulation")
     choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
     triangulation = lifting.triangulation(_chosen(solution, choice))
@@ -268,18 +271,14 @@ class _Stages:
 
     def within(self, stage: str) -> Progress | None:
         """Return a callback that scales a stage's own progress, from 0 to 1, to the whole run."""
-        if self._progress is None:
-            return None
-        start, size = self._done, DONE_AFTER[stage] - self._done
-        return lambda fraction: self._report(start + fraction * size)
+        return part_of(self._progress, self._done, DONE_AFTER[stage])
 
     def end(self) -> None:
         """Report the end of the run."""
         self._report(1.0)
 
     def _report(self, done: float) -> None:
-        # Rounding may put the scaled end of a stage an ulp beyond its nominal end.
-        self._done = max(self._done, done)
+        self._done = done
         if self._progress is not None:
             self._progress(self._done)
 

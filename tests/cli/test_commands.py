@@ -9,24 +9,18 @@ from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
-from typing import Any
 
 import pytest
-import typer
 
 import liftmesh
-from liftmesh.cli.application import COMMANDS, application
+from liftmesh.cli.application import COMMANDS, Command
 from liftmesh.cli.wording import spelled
 from liftmesh.errors import Option
 
 
 @cache
-def commands() -> dict[str, Any]:
-    return typer.main.get_command(application([])).commands  # type: ignore[attr-defined,no-any-return]
-
-
 def options_of(name: str) -> list[str]:
-    return [each for option in commands()[name].params for each in option.opts]
+    return [each for option in Command(name).params for each in option.opts]
 
 
 @pytest.mark.parametrize("name", COMMANDS)

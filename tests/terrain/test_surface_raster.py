@@ -371,3 +371,9 @@ def test_a_transform_of_rasterio_is_taken() -> None:
     expected = surface.raster(transform=(1, 0, 0, 0, -1, 8), shape=(8, 8))
     assert found.transform == expected.transform
     assert np.array_equal(found.values, expected.values)
+
+
+def test_unknown_options_are_told_with_those_there_are() -> None:
+    surface = liftmesh.triangulate(np.eye(3))
+    with pytest.raises(TypeError, match="no option 'method': give some of bounds, transform"):
+        surface.raster(1, method="linear")  # type: ignore[call-arg]
