@@ -255,7 +255,7 @@ class TestLayout:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            ({}, "give either the resolution, or transform and shape"),
+            ({}, "give either resolution, or transform and shape"),
             ({"resolution": 0}, "resolution is 0: give a positive number"),
             ({"resolution": -1.0}, "give a positive number"),
             ({"resolution": np.nan}, "resolution is nan"),
