@@ -182,7 +182,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
     """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees."""
-    from liftmesh.terrain.units import metres_of, steepness
+    from liftmesh.terrain.surface_data import metres_of, steepness
 
     steepness(surface, factor)
     if factor is None and metres_of(surface) is None:
