@@ -18,8 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
 from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
-from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
-from liftmesh.cells.tie_resolution import resolve_ties
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, resolve_ties, turn
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 
