@@ -229,13 +229,12 @@ class ClippedCells:
         [4.0, 4.0]
         """
         shapely = load("shapely", extra="shapes")
-        count = np.diff(self.ring_corners)
-        closed = self.ring_corners + np.arange(len(self.ring_corners))
+        count, starts = np.diff(self.ring_corners), self.ring_corners
+        closed = starts + np.arange(len(starts))
         taken = np.arange(closed[-1]) - np.repeat(np.arange(len(count)), count + 1)
-        taken[closed[1:] - 1] = self.ring_corners[:-1]
-        polygons = shapely.from_ragged_array(
-            shapely.GeometryType.POLYGON, self.corners[taken], (closed, self.rings)
-        )
+        taken[closed[1:] - 1] = starts[:-1]
+        rings = self.corners[taken], (closed, self.rings)
+        polygons = shapely.from_ragged_array(shapely.GeometryType.POLYGON, *rings)
         parts = np.diff(self.parts)
         shapes = np.full(len(self.points), shapely.Polygon(), dtype=object)
         shapes[parts == 1] = polygons[self.parts[:-1][parts == 1]]

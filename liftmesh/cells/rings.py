@@ -226,6 +226,11 @@ def as_exact(point: Sequence[float]) -> Exact:
     return Fraction(float(point[0])), Fraction(float(point[1]))
 
 
+def between(a: Exact, b: Exact, share: Fraction) -> Exact:
+    """The point that is before such a share of the way from one to another."""
+    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+
+
 def turn(a: Exact, b: Exact, c: Exact) -> Fraction:
     """Twice the signed area of a triangle."""
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

@@ -19,7 +19,7 @@ from liftmesh.base.options import check_progress, counted, part_of
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
-from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, resolve_ties
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, between, resolve_ties
 from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
@@ -302,8 +302,7 @@ class ExactCorners(DomainCorners):
     def _crossing(self, start: Exact, end: Exact, cell: int, other: int) -> Exact:
         a, b, c = self._axis(cell, other)
         first, last = a * start[0] + b * start[1] - c, a * end[0] + b * end[1] - c
-        share = first / (first - last)
-        return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+        return between(start, end, first / (first - last))
 
     def _centre(self, rows: Sequence[int]) -> Exact:
         a, b, p = self._axis(rows[0], rows[1])
