@@ -73,7 +73,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.transport,
         {"points": PLANAR, "masses": np.ones(len(PLANAR)), "max_iter": 2},
     ),
-    "Voronoi": (liftmesh.Voronoi, liftmesh.Voronoi, {"points": PLANAR}),
+    "Voronoi": (liftmesh.scipy.Voronoi, liftmesh.scipy.Voronoi, {"points": PLANAR}),
     "triangulate": (liftmesh.triangulate, liftmesh.triangulate, {"cloud": ROWS}),
     "verify": (
         liftmesh.verify,
@@ -145,10 +145,10 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "plane_distance": (TRIANGULATION.plane_distance, TRIANGULATION.plane_distance, {"xi": PLANAR}),
     "lifted": (TRIANGULATION.lifted, TRIANGULATION.lifted, {}),
     "Triangulation.verify": (TRIANGULATION.verify, TRIANGULATION.verify, {}),
-    "Delaunay": (liftmesh.Delaunay, liftmesh.Delaunay, {"points": PLANAR}),
+    "Delaunay": (liftmesh.scipy.Delaunay, liftmesh.scipy.Delaunay, {"points": PLANAR}),
     "add_points": (
-        lambda **given: liftmesh.Delaunay(PLANAR, incremental=True).add_points(**given),
-        liftmesh.Delaunay.add_points,
+        lambda **given: liftmesh.scipy.Delaunay(PLANAR, incremental=True).add_points(**given),
+        liftmesh.scipy.Delaunay.add_points,
         {"points": PLANAR},
     ),
     "with_color_depth": (

@@ -359,7 +359,7 @@ class Unclipped:
     simplex_to_vertex : (m,) ndarray of int32
         The vertex of each.
     npoints, ndim, min_bound, max_bound, furthest_site
-        As for `Voronoi`.
+        As for `scipy.Voronoi`.
 
     See Also
     --------

@@ -12,7 +12,7 @@ import laspy
 import numpy as np
 import pytest
 from commands import COMMAND, PLAIN, liftmesh, process
-from lidar import copc, encoded, patched, tile
+from files.las import copc, encoded, patched, tile
 
 import liftmesh as lm
 
