@@ -149,7 +149,7 @@ def _say(
     path: Path | None, draped: Profile, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import unit_names
+    from liftmesh.terrain.surface_data import unit_names
 
     plane, upright = unit_names(surface)
     length, heights = float(draped.lengths.sum()), draped.points[:, 2]

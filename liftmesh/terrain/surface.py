@@ -16,7 +16,7 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
+from liftmesh.terrain import boundary, changes, contours, measures, profile, sampling
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
-    from liftmesh.terrain.raster import RasterOptions
+    from liftmesh.terrain.sampling import RasterOptions
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -86,7 +86,7 @@ class Surface(SurfaceData):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
-        return raster.bounds_of_faces(self)
+        return sampling.bounds_of_faces(self)
 
     def replace(
         self,
@@ -422,7 +422,7 @@ class Surface(SurfaceData):
         >>> surface.raster((4, 2), quantity="aspect").values.ravel()
         array([270., 270.])
         """
-        return raster.rasterize(self, resolution, **options)
+        return sampling.rasterize(self, resolution, **options)
 
     def contours(
         self,
@@ -727,7 +727,7 @@ class Surface(SurfaceData):
         >>> block.points.shape, block.faces.shape
         ((9, 3), (14, 3))
         """
-        return solid.closed_solid(
+        return boundary.closed_solid(
             self,
             base_height,
             thickness=thickness,
@@ -789,7 +789,7 @@ class Surface(SurfaceData):
         >>> surface.trim(max_edge=2), surface.trim(max_radius=1).mask.tolist()
         (<Surface of 2 triangles over 5 vertices>, [False, False, True, True])
         """
-        return trimming.trim(
+        return boundary.trim(
             self,
             max_edge=max_edge,
             boundary_only=boundary_only,
@@ -814,7 +814,7 @@ class Surface(SurfaceData):
         >>> liftmesh.triangulate([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]).boundary()
         [array([0, 1, 3, 2], dtype=int32)]
         """
-        return trimming.boundary(self)
+        return boundary.boundary(self)
 
     def verify(self, *, threads: int | None = None) -> Certificate:
         """Verify the triangulation from scratch, as `Triangulation.verify`.

@@ -32,8 +32,8 @@ from liftmesh.raster import writer
 from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.raster import RasterOptions, RasterPlan
 from liftmesh.terrain.report import Report
+from liftmesh.terrain.sampling import RasterOptions, RasterPlan
 from liftmesh.terrain.surface import Surface
 from liftmesh.tiles.tiled_data import TiledSurfaceData, shard_faces, shard_vertices
 
