@@ -10,11 +10,11 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
-from liftmesh.cli.options import is_stream, option, positive, whole
+from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
 from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
@@ -34,17 +34,13 @@ def table(
             "of all in order, as id,x,y,z; - leaves one out.",
         ),
     ] = None,
-    flat: Annotated[
-        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
-    ] = False,
+    flat: Annotated[bool, flag("Tables: heights do not matter; z is 0.")] = False,
     delimiter: Annotated[
         str | None, option("MARK", "Tables: what separates values, as ';', tab or space.")
     ] = None,
     decimal: Annotated[str | None, option("MARK", "Tables: the decimal mark, . or ,")] = None,
     skip_rows: Annotated[int, option("N", "Tables: skip the first N lines.", whole(0))] = 0,
-    no_header: Annotated[
-        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
-    ] = False,
+    no_header: Annotated[bool, flag("Tables: the first line is a row.")] = False,
     nodata: Annotated[
         str | None,
         option(
@@ -80,12 +76,10 @@ def _selection(
             options.classes,
         ),
     ] = None,
-    all_classes: Annotated[
-        bool, typer.Option("--all-classes", help="Rows of every class.")
-    ] = False,
+    all_classes: Annotated[bool, flag("Rows of every class.")] = False,
     returns: Annotated[
         Returns | None,
-        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+        flag("Rows of the last or the first return, or of those that are both."),
     ] = None,
     bounds: Annotated[
         Any,
@@ -93,15 +87,18 @@ def _selection(
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
-    withheld: Annotated[
-        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
-    ] = False,
+    withheld: Annotated[bool, flag("Rows flagged as withheld, too.")] = False,
     copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
-        option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
+        option(
+            "N",
+            "Rasters: the band that holds the heights; the first is 1.",
+            whole(1),
+            panel="Input",
+        ),
     ] = None,
     src_crs: Annotated[
         str | None,
@@ -109,15 +106,17 @@ def _selection(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
+            panel="Input",
         ),
     ] = None,
     dst_crs: Annotated[
-        str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
+        str | None,
+        option("CRS", "Transform the coordinates to this system, as EPSG:25832.", panel="Input"),
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
     if classes is not None and all_classes:
-        raise typer.BadParameter("--classes and --all-classes exclude each other: leave one out")
+        raise click.BadParameter("--classes and --all-classes exclude each other: leave one out")
     chosen = "all" if all_classes else classes
     conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
@@ -131,15 +130,62 @@ def _selection(
     return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
-Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
-Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+Table: TypeAlias = Annotated[dict[str, Any], options.Group(table, "Input")]
+Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection, "Selection")]
 
 
 def _rows(*, table: Table, selection: Selection) -> dict[str, Any]:
     return {**table, **selection}
 
 
-RowOptions: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+Rows: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+
+
+def _file(
+    input_format: Annotated[
+        str | None, option("FORMAT", "Format of the input, instead of its suffix.", panel="Input")
+    ] = None,
+    max_bytes: Annotated[
+        int | None,
+        option(
+            "SIZE",
+            "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+            "500M or 4G.",
+            options.size,
+            panel="Advanced",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return options.given(format=input_format, max_bytes=max_bytes)
+
+
+File: TypeAlias = Annotated[dict[str, Any], options.Group(_file)]
+
+
+def _reading(*, file: File, rows: Rows) -> dict[str, Any]:
+    return {**file, **rows}
+
+
+Reading: TypeAlias = Annotated[dict[str, Any], options.Group(_reading)]
+
+
+def _colored(
+    *,
+    reading: Reading,
+    color_depth: Annotated[
+        int | None,
+        option(
+            "BITS",
+            "Bits per channel of integer colours, 8 or 16; by default their values decide.",
+            options.color_depth,
+            panel="Input",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return reading | options.given(color_depth=color_depth)
+
+
+ColoredReading: TypeAlias = Annotated[dict[str, Any], options.Group(_colored)]
 
 
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
@@ -147,9 +193,9 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
 
     What a command reads by are options of `liftmesh.read`, here and below.
     """
-    reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
     if is_stream(path) and "format" not in reading:
-        raise typer.BadParameter("stdin has no suffix: give its format with --input-format")
+        given = Option("format", ...)
+        raise click.BadParameter(Message(f"stdin has no suffix: give its format with {given}"))
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress
@@ -289,7 +335,7 @@ def check_once(sources: Sequence[Path]) -> None:
         before = known.setdefault(_identity(each), each)
         if before is not each:
             other = "" if str(before) == str(each) else f", as {before}"
-            raise typer.BadParameter(f"{each} is given twice{other}")
+            raise click.BadParameter(f"{each} is given twice{other}")
 
 
 def _identity(path: Path) -> object:

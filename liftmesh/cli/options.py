@@ -1,12 +1,11 @@
 """Options of commands: how their values are parsed, those that several have, and groups of them.
 
-*Values.* typer calls a parser with what was typed, before the command runs. What a parser refuses,
+*Values.* click calls a parser with what was typed, before the command runs. What a parser refuses,
 or the library of values that were parsed, is told as wrong usage (`as_usage`). Parsers name the
 option `VALUE`.
 
 *Groups.* A parameter of a command that is annotated with a `Group` stands for all options of the
-function that the group is parsed by. A group may hold groups. An option of the command's own takes
-the place of one of that name in a group, which then has its default.
+function that the group is parsed by. A group may hold groups.
 """
 
 from __future__ import annotations
@@ -16,12 +15,12 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
-import typer
+import click
 
 from liftmesh.base.options import (
     MOST_THREADS,
@@ -37,38 +36,66 @@ from liftmesh.base.options import (
 from liftmesh.cli.wording import VALUE
 from liftmesh.errors import InputError, Option
 
+PANELS = ("Arguments", "Options", "Input", "Selection", "Output", "Advanced")
+"""Parts of the help of a command, in this order."""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What is said of an argument or an option, beside its name, its type and its default."""
+
+    text: str
+    metavar: str = ""
+    parser: Callable[[str], Any] | None = None  # where its type is not
+    check: Callable[[Any], Any] | None = None  # also of the default
+    panel: str = ""
+    is_argument: bool = False
+
+
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, panel: str = ""
+) -> Spec:
+    """Describe an option with a value, which a parser converts."""
+    return Spec(text, metavar, parser, panel=panel)
+
+
+def flag(text: str, *, panel: str = "") -> Spec:
+    """Describe an option without a value, or whose values say all."""
+    return Spec(text, panel=panel)
+
+
+def argument(metavar: str, text: str) -> Spec:
+    """Describe an argument."""
+    return Spec(text, metavar, is_argument=True)
+
 
 @dataclass(frozen=True)
 class Group:
     """Says which function parses the options of a group to the value of a parameter."""
 
     parse: Callable[..., Any]
+    panel: str = "Options"  # of those of the group that name no other
 
 
 def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a function the options of its groups one by one, as typer knows them."""
-    signature = inspect.signature(function, eval_str=True)
-    groups = {
-        each.name: with_single_options(kind.parse)
-        for each in signature.parameters.values()
-        for kind in get_args(each.annotation)
-        if isinstance(kind, Group)
-    }
+    """Give a function the options of its groups one by one."""
+    single: list[inspect.Parameter] = []
+    groups: dict[str, tuple[Callable[..., Any], list[str]]] = {}
+    for each in _parameters(function):
+        spec = get_args(each.annotation)[1]
+        if not isinstance(spec, Group):
+            single.append(each)
+            continue
+        parse = with_single_options(spec.parse)
+        inner = [_in_panel(one, spec.panel) for one in _parameters(parse)]
+        groups[each.name] = parse, [one.name for one in inner]
+        single += inner
     if not groups:
         return function
-    own = signature.parameters.keys() - groups.keys()
-    taken = {
-        name: [each for each in _parameters(parse) if each.name not in own]
-        for name, parse in groups.items()
-    }
-    single: list[inspect.Parameter] = []
-    for each in signature.parameters.values():
-        single += taken.get(each.name, [each])
 
     @wraps(function)
     def command(**options: Any) -> Any:
-        for name, parse in groups.items():
-            names = [each.name for each in taken[name] if each.name in options]
+        for name, (parse, names) in groups.items():
             options[name] = parse(**{each: options.pop(each) for each in names})
         return function(**options)
 
@@ -85,27 +112,26 @@ def with_parameters(
     return function
 
 
+def parameter(name: str, kind: Any, spec: Spec, default: Any = None) -> inspect.Parameter:
+    """Make a parameter with this annotation."""
+    annotation = Annotated[kind, spec]
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
+    )
+
+
 def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
     return list(inspect.signature(function, eval_str=True).parameters.values())
+
+
+def _in_panel(each: inspect.Parameter, panel: str) -> inspect.Parameter:
+    kind, spec = get_args(each.annotation)
+    return each.replace(annotation=Annotated[kind, replace(spec, panel=spec.panel or panel)])
 
 
 def given(**options: Any) -> dict[str, Any]:
     """Return the options that were given: those that are neither None nor False."""
     return {name: each for name, each in options.items() if each is not None and each is not False}
-
-
-def option(
-    metavar: str,
-    text: str,
-    parser: Callable[[str], Any] | None = None,
-    *,
-    name: str = "",
-    callback: Callable[[Any], Any] | None = None,
-) -> Any:
-    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
-    parse = None if parser is None else as_usage()(parser)
-    names = filter(None, [name])
-    return typer.Option(*names, metavar=metavar, help=text, parser=parse, callback=callback)
 
 
 @contextmanager
@@ -114,7 +140,7 @@ def as_usage() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise typer.BadParameter(error.message) from error
+        raise click.BadParameter(error.message) from error
 
 
 def whole(least: int) -> Callable[[str], int]:
@@ -293,13 +319,7 @@ def _exactly(length: int, text: str) -> tuple[float, ...] | None:
 
 
 Source: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --input-format).")
-]
-InputFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of the input, instead of its suffix.")
-]
-OutputFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
+    Path, argument("IN", "Cloud or mesh; - reads stdin (see --input-format).")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -312,38 +332,28 @@ Plane: TypeAlias = Annotated[
     ),
 ]
 Apex: TypeAlias = Annotated[
-    Any, option("APEX", "Apex of the paraboloid: median (of the points), origin or X,Y.", apex)
+    Any,
+    option(
+        "APEX",
+        "Apex of the paraboloid: median (of the points), origin or X,Y.",
+        apex,
+        panel="Advanced",
+    ),
 ]
 OnDuplicate: TypeAlias = Annotated[
-    Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
+    Policy, flag("Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[
-    NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
+    NonFinite, flag("Policy for rows with NaN or infinity.", panel="Input")
 ]
 Threads: TypeAlias = Annotated[
     int | None,
-    option(
-        "N",
+    Spec(
         "Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
+        "N",
         threads,
-        callback=checked_threads,
-    ),
-]
-MaxBytes: TypeAlias = Annotated[
-    int | None,
-    option(
-        "SIZE",
-        "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
-        "500M or 4G.",
-        size,
-    ),
-]
-ColorDepth: TypeAlias = Annotated[
-    int | None,
-    option(
-        "BITS",
-        "Bits per channel of integer colours, 8 or 16; by default their values decide.",
-        color_depth,
+        checked_threads,
+        panel="Advanced",
     ),
 ]
 Weights: TypeAlias = Annotated[
@@ -363,12 +373,12 @@ Metric: TypeAlias = Annotated[
         "A,B,C", "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.", metric
     ),
 ]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Json: TypeAlias = Annotated[bool, flag("Print one JSON object.", panel="Output")]
 
 
 def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
     """Return the option that says by what points are lifted, of which there may be one."""
     chosen = given(weights=weights, radii=radii, metric=metric)
     if len(chosen) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
+        raise click.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
     return chosen

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream, option
-from liftmesh.cli.places import is_table
+from liftmesh.cli.options import argument, is_stream, option
+from liftmesh.cli.surfaces import is_table
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -34,9 +34,7 @@ def run(
     source: options.Source,
     target: Annotated[
         Path,
-        typer.Argument(
-            metavar="OUT", help="Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."
-        ),
+        argument("OUT", "Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."),
     ],
     domain: Annotated[
         str | None,
@@ -67,14 +65,13 @@ def run(
             float,
         ),
     ] = None,
-    input_format: options.InputFormat = None,
     output_format: Annotated[
-        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.")
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", panel="Output")
     ] = None,
     *,
     table: inputs.Table,
+    file: inputs.File,
     threads: options.Threads = None,
-    max_bytes: options.MaxBytes = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
@@ -85,9 +82,8 @@ def run(
     _check_one(kinds, choices)
     kind = _kind(target, output_format)
     outputs.check_place(target)
-    planar = {"flat": None} if is_table(source, input_format) else {}
-    reading = {**planar, **table, "format": input_format, "max_bytes": max_bytes}
-    cloud = inputs.read(source, reading)
+    planar = {"flat": None} if is_table(source, file.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **table, **file})
     choices["domain"] = _domain(domain)
     text = f"cells of {len(cloud):,} rows"
     with inputs.about(source), terminal.share_bar(text, len(cloud)) as progress:
@@ -106,18 +102,18 @@ def run(
 def _check_one(kinds: Mapping[str, str | None], choices: Mapping[str, Any]) -> None:
     is_of_disks = kinds["disks"] is not None
     if is_of_disks and (kinds["weights"] is not None or kinds["radii"] is not None):
-        raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
+        raise click.BadParameter("--disks makes other cells than --weights and --radii: give one")
     if is_of_disks and "threads" in choices:
-        raise typer.BadParameter("--disks makes cells on one thread: leave out --threads")
+        raise click.BadParameter("--disks makes cells on one thread: leave out --threads")
     if not is_of_disks and "max_deviation" in choices:
-        raise typer.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
+        raise click.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:
     from liftmesh.cells.files import format_of
 
     if name is None and is_stream(target):
-        raise typer.BadParameter(
+        raise click.BadParameter(
             "stdout has no suffix: give the format with --output-format geojson"
         )
     return format_of(target, name)
@@ -130,7 +126,7 @@ def _domain(text: str | None) -> Any:
         return box
     path = Path(text).expanduser()
     if not path.exists():
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
     from liftmesh.cells.files import read_domain

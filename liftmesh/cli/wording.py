@@ -1,8 +1,7 @@
 """Messages in the words of the command line: of wrong usage, and of what the library raises.
 
-*Wrong usage.* The words of typer, and of the libraries that it uses, change from version to
-version: here, the type of an exception and what it concerns decide; its text serves only to find
-what was typed.
+*Wrong usage.* The words of click change from version to version: here, the type of an exception
+and what it concerns decide; its text serves only to find what was typed.
 
 *Options.* Messages of the library say where they name options: ``band=`` becomes ``--band``. Most
 options of commands have the names of the library's; `_OTHERS` has the rest.
@@ -20,7 +19,7 @@ from liftmesh.base.options import VARIABLE
 from liftmesh.errors import InputError, Message, Option
 
 VALUE = "value"
-"""The name of any option for the parsers of values: typer knows which one it is."""
+"""The name of any option for the parsers of values: click knows which one it is."""
 
 _OTHERS: dict[str | Option, str] = {
     VARIABLE: VARIABLE,
@@ -81,10 +80,11 @@ def _about_words(text: str, context: Any) -> str:
     extra = re.search(r"argument.*? \((.*)\)", text)
     if extra:
         return f"unexpected {extra[1]!r}: {_usage(context)}"
-    typed, known = _quoted(text), getattr(context.command, "commands", None)
-    if typed is None or known is None:
+    typed = _quoted(text)
+    if typed is None or not hasattr(context.command, "list_commands"):
         return text
-    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), [*known])}"
+    known = context.command.list_commands(context)
+    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), known)}"
 
 
 def _about_value(error: Any) -> str:
@@ -107,8 +107,7 @@ def _quoted(text: str) -> str | None:
 
 
 def _choices(param: Any) -> Sequence[str]:
-    holder = getattr(param, "type_descriptor", None) or getattr(param, "type", None)
-    return [str(each) for each in getattr(holder, "choices", None) or ()]
+    return [str(each) for each in getattr(getattr(param, "type", None), "choices", None) or ()]
 
 
 def _name(param: Any) -> str:

@@ -27,7 +27,7 @@ from liftmesh.terrain.surface import Surface
 
 
 def compare(
-    source: object,
+    cloud: object,
     *,
     apex: Apex = "median",
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
@@ -38,7 +38,7 @@ def compare(
 
     Parameters
     ----------
-    source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
+    cloud : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
         The points, or their triangulation; of a file, the rows that `triangulate` takes.
     apex : {"median", "origin"} or (2,) array_like, default "median"
         Apex of the paraboloid, as for `lift`. With the median, heights are small wherever the
@@ -65,7 +65,12 @@ def compare(
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
     FormatError
-        `source` is a path to a file that cannot be read.
+        `cloud` is the path to a file that cannot be read.
+
+    See Also
+    --------
+    verify : An exact check of any triangulation.
+    lower_hull : The lower hull of points in space.
 
     Notes
     -----
@@ -76,11 +81,11 @@ def compare(
     --------
     >>> from liftmesh import compare
     >>> result = compare([[0, 0], [4, 0], [0, 4], [3, 3], [1, 1]])
-    >>> result.verdict, result.identical
+    >>> result.verdict, result.n_identical
     ('identical', 4)
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
-    triangulation, seconds = _triangulate(source, plane, nonfinite)
+    triangulation, seconds = _triangulate(cloud, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)
     place = resolve_apex(apex, triangulation.points[rows])
@@ -93,15 +98,15 @@ def compare(
         apex=place,
         hull=hull.facets,
         lower=hull.lower,
-        vertical=hull.vertical,
-        identical=differences.identical,
-        cocircular=differences.cocircular,
-        cells=differences.cells,
+        n_vertical=hull.vertical,
+        n_identical=differences.identical,
+        n_cocircular=differences.cocircular,
+        n_cells=differences.cells,
         missing=triangles[differences.missing],
         wrong=hull.lower[differences.wrong],
         lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
-        coincident=hull.coincident,
-        violations=len(cells.violations),
+        n_coincident=hull.coincident,
+        n_violations=len(cells.violations),
         proofs=() if hull.error else tuple(evidence.proofs(most)),
         seconds={"liftmesh": seconds, "trimesh": hull.seconds},
         error=hull.error,

@@ -78,8 +78,8 @@ def verify(  # noqa: PLR0913 - options are keywords
         As for `delaunay`: the triangles are to be the Delaunay triangulation in this metric.
     furthest_site : bool, default False
         Whether the triangles are to be the farthest-point Delaunay triangulation, as of
-        `Delaunay`. Without any of these options, a `Triangulation`, a `Surface` or a file that
-        liftmesh wrote says itself which member it is.
+        `scipy.Delaunay`. Without any of these options, a `Triangulation`, a `Surface` or a file
+        that liftmesh wrote says itself which member it is.
 
     Returns
     -------
@@ -98,6 +98,12 @@ def verify(  # noqa: PLR0913 - options are keywords
         The object is no mesh.
     FormatError
         The file cannot be read.
+
+    See Also
+    --------
+    Triangulation.verify : The check of one's own triangles.
+    Tiled.verify : The check of more triangles than memory holds.
+    compare : Where trimesh's hull differs.
 
     Notes
     -----
@@ -294,20 +300,20 @@ def _certify(
     is_judged = not kind.may_hide or not flaws.keys() - {"not_canonical", "missing_vertices"}
     others = len(rows) - skipped - vertices - missing - hidden
     return Certificate(
-        rows=len(rows),
-        skipped=skipped,
-        vertices=vertices if is_counted else None,
-        duplicates=others if is_counted and is_judged else None,
-        merged=merged if is_counted else None,
-        triangles=len(given),
-        edges=edges if is_counted else None,
-        hull_edges=boundary_edges if is_counted else None,
+        n_rows=len(rows),
+        n_skipped=skipped,
+        n_vertices=vertices if is_counted else None,
+        n_duplicates=others if is_counted and is_judged else None,
+        n_merged=merged if is_counted else None,
+        n_triangles=len(given),
+        n_edges=edges if is_counted else None,
+        n_hull_edges=boundary_edges if is_counted else None,
         flaws=tuple(sorted(flaws.values(), key=lambda flaw: flaw.kind == "not_canonical")),
         points_sha256=sums[0],
         simplices_sha256=sums[1],
         version=_kernel.VERSION,
         member=kind.name,
-        hidden=hidden if is_counted and is_judged else None,
+        n_hidden=hidden if is_counted and is_judged else None,
         metric=kind.metric,
         values_sha256=sha256_of(kind.values, "<f8") if kind.has_values else None,
     )

@@ -24,8 +24,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.lifting import HIDDEN
-from liftmesh.terrain.surface_data import as_cloud
+from liftmesh.terrain.surface_data import HIDDEN, as_cloud
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -147,7 +146,7 @@ def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
     certificate = triangulation.verify()
     hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
-    return certificate.canonical and certificate.hidden == len(hidden)
+    return certificate.canonical and certificate.n_hidden == len(hidden)
 
 
 def _from_least(hull: Rows, planar: Floats) -> Rows:

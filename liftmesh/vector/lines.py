@@ -13,6 +13,8 @@ from liftmesh.io.write import WriteResult, written_file
 from liftmesh.vector import geojson, geopackage
 from liftmesh.vector.files import read_shapes
 
+LINE_SUFFIXES = (".geojson", ".json", ".gpkg")
+
 
 def lines_of(path: Path, crs: str | None) -> list[Floats]:
     """Read the lines of a file, which has to be in the system of a surface."""

@@ -18,9 +18,9 @@ import open3d as o3d
 import pandas as pd
 import polars as pl
 import trimesh as trimesh_library
+from conversions.passages import Arrival, Passage
 from laspy.vlrs.known import WktCoordinateSystemVlr
 
-from conversions.passages import Arrival, Passage
 from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
 from liftmesh.base.colors import stated_depth
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION

@@ -4,11 +4,8 @@
 
 #include "cells/clip.hpp"
 #include "cells/diagram.hpp"
-#include "cells/regions.hpp"
-#include "cells/spokes.hpp"
 #include "delaunay/delaunay.hpp"
 #include "kinds.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 
 namespace portability {
@@ -27,7 +24,7 @@ void add(Digest& digest, const T* values, std::size_t count) {
 }
 
 void add_regions(const Dual& dual, const std::int32_t* vertex_of, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::Regions made;
     demand(liftmesh::make_regions(dual, vertex_of, never, made), "interrupted regions");
     add(digest, made.ridge_sites.get(), 2 * made.ridge_count);
@@ -55,7 +52,7 @@ void add_clipped(const Dual& dual, const std::int32_t* vertex_of, Digest& digest
     const std::vector<Point> corners = square(dual);
     if (corners.empty()) return;
     const std::int32_t starts[] = {0, static_cast<std::int32_t>(corners.size())};
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::Clipped made;
     const liftmesh::Spokes spokes(dual, nullptr, 0);
     const auto outcome =
@@ -73,7 +70,7 @@ void add_clipped(const Dual& dual, const std::int32_t* vertex_of, Digest& digest
 
 // Values are the second coordinates of the next rows.
 void add_cells(const double* coordinates, std::size_t rows, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay(native::input_of(coordinates, rows), true, {}, never);
     if (found.status != liftmesh::Status::ok) return;
     std::vector<Point> points;

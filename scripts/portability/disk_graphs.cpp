@@ -4,7 +4,6 @@
 
 #include "disk_arrays.hpp"
 #include "kinds.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 #include "stars.hpp"
 
@@ -46,7 +45,7 @@ std::vector<Disk> disks_around(const std::vector<Point>& points) {
 
 void add_graph(const std::vector<Disk>& disks, Digests& digests) {
     if (disks.empty() || !native::have_exact_signs(disks)) return;
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const DiskArrays found(liftmesh::apollonius::apollonius(disks, 5, never));
     Digest& graph = digests.of["graph of disks"];
     for (const auto* list : {&found.simplices, &found.neighbors, &found.hull, &found.hidden})
@@ -57,7 +56,7 @@ void add_graph(const std::vector<Disk>& disks, Digests& digests) {
 }
 
 void add_stars(const std::vector<Point>& points, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto given = points.empty() ? nullptr : reinterpret_cast<const double*>(points.data());
     const auto euclidean =
         liftmesh::delaunay(native::input_of(given, points.size()), false, {}, never);

@@ -9,8 +9,6 @@
 
 #include "cells/clip.hpp"
 #include "cells/diagram.hpp"
-#include "cells/regions.hpp"
-#include "cells/spokes.hpp"
 #include "checks.hpp"
 #include "patient.hpp"
 

@@ -6,7 +6,6 @@
 
 #include "checks.hpp"
 #include "dynamic/triangulation.hpp"
-#include "never.hpp"
 #include "patient.hpp"
 #include "simplification/simplify.hpp"
 
@@ -21,13 +20,13 @@ std::size_t fresh_triangles(const liftmesh::dynamic::Triangulation& mesh) {
     std::vector<Point> present;
     for (Vertex v = 0; v < mesh.vertex_end(); ++v)
         if (mesh.is_present(v)) present.push_back(mesh.point(v));
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto input = liftmesh::dynamic::input_of(present);
     return liftmesh::delaunay(input, false, {}, never).result.triangle_count;
 }
 
 void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::dynamic::Triangulation mesh;
     std::vector<Vertex> found(points.size());
     const std::size_t half = points.size() / 2;
@@ -45,7 +44,7 @@ void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
 
 // Few triangles within a bound: to the end and interrupted; not of points on a line.
 void simplified(const Cloud& cloud, const std::vector<Point>& points) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
     if (whole.status != liftmesh::Status::ok) return;
     std::vector<double> heights;

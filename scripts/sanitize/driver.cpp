@@ -20,8 +20,8 @@
 #include "clouds.hpp"
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "hull/gift_wrapping.hpp"
-#include "paper/counts.hpp"
+#include "hull/lower_hull.hpp"
+#include "paper/facet_search.hpp"
 #include "patient.hpp"
 #include "verify/verify.hpp"
 

@@ -7,9 +7,8 @@
 #include <random>
 
 #include "checks.hpp"
-#include "delaunay/farthest.hpp"
+#include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "delaunay/regular.hpp"
 #include "patient.hpp"
 #include "verify/verify.hpp"
 

@@ -10,7 +10,6 @@
 #include "patient.hpp"
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
-#include "tiles/reach.hpp"
 
 namespace parallel {
 

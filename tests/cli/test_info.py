@@ -16,7 +16,7 @@ from scipy.spatial.distance import cdist
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
-from liftmesh.cli.summary import summarise
+from liftmesh.cli.info import summarise
 
 
 def summary_of(path):

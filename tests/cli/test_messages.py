@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from liftmesh import Cloud
-from liftmesh.cli import exit_codes, inputs, notes, outputs, places, terminal, wording
+from liftmesh.cli import exit_codes, inputs, notes, outputs, surfaces, terminal, wording
 from liftmesh.cli.info import _decimals
 from liftmesh.errors import InputError, Option
 from liftmesh.io.write import WriteResult
@@ -74,9 +74,9 @@ def test_rows_of_several_files_are_counted_in_their_own() -> None:
     ],
 )
 def test_files_of_places(name: str, is_shapes: bool, is_table: bool | None) -> None:
-    assert places.is_shapes(Path(name)) == is_shapes
+    assert surfaces.is_shapes(Path(name)) == is_shapes
     if is_table is not None:
-        assert places.is_table(Path(name)) == is_table
+        assert surfaces.is_table(Path(name)) == is_table
 
 
 def test_rows_without_classes_have_none() -> None:

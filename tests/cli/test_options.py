@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, get_args
 
 import pytest
 
@@ -65,7 +65,7 @@ def test_one_way_to_lift_is_taken() -> None:
     metric = options.metric("2,0.5,1")
     assert options.lifting(None, None, metric) == {"metric": metric}
     assert options.lifting("w", None, None) == {"weights": "w"}
-    with pytest.raises(options.typer.BadParameter, match="--weights and --radii are given"):
+    with pytest.raises(options.click.BadParameter, match="--weights and --radii are given"):
         options.lifting("w", "r", None)
 
 
@@ -73,14 +73,18 @@ def test_given_keeps_zero() -> None:
     assert options.given(a=None, b=False, c=0, d=True) == {"c": 0, "d": True}
 
 
-def _inner(words: str = "", count: int = 0) -> dict[str, Any]:
+Words: TypeAlias = Annotated[str, options.option("WORDS", "Words.")]
+Count: TypeAlias = Annotated[int, options.option("N", "A count.", panel="Output")]
+
+
+def _inner(words: Words = "", count: Count = 0) -> dict[str, Any]:
     return {"words": words, "count": count}
 
 
-Inner: TypeAlias = Annotated[dict[str, Any], options.Group(_inner)]
+Inner: TypeAlias = Annotated[dict[str, Any], options.Group(_inner, "Input")]
 
 
-def _outer(size: int = 1, *, inner: Inner, last: bool = False) -> tuple[int, dict[str, Any], bool]:
+def _outer(size: Count = 1, *, inner: Inner, last: Count = 0) -> tuple[int, dict[str, Any], int]:
     return size, inner, last
 
 
@@ -88,24 +92,18 @@ Outer: TypeAlias = Annotated[Any, options.Group(_outer)]
 
 
 def test_options_of_groups_stand_where_the_group_stands() -> None:
-    def run(path: str, *, outer: Outer, json: bool = False) -> object:
+    def run(path: Words, *, outer: Outer, json: options.Json = False) -> object:
         return path, outer, json
 
     command = options.with_single_options(run)
-    names = [*inspect.signature(command).parameters]
-    assert names == ["path", "size", "words", "count", "last", "json"]
-    given = {"path": "a", "size": 3, "words": "w", "count": 2, "last": True, "json": True}
-    assert command(**given) == ("a", (3, {"words": "w", "count": 2}, True), True)
-
-
-def test_an_option_of_the_command_takes_the_place_of_one_of_a_group() -> None:
-    def run(count: str, *, outer: Outer) -> object:
-        return count, outer
-
-    command = options.with_single_options(run)
-    assert [*inspect.signature(command).parameters] == ["count", "size", "words", "last"]
-    made = command(count="own", size=1, words="w", last=False)
-    assert made == ("own", (1, {"words": "w", "count": 0}, False))
+    parameters = inspect.signature(command).parameters
+    panels = {name: get_args(each.annotation)[1].panel for name, each in parameters.items()}
+    assert panels == {
+        "path": "", "size": "Output", "words": "Input", "count": "Output", "last": "Output",
+        "json": "Output",
+    }  # fmt: skip
+    given = {"path": "a", "size": 3, "words": "w", "count": 2, "last": 1, "json": True}
+    assert command(**given) == ("a", (3, {"words": "w", "count": 2}, 1), True)
 
 
 def test_a_function_without_groups_stays_as_it_is() -> None:
