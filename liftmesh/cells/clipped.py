@@ -20,7 +20,7 @@ from liftmesh.cells.rings import DomainCorners, Rings, parts_of
 from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
 from liftmesh.errors import InputError
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 from liftmesh.optional import load
 
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles

@@ -21,7 +21,7 @@ from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
 from liftmesh.cells.tie_resolution import resolve_ties
 from liftmesh.errors import InputError
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

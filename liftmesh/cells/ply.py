@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import counted
 from liftmesh.cells.domain import following_corners
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
 from liftmesh.io.metadata import OWN, crs_comment

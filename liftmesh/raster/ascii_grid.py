@@ -17,12 +17,11 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.errors import FormatError
-from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.text_tables import quoted, ragged_numbers
+from liftmesh.io.text_tables import BLOCK, Lines, quoted, ragged_numbers
 from liftmesh.raster.sidecars import Transform
 
 if TYPE_CHECKING:
-    from liftmesh.io.lines import Block
+    from liftmesh.io.text_tables import Block
 
 Section: TypeAlias = tuple[tuple[int, int], tuple[int, int]]  # of rows, and of columns
 

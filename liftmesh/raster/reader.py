@@ -30,9 +30,8 @@ from liftmesh.base.options import as_count, shown
 from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import POSITION, CloudBuilder
-from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import noted
-from liftmesh.io.missing import Missing, Outliers, as_missing
+from liftmesh.io.options import Missing, Outliers, as_missing, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
 from liftmesh.raster.ascii_grid import AsciiGrid, is_grid

@@ -44,7 +44,7 @@ from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.options import NonFinite, OnDuplicate, as_count, as_switch, check_progress, shown
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.surface_rows import read_rows
+from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
 from liftmesh.terrain.meshes import as_surface

@@ -23,7 +23,7 @@ from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.surface_rows import read_rows
+from liftmesh.io.read import read_rows
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
@@ -33,7 +33,7 @@ from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.formats.text.options import ColumnChoice
+    from liftmesh.io.options import ColumnChoice
     from liftmesh.io.selection import ClassChoice
     from liftmesh.planar.delaunay import Solution
     from liftmesh.planar.triangulation import Triangulation

@@ -18,7 +18,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.io.surface_rows import classes_of
+from liftmesh.io.read import classes_of
 from liftmesh.tiles.context import group_suffix
 from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan, set_apart

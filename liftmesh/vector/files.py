@@ -23,7 +23,7 @@ from liftmesh.base.options import shown
 from liftmesh.crs.comparison import are_different, text_of
 from liftmesh.crs.description import look_up, parse_crs
 from liftmesh.errors import DataWarning, FormatError, InputError, MissingDependencyError
-from liftmesh.io.json_text import parsed
+from liftmesh.io.markup import parsed
 from liftmesh.vector.geopackage import MAGIC as GEOPACKAGE, read_geopackage
 from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from liftmesh.io.json_text import (
+from liftmesh.io.markup import (
     ascii_string,
     finite_numbers,
     parsed_or_none,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from liftmesh.errors import InputError
-from liftmesh.io.surface_rows import check_grounds, for_surface, read_rows
+from liftmesh.io.read import check_grounds, for_surface, read_rows
 
 WITH = {"ground": 1, "selected": 5}
 WITHOUT = {"ground": 0, "selected": 9}

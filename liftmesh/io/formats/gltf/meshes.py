@@ -17,8 +17,8 @@ from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, fits_eight_bits, with_alpha
 from liftmesh.io.formats.gltf.validation import Accessor, Document, Tree, is_harmless
-from liftmesh.io.json_text import shown
-from liftmesh.io.limits import check_columns
+from liftmesh.io.markup import shown_json
+from liftmesh.io.options import check_columns
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
 _LINES = {1: "lines", 2: "line loop(s)", 3: "line strip(s)"}
@@ -83,7 +83,7 @@ def primitives(
     for part in document.objects(mesh.get("primitives", []), what):
         mode = part.get("mode", TRIANGLES)
         if type(mode) is not int or not POINTS <= mode <= FAN:
-            raise document.error(f"{what}: mode is {shown(mode)}: expected 0 to 6")
+            raise document.error(f"{what}: mode is {shown_json(mode)}: expected 0 to 6")
         (attributes,) = document.objects([part.get("attributes", {})], what)
         if skipped is not None:
             skipped.update(_skipped(part, attributes, mode))

@@ -14,10 +14,10 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.io.formats.gltf.validation import Document, Tree, is_harmless
-from liftmesh.io.json_text import finite_numbers, shown
+from liftmesh.io.markup import finite_numbers, shown_json
 
 if TYPE_CHECKING:
-    from liftmesh.io.precision import Origin
+    from liftmesh.io.format import Origin
 
 # The last row of an affine matrix, and how far products in single precision may miss it.
 _LAST = np.array([0.0, 0.0, 0.0, 1.0])
@@ -128,7 +128,7 @@ def _local(document: Document, node: Tree, what: str) -> Floats | None:
             numbers = finite_numbers(node[key], count)
             if numbers is None:
                 raise document.error(
-                    f"{what}: {key} is {shown(node[key])}: expected {count} finite numbers"
+                    f"{what}: {key} is {shown_json(node[key])}: expected {count} finite numbers"
                 )
             place = _joined(place, _matrix(key, np.array(numbers), document, what))
     return place

@@ -14,8 +14,15 @@ from typing import Any, BinaryIO
 
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, StatedBuffer
-from liftmesh.io.json_text import check_length, parsed, shown, without_buffers
-from liftmesh.io.limits import bytes_of_text, bytes_of_tree, check_expanded, limit_of
+from liftmesh.io.markup import (
+    bytes_of_text,
+    bytes_of_tree,
+    check_length,
+    parsed,
+    shown_json,
+    without_buffers,
+)
+from liftmesh.io.options import check_expanded, limit_of
 from liftmesh.io.streams import remaining
 
 Tree = dict[str, Any]
@@ -96,7 +103,9 @@ class Document:
         """Return a whole number from 0; 0 if there is none."""
         count = part.get(key, 0)
         if type(count) is not int or count < 0:
-            raise self.error(f"{what}: {key} is {shown(count)}: expected a whole number from 0")
+            raise self.error(
+                f"{what}: {key} is {shown_json(count)}: expected a whole number from 0"
+            )
         return count
 
     def index(self, part: Tree, key: str, limit: int, what: str) -> int:
@@ -176,8 +185,8 @@ class Document:
         unknown = [each for each in required if not is_harmless(each) and each not in _NAMED]
         if unknown:
             raise self.error(
-                f"it requires the extension {shown(unknown[0])}, which liftmesh does not read: "
-                "save the file without it"
+                f"it requires the extension {shown_json(unknown[0])}, which liftmesh does not "
+                "read: save the file without it"
             )
 
     def _stated(self) -> list[StatedBuffer]:

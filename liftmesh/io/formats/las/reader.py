@@ -21,8 +21,8 @@ from liftmesh.io.formats.las.header import read_header
 from liftmesh.io.formats.las.laz import OffsetStream
 from liftmesh.io.formats.las.points import BLOCK, WAVE_PACKETS, Block, Points, types_of
 from liftmesh.io.formats.las.vlrs import DEPTH, LiftmeshVlr, crs_of, entry_of, refused
-from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.metadata import noted
+from liftmesh.io.options import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 
 if TYPE_CHECKING:

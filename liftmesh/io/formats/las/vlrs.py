@@ -28,7 +28,7 @@ from liftmesh.base.cloud import is_crs
 from liftmesh.crs.geokeys import KEYS, OF_KEYS, crs_of_geokeys, has_parameters, wkt_of
 from liftmesh.io import metadata
 from liftmesh.io.formats.las.header import ENCODING_WKT, LONG_RECORD, RECORD, LasHeader, Record
-from liftmesh.io.json_text import parsed_or_none
+from liftmesh.io.markup import parsed_or_none
 from liftmesh.io.metadata import Provenance
 
 if TYPE_CHECKING:

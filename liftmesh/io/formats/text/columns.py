@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.formats.text.names import Meaning, meaning
-from liftmesh.io.formats.text.options import LEFT_OUT, TableOptions, is_plain
+from liftmesh.io.options import LEFT_OUT, TableOptions, is_plain
 
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
