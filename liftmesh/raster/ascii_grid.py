@@ -18,7 +18,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.errors import FormatError
 from liftmesh.io.text_tables import BLOCK, Lines, quoted, ragged_numbers
-from liftmesh.raster.sidecars import Transform
+from liftmesh.raster.reader import Transform
 
 if TYPE_CHECKING:
     from liftmesh.io.text_tables import Block

@@ -31,7 +31,7 @@ from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from liftmesh.io.selection import Selection
-    from liftmesh.raster.sidecars import Transform
+    from liftmesh.raster.reader import Transform
 
 _PIECE = 1 << 20  # bytes inflated at a time
 _OF_TAGS = re.compile(r"TIFF\w*(Directory|Tag)\b")

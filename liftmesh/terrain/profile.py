@@ -29,7 +29,7 @@ from liftmesh.errors import InputError
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
-from liftmesh.vector.lines import write_lines
+from liftmesh.vector.files import write_lines
 
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult

@@ -25,7 +25,7 @@ from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
 from liftmesh.base.colors import stated_depth
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import DOUBLE, fits_whole
-from liftmesh.io.formats.text.names import meaning
+from liftmesh.io.formats.text.columns import meaning
 from liftmesh.io.metadata import NOTE
 from liftmesh.io.objects import open3d, trimesh
 

@@ -30,4 +30,4 @@ def test_all_files_have_ground_or_none() -> None:
 def test_all_rows_of_an_object_count() -> None:
     assert len(read_rows([[0, 0, 5], [1, 0, 6]])) == 2
     with pytest.raises(InputError, match="classes= is for files"):
-        read_rows([[0, 0, 5], [1, 0, 6]], 2)
+        read_rows([[0, 0, 5], [1, 0, 6]], classes=2)

@@ -10,7 +10,7 @@ from liftmesh import FormatError
 from liftmesh.io.selection import Selection
 from liftmesh.raster.ascii_grid import is_grid
 from liftmesh.raster.blocks import Window, window_of, without_warnings
-from liftmesh.raster.sidecars import Transform
+from liftmesh.raster.reader import Transform
 
 
 def test_steps_are_counted_from_the_first_row_and_column() -> None:

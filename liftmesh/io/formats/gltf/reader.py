@@ -17,8 +17,15 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
 from liftmesh.io.format import checked_origin, with_origin
-from liftmesh.io.formats.gltf.meshes import ROUNDED, Primitive, decoded, primitives
-from liftmesh.io.formats.gltf.nodes import Scene, default_scene, put_exactly
+from liftmesh.io.formats.gltf.meshes import (
+    ROUNDED,
+    Primitive,
+    Scene,
+    decoded,
+    default_scene,
+    primitives,
+    put_exactly,
+)
 from liftmesh.io.formats.gltf.validation import Document
 from liftmesh.io.metadata import NOTE, noted, of_extras
 from liftmesh.io.objects.trimesh import transformed
