@@ -186,7 +186,7 @@ def _check_file(path: Path) -> None:
     """Raise if a folder of triangles in tiles is given."""
     if not path.is_dir():
         return
-    from liftmesh.tiles.manifest import MANIFEST
+    from liftmesh.tiles.store import MANIFEST
 
     if (path / MANIFEST).is_file():
         raise FormatError(

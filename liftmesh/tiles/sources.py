@@ -24,7 +24,6 @@ from liftmesh.errors import InputError
 from liftmesh.io import streams
 from liftmesh.io.read import for_chunks, read_chunks
 from liftmesh.io.registry import as_cloud
-from liftmesh.tiles.parquet import parquet_chunks, parquet_clouds, parquet_files, planar_batches
 from liftmesh.tiles.schema import (
     PLANAR,
     Reading,
@@ -41,6 +40,10 @@ from liftmesh.tiles.source_chunks import (
     las_chunks,
     mapped_chunks,
     npy_chunks,
+    parquet_chunks,
+    parquet_clouds,
+    parquet_files,
+    planar_batches,
     saved,
 )
 from liftmesh.tiles.store import concatenated

@@ -19,7 +19,7 @@ import liftmesh
 from liftmesh import Tiled
 from liftmesh.errors import InputError
 from liftmesh.tiles import context, pipeline
-from liftmesh.tiles.context import Groups, RunContext
+from liftmesh.tiles.options import Groups, RunContext
 from liftmesh.tiles.schedule import release
 
 ROWS, TILE_ROWS = 6_000, 1_000
@@ -176,8 +176,8 @@ def test_a_copy_that_is_no_copy_stays(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys, liftmesh
 from pathlib import Path
-from liftmesh.tiles import context
-context._ROWS = 200
+from liftmesh.tiles import options
+options._ROWS = 200
 unlink, left = Path.unlink, int(sys.argv[3])
 def killing(path, **options):
     global left
