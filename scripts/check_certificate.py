@@ -194,7 +194,8 @@ def metric_of(claimed: dict[str, Any]) -> tuple[Fraction, Fraction, Fraction]:
 def judge(lifted: list[Any], triangles: list[Triangle], member: str) -> tuple[str, dict[str, Any]]:
     """Return what is wrong with a mesh, and what its certificate must say."""
     points = [None if row is None else row[0] for row in lifted]
-    counts = {"rows": len(lifted), "skipped": points.count(None), "triangles": len(triangles)}
+    counts = {"n_rows": len(lifted), "n_skipped": points.count(None)}
+    counts["n_triangles"] = len(triangles)
     wrong, apex = half_edges_of(points, triangles)
     boundary = [(a, b) for a, b in apex if (b, a) not in apex]
     wrong = wrong or problem_of(boundary)
@@ -213,8 +214,9 @@ def judge(lifted: list[Any], triangles: list[Triangle], member: str) -> tuple[st
     if wrong:
         return wrong, {"valid": False, "canonical": False, "counts": counts}
     vertices, corners = len(height), len({*chain(*triangles)})
-    counts |= {"vertices": vertices, "merged": corners - vertices, "hull_edges": len(boundary)}
-    counts |= {} if member == "delaunay" else {"hidden": hidden}
+    counts |= {"n_vertices": vertices, "n_merged": corners - vertices}
+    counts["n_hull_edges"] = len(boundary)
+    counts |= {} if member == "delaunay" else {"n_hidden": hidden}
     ties = sum(below_by_perturbation(*four) for sign, four in sides if sign == 0)
     return "", valid(counts, ties)
 
@@ -302,13 +304,13 @@ def across(apex: dict[HalfEdge, Point], height: Heights) -> list[tuple[Fraction,
 
 def valid(counts: dict[str, int], ties: int) -> dict[str, Any]:
     """Return the certificate of a valid mesh in which `ties` edges are not canonical."""
-    edges = (3 * counts["triangles"] + counts["hull_edges"]) // 2
-    duplicates = counts["rows"] - counts["skipped"] - counts["vertices"] - counts.get("hidden", 0)
+    edges = (3 * counts["n_triangles"] + counts["n_hull_edges"]) // 2
+    others = counts["n_skipped"] + counts["n_vertices"] + counts.get("n_hidden", 0)
     return {
         "valid": True,
         "canonical": not ties,
-        "counts": counts | {"edges": edges, "duplicates": duplicates},
-        "euler_characteristic": counts["vertices"] - edges + counts["triangles"],
+        "counts": counts | {"n_edges": edges, "n_duplicates": counts["n_rows"] - others},
+        "euler_characteristic": counts["n_vertices"] - edges + counts["n_triangles"],
         "flaws": [("not_canonical", ties)] if ties else [],
     }
 

@@ -18,7 +18,7 @@ import liftmesh
 
 ROOT = Path(__file__).resolve().parent.parent
 HEAVY = (
-    *("trimesh", "scipy", "open3d", "matplotlib", "typer", "click", "rich", "pandas"),
+    *("trimesh", "scipy", "open3d", "matplotlib", "click", "rich", "pandas"),
     *("dask", "distributed", "pyarrow"),
 )
 

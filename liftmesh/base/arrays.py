@@ -22,8 +22,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Reals, Rows
-from liftmesh.base.options import shown
-from liftmesh.errors import InputError, NonFiniteError, UnsupportedTypeError
+from liftmesh.base.options import refused
+from liftmesh.errors import InputError, NonFiniteError, Option, UnsupportedTypeError
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -261,31 +261,12 @@ def as_reals(values: ArrayLike) -> Floats:
     return np.asarray(array, dtype=np.float64)
 
 
-def as_numbers(named: str, values: ArrayLike, wanted: str) -> Floats:
-    """Convert an option that is several numbers; `named` is its name with "is" or "are"."""
+def as_numbers(name: str, values: ArrayLike, remedy: str, *, verb: str = "is") -> Floats:
+    """Convert an option that is several numbers."""
     try:
         return as_reals(values)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{named} {shown(values)}: {wanted}") from error
-
-
-def as_number(
-    name: str, value: Any, wanted: str, is_wanted: Callable[[float], bool] = math.isfinite
-) -> float:
-    """Convert an option that is one number; `wanted` says which are right."""
-    try:
-        number = float(as_reals(value))
-    except (TypeError, ValueError, OverflowError):
-        number = math.nan
-    if not is_wanted(number):
-        raise InputError(f"{name} is {shown(value)}: give {wanted}")
-    return number
-
-
-def as_positive(name: str, value: Any, wanted: str) -> float:
-    """Convert an option that is a positive, finite number; True does not count as 1."""
-    is_truth = isinstance(value, bool | np.bool_)
-    return as_number(name, value, wanted, lambda number: not is_truth and 0 < number < math.inf)
+        raise refused(name, values, remedy, verb=verb) from error
 
 
 def as_decimal(value: ArrayLike) -> Fraction:
@@ -322,7 +303,7 @@ def check_finite(points: Reals, *, skippable: bool = True) -> None:
 def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteError:
     """Return the exception for a row that is not finite."""
     shown = ", ".join(repr(float(value)) for value in values)
-    advice = ", or skip them with nonfinite='skip'"
+    advice = f", or skip them with {Option('nonfinite', 'skip')}"
     return NonFiniteError(
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,

@@ -12,7 +12,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_rows3, planar_bounds
 from liftmesh.base.colors import check_depth, judged, with_depth
 from liftmesh.base.frozen import FrozenDict, FrozenResult
-from liftmesh.base.options import counted, shown
+from liftmesh.base.options import counted, refused, shown
 from liftmesh.errors import InputError
 
 _MOST_NAMED = 8  # in a short form
@@ -74,7 +74,7 @@ class Cloud(FrozenResult):
         self._take_points()
         self._check_parts()
         if self.crs is not None and not is_crs(self.crs):
-            raise InputError(f"crs is {shown(self.crs)}: give WKT or 'EPSG:n' as a string, or None")
+            raise refused("crs", self.crs, "give WKT or 'EPSG:n' as a string, or None")
         self._decide_depth()
         object.__setattr__(self, "attributes", FrozenDict(self.attributes))
         object.__setattr__(self, "metadata", FrozenDict(self.metadata))

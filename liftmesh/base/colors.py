@@ -24,8 +24,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import refused
+from liftmesh.errors import InputError, Option
 
 DEPTHS = (8, 16, 32, 64)
 
@@ -170,7 +170,7 @@ def with_depth(colors: Array, depth: int) -> Array:
         row = int(np.argmax(outside))
         raise InputError(
             f"row {row} has the colour {colors[row].tolist()}, outside 0..{top}, the range of "
-            f"color_depth={depth}: give another depth, or none: the values decide"
+            f"{Option('color_depth', depth)}: give another depth, or none: the values decide"
         )
     return _of_depth(colors, depth)
 
@@ -198,7 +198,7 @@ def check_depth(depth: int | None, *, is_optional: bool = True) -> None:
         return
     if not isinstance(depth, int | np.integer) or depth not in DEPTHS:
         none = ", or None" if is_optional else ""
-        raise InputError(f"color_depth is {shown(depth)}: give 8, 16, 32 or 64 bits{none}")
+        raise refused("color_depth", depth, f"give 8, 16, 32 or 64 bits{none}")
 
 
 def _of_depth(colors: Array, depth: int) -> Array:

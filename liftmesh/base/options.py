@@ -6,6 +6,7 @@ kernel.
 
 from __future__ import annotations
 
+import math
 import operator
 import os
 from collections.abc import Callable
@@ -13,13 +14,14 @@ from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, TypeAlias
 
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 
 VARIABLE = "LIFTMESH_NUM_THREADS"
 MOST_THREADS = 1024
 
 _LONGEST = 64  # characters of a value in a message
 _SHORT = 10**15
+_NO_REALS = tuple("bcSUmMO")  # NumPy's kinds of all else than real numbers
 _REPR = Repr()  # of a list it shows the first few, and looks at no others
 _REPR.maxstring = _REPR.maxother = _LONGEST
 
@@ -41,11 +43,19 @@ ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
 OnDuplicate: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
 
 
+def refused(
+    name: str, value: object, reason: str, *, verb: str = "is", mark: str = ": "
+) -> InputError:
+    """Make the error of an option with a wrong value; `mark` stands before the reason."""
+    message = f"{Option(name)} {verb} {shown(value)}{mark}{reason}"
+    return InputError(message, option=name, value=value, reason=reason)
+
+
 def check_option(name: str, value: object, words: Any) -> None:
     """Raise unless an option has one of its allowed values."""
     known = words.__args__  # what get_args returns, without its checks
     if not isinstance(value, str) or value not in known:
-        raise InputError(f"{name} is {shown(value)}: give one of {', '.join(map(repr, known))}")
+        raise refused(name, value, f"give one of {', '.join(map(repr, known))}")
 
 
 def as_switch(name: str, value: object) -> bool:
@@ -53,7 +63,7 @@ def as_switch(name: str, value: object) -> bool:
     try:
         return {True: True, False: False}[value]  # type: ignore[index]
     except (KeyError, TypeError, ValueError) as error:  # arrays cannot be looked up
-        raise InputError(f"{name} is {shown(value)}: give True or False") from error
+        raise refused(name, value, "give True or False") from error
 
 
 def as_count(name: str, value: Any, least: int, most: int | None = None) -> int:
@@ -63,7 +73,34 @@ def as_count(name: str, value: Any, least: int, most: int | None = None) -> int:
         if least <= count and (most is None or count <= most):
             return count
     bounds = f"{least}" if most is None else f"{least} to {most}"
-    raise InputError(f"{name} is {shown(value)}: give a whole number from {bounds}")
+    raise refused(name, value, f"give a whole number from {bounds}")
+
+
+def as_number(
+    name: str,
+    value: Any,
+    wanted: str = "a finite number",
+    is_wanted: Callable[[float], bool] = math.isfinite,
+) -> float:
+    """Convert an option that is one number; `wanted` says which are right. True is none."""
+    kind = getattr(getattr(value, "dtype", None), "kind", "")  # float() takes any of NumPy's
+    number = math.nan
+    if kind not in _NO_REALS and not isinstance(value, str | bytes | bytearray | bool):
+        with suppress(TypeError, ValueError, OverflowError):
+            number = float(value)
+    if not is_wanted(number):
+        raise refused(name, value, f"give {wanted}")
+    return number
+
+
+def as_positive(name: str, value: Any, wanted: str = "a positive number") -> float:
+    """Convert an option that is a positive, finite number."""
+    return as_number(name, value, wanted, lambda number: 0 < number < math.inf)
+
+
+def as_distance(name: str, value: Any, wanted: str = "0 or a positive number") -> float:
+    """Convert an option that is a finite number, and not below zero."""
+    return as_number(name, value, wanted, lambda number: 0 <= number < math.inf)
 
 
 def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
@@ -95,9 +132,7 @@ def _cores() -> int:
 def check_progress(progress: object) -> None:
     """Raise unless the option ``progress`` is a function or None."""
     if progress is not None and not callable(progress):
-        raise InputError(
-            f"progress is {shown(progress)}: give a function of the fraction done, such as print"
-        )
+        raise refused("progress", progress, "give a function of the fraction done, such as print")
 
 
 class Part:
@@ -146,5 +181,7 @@ def as_thousands(count: int) -> str:
 def as_folder(name: str, given: object) -> str:
     """Return the path of a folder that a caller names."""
     if not isinstance(given, str | os.PathLike) or isinstance(os.fspath(given), bytes):
-        raise InputError(f"{name} is a {type(given).__name__}: give the path of a folder")
+        reason = "give the path of a folder"
+        message = f"{Option(name)} is a {type(given).__name__}: {reason}"
+        raise InputError(message, option=name, value=given, reason=reason)
     return os.path.expanduser(given)  # noqa: PTH111 - where there is no home, it stays

@@ -1,27 +1,23 @@
-"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures.
-
-Values of rows may go with cells, as columns. Cells have columns of their own, such as ``area``.
-Where the caller has one of that name, ours is called ``cell_area``: no value is replaced.
-"""
+"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+import os
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
-from liftmesh.base.options import counted, shown
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
-from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
-from liftmesh.errors import InputError
 from liftmesh.io.columns import places
 from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.io.write import WriteResult
 
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
@@ -64,6 +60,9 @@ class ClippedCells:
         full = np.count_nonzero(np.diff(self.parts))
         rows = f"{full:,} of {len(self.points):,} rows have an area in {self.domain.text}"
         return f"<{type(self).__name__}: {rows}>"
+
+    def __len__(self) -> int:
+        return len(self.points)
 
     @property
     def crs(self) -> str | None:
@@ -171,6 +170,11 @@ class ClippedCells:
         MissingDependencyError
             shapely is missing.
 
+        See Also
+        --------
+        Cells.to_geodataframe : The polygons in a table.
+        Cells.save : The polygons in a file.
+
         Examples
         --------
         >>> import liftmesh
@@ -220,6 +224,11 @@ class ClippedCells:
         MissingDependencyError
             geopandas is missing.
 
+        See Also
+        --------
+        Cells.to_shapely : The polygons alone.
+        Cells.save : The polygons in a file, which needs no geopandas but for GeoPackages.
+
         Examples
         --------
         >>> import liftmesh
@@ -227,6 +236,8 @@ class ClippedCells:
         >>> cells.to_geodataframe({"name": ["a", "b"]}).columns.tolist()
         ['name', 'area', 'geometry']
         """
+        from liftmesh.cells.files import common_crs, frame_of, free_name  # noqa: PLC0415 - few do
+
         geopandas = load("geopandas", extra="shapes")
         frame = frame_of(data, len(self.points))
         frame[free_name("area", frame)] = self.areas
@@ -236,6 +247,67 @@ class ClippedCells:
         name = free_name("geometry", frame)
         frame[name] = shapes
         return geopandas.GeoDataFrame(frame, geometry=name)
+
+    def save(
+        self,
+        path: str | os.PathLike[str] | BinaryIO,
+        data: Any = None,
+        *,
+        format: str | None = None,  # noqa: A002
+        crs: Any = None,
+    ) -> WriteResult:
+        """Write the cells with values of their rows.
+
+        Each cell has the number of its row as ``row``, its columns of `data`, and its ``area``.
+
+        Parameters
+        ----------
+        path : path or binary file
+            Where to write; the suffix determines the format. A file is written completely or not at
+            all.
+        data : mapping of str to (n,) array_like, DataFrame or GeoDataFrame, optional
+            Values of the rows, which become columns.
+        format : {"geojson", "gpkg", "ply", "svg"}, optional
+            The format; by default that of the suffix. GeoJSON and GeoPackage hold polygons, PLY a
+            mesh whose faces carry the values of their rows, and SVG outlines alone.
+        crs : object, optional
+            The coordinate system, as for `to_geodataframe`.
+
+        Returns
+        -------
+        WriteResult
+            The format, the number of bytes, and in ``dropped`` what the file does not keep. If
+            `data` has a column ``row`` or ``area``, ``renamed`` says what that of the cells is
+            called.
+
+        Raises
+        ------
+        InputError
+            As for `to_geodataframe`.
+        FormatError
+            The format is unknown, or cannot hold a column.
+        MissingDependencyError
+            geopandas is missing, which writes GeoPackages; or shapely, of PLY with concave cells.
+        OSError
+            The file cannot be written; the message gives the reason.
+
+        See Also
+        --------
+        Cells.to_geodataframe : The same as a table.
+        write : Write clouds and meshes.
+
+        Examples
+        --------
+        >>> import io
+        >>> import liftmesh
+        >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
+        >>> stream = io.BytesIO()
+        >>> cells.save(stream, {"name": ["a", "b"]}, format="geojson").bytes
+        423
+        """
+        from liftmesh.cells.files import save_cells  # noqa: PLC0415 - few write
+
+        return save_cells(self, path, data, format, crs)
 
 
 def _starts(names: Array, count: int) -> Integers:
@@ -256,55 +328,3 @@ def sums_by_pair(pairs: Integers, values: Floats) -> tuple[Rows, Floats]:
     rows = np.stack(pairs_of_keys(names), axis=1).astype(np.int32)
     sums: Floats = np.bincount(place.reshape(-1), values, minlength=len(rows)).astype(np.float64)
     return rows, sums
-
-
-def frame_of(data: Any, rows: int) -> Any:
-    """Convert values of rows to a DataFrame, without a geometry."""
-    pandas = load("pandas", extra="shapes")
-    if isinstance(data, pandas.DataFrame):
-        _check_length("data", len(data), rows)
-        return pandas.DataFrame(data.drop(columns=_geometry_of(data)))
-    if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
-        raise InputError(f"data is {shown(data)}: give a mapping of names to values, or a table")
-    names = getattr(data, "columns", () if data is None else data)
-    columns = {name: _values(name, data[name], rows) for name in names}
-    return pandas.DataFrame(columns, index=pandas.RangeIndex(rows))
-
-
-def _geometry_of(data: Any) -> list[Any]:
-    """The column that is the geometry of a GeoDataFrame."""
-    name = getattr(data, "active_geometry_name", None)
-    return [] if name is None else [name]
-
-
-def _values(name: Any, given: Any, rows: int) -> Any:
-    if isinstance(given, str | bytes) or not hasattr(given, "__len__"):
-        raise InputError(f"column {name!r} is {shown(given)}: give a value for each row")
-    _check_length(f"column {name!r}", len(given), rows)
-    values = getattr(given, "array", given)  # of a Series, without its index
-    if np.ndim(values) > 1:
-        raise InputError(f"column {name!r} has the shape {np.shape(values)}: give a value each")
-    return values
-
-
-def _check_length(what: str, count: int, rows: int) -> None:
-    if count != rows:
-        raise InputError(
-            f"{what} has {counted(count, 'value')} for {counted(rows, 'row')}: give one for each"
-        )
-
-
-def free_name(name: str, taken: Iterable[Any]) -> str:
-    """Return a name for a column of ours that no other column has, in any letters."""
-    others = {str(each).casefold() for each in taken}
-    while name.casefold() in others:
-        name = f"cell_{name}"
-    return name
-
-
-def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
-    """Return the coordinate system that is given, or that of a table or of cells with one."""
-    wanted = None if crs is None else given_system(crs)
-    own = crs_of(data) if _geometry_of(data) else None
-    common = common_system(own, wanted, ("data", "crs"))
-    return common_system(common, cells, ("data or crs", "the cells"))

@@ -33,7 +33,7 @@ _VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
 def apollonius_diagram(
-    points: ArrayLike,
+    points: object,
     radii: ArrayLike | str,
     *,
     domain: Any = None,
@@ -78,6 +78,12 @@ def apollonius_diagram(
         A coordinate or a radius is not finite.
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
+
+    See Also
+    --------
+    apollonius : The graph that is dual to the cells.
+    power_diagram : Cells by the power of disks, with straight sides.
+    ApolloniusGraph.cell_sides : The sides alone, within any bounds.
 
     Notes
     -----
@@ -156,6 +162,11 @@ class ApolloniusCells(ClippedCells):
         As of `Cells`.
     duplicates, hidden : ndarray of int32
         Those of the graph: disks equal to one before, each with that, and disks within others.
+
+    See Also
+    --------
+    apollonius_diagram : Make cells of disks.
+    Cells : Voronoi and power cells.
 
     Examples
     --------

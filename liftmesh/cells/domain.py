@@ -16,7 +16,7 @@ import numpy as np
 from liftmesh._typing import Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import as_numbers
 from liftmesh.crs.comparison import common_system, crs_of
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 
@@ -70,16 +70,18 @@ def _rings_of(given: Any, points: Floats) -> Domain:
     if isinstance(given, Domain):
         return given
     if isinstance(getattr(given, "domain", None), Domain):
-        raise InputError("domain is cells: give what they are clipped to, cells.domain")
+        raise InputError(
+            f"{Option('domain')} is cells: give what they are clipped to, cells.domain"
+        )
     if isinstance(given, Mapping) or hasattr(given, "__geo_interface__"):
         return _of_shape(given)
-    array = as_numbers("domain is", given, _LEADING)
+    array = as_numbers("domain", given, _LEADING)
     if array.shape == (4,):
         return _box(array)
     if array.ndim == 2 and array.shape[1] == 2 and len(array) >= 3:
         _check_finite(array)
         return _of_shape(load("shapely", extra="shapes").Polygon(array))
-    raise InputError(f"domain is an array of the shape {array.shape}: {_LEADING}")
+    raise InputError(f"{Option('domain')} is an array of the shape {array.shape}: {_LEADING}")
 
 
 def _around(points: Floats) -> Domain:
@@ -101,8 +103,8 @@ def _box(bounds: Floats, said: str | None = None) -> Domain:
     left, low, right, high = (bounds + 0.0).tolist()
     if not (left < right and low < high):
         raise InputError(
-            f"domain is the box {(left, low, right, high)}, which has no area: give xmin, ymin, "
-            "xmax, ymax"
+            f"{Option('domain')} is the box {(left, low, right, high)}, which has no area: give "
+            "xmin, ymin, xmax, ymax"
         )
     corners = np.array([[left, low], [right, low], [right, high], [left, high]])
     text = said or f"the box {(left, low, right, high)}"
@@ -115,15 +117,15 @@ def _of_shape(given: Any) -> Domain:
     if shape.geom_type == "LinearRing":
         shape = shapely.Polygon(shape)
     if shape.geom_type not in _KINDS:
-        raise InputError(f"domain is a {shape.geom_type}: {_LEADING}")
+        raise InputError(f"{Option('domain')} is a {shape.geom_type}: {_LEADING}")
     if shape.is_empty:
-        raise InputError("domain is empty: give a polygon with an area")
+        raise InputError(f"{Option('domain')} is empty: give a polygon with an area")
     _check_finite(shapely.get_coordinates(shape))
     reason = _flaw(shape, shapely)
     if reason:
         raise InputError(
-            f"domain is no valid polygon: {reason}; shapely.make_valid may repair it, or give "
-            "another"
+            f"{Option('domain')} is no valid polygon: {reason}; shapely.make_valid may repair it, "
+            "or give another"
         )
     return _of_rings(shape, shapely)
 
@@ -141,7 +143,7 @@ def _converted(given: Any) -> Any:
         shapes = shapes_of(given)
     except Exception as error:  # of whatever kind the interface makes
         raise InputError(
-            f"domain cannot be converted to a polygon ({error}): {_LEADING}"
+            f"{Option('domain')} cannot be converted to a polygon ({error}): {_LEADING}"
         ) from error
     return shapes[0] if len(shapes) == 1 and shapes[0] is not None else unite(shapes)
 
@@ -211,4 +213,6 @@ def _touches(rings: list[Floats], shapely: Any) -> Rows:
 
 def _check_finite(coordinates: Floats) -> None:
     if not np.isfinite(coordinates).all():
-        raise InputError("domain has a coordinate that is not finite: give finite numbers")
+        raise InputError(
+            f"{Option('domain')} has a coordinate that is not finite: give finite numbers"
+        )

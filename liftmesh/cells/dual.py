@@ -66,18 +66,18 @@ def values_of(points: Any, kind: str, given: Any) -> Any:
 
 
 def _is_geometric(points: Any) -> bool:
-    """Whether this is a GeoSeries or a GeoDataFrame."""
+    """Whether this is a GeoSeries, a GeoDataFrame or the array of one."""
     return hasattr(type(points), "geom_type") and hasattr(type(points), "union_all")
 
 
 def _coordinates(points: Any) -> Any:
-    shapes = points.geometry
-    other = ~(shapes.geom_type == "Point").to_numpy()
-    if other.any():
+    shapes = getattr(points, "geometry", points)
+    kinds = np.asarray(shapes.geom_type)
+    if (other := kinds != "Point").any():
         row = int(other.argmax())
-        kind = getattr(shapes.iloc[row], "geom_type", "nothing")
+        kind = kinds[row] if isinstance(kinds[row], str) else "nothing"
         raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
-    return np.stack([shapes.x.to_numpy(), shapes.y.to_numpy()], axis=1)
+    return np.stack([np.asarray(shapes.x), np.asarray(shapes.y)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,11 +1,18 @@
-"""Cells as files, GeoJSON, GeoPackage, PLY and SVG, and domains that are files.
+"""Cells as files, GeoJSON, GeoPackage, PLY and SVG, with values of their rows; domains of files.
 
-A cell carries the values of its row, its row number and its area. Rows without an area have no
+A cell carries the values of its row, its row number and its area. Where the caller has a column of
+such a name, ours is called ``cell_area``: no value is replaced. Rows without an area have no
 geometry; they are kept wherever a file can hold them.
 
-GeoJSON (RFC 7946) has a feature in a line, and is written block by block. JSON has neither NaN nor
-infinity: both become null, and infinite values are counted as lost. SVG has a path for each row
-with an area.
+*GeoJSON* (RFC 7946) has a feature in a line, and is written block by block. JSON has neither NaN
+nor infinity: both become null, and infinite values are counted as lost. *SVG* has a path for each
+row with an area.
+
+*PLY.* A face is one ring, and most programs draw it as a fan of triangles. So a convex part of a
+cell is one face; any other part is cut into triangles (constrained Delaunay, by shapely), which all
+carry the values of the cell. Faces share vertices wherever corners have the same coordinates. The
+file is text, with digits that round-trip, and its faces are in the order of their numbers of
+corners: libraries in wide use cannot read the values of faces otherwise.
 """
 
 from __future__ import annotations
@@ -13,21 +20,33 @@ from __future__ import annotations
 import io
 import json
 import math
+import os
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
-from liftmesh.cells.clipped import free_name
-from liftmesh.cells.domain import shapes_of, unite
-from liftmesh.cells.ply import write_ply
+from liftmesh._typing import Array, Floats, Indices, Integers, Mask
+from liftmesh.base.interruption import preserve_signals
+from liftmesh.base.options import counted, refused, shown
+from liftmesh.cells.domain import Domain, as_domain, following_corners, shapes_of, unite
+from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.atomic import replacing
+from liftmesh.io.columns import places
+from liftmesh.io.formats.ply.header import name_statements, property_names
+from liftmesh.io.formats.ply.writer import PORTABLE, portable
+from liftmesh.io.metadata import OWN, crs_comment
+from liftmesh.io.streams import at_home, check_stream, name_of
 from liftmesh.io.text_tables import write_rows
+from liftmesh.io.write import WriteResult
+from liftmesh.optional import load
+from liftmesh.predicates import orient2d
 from liftmesh.vector.files import own_system, read_features
 from liftmesh.vector.geojson import crs_member
 from liftmesh.vector.geopackage import write_shapes
@@ -35,47 +54,79 @@ from liftmesh.vector.geopackage import write_shapes
 if TYPE_CHECKING:
     from liftmesh.cells.clipped import ClippedCells
 
-
-SUFFIXES = {
+_SUFFIXES = {
     ".geojson": "geojson", ".json": "geojson", ".gpkg": "gpkg", ".ply": "ply", ".svg": "svg",
 }  # fmt: skip
+_ROWS = 1 << 13  # of a block
+_FACES = 1 << 14  # of a block
+_CORNERS = "vertex_indices"
+_MOST = np.iinfo(np.int64).max
+_WIDTH = 1000  # of the longer side
 
 
-def format_of(path: Path) -> str:
-    """Return the format that the suffix of a path stands for."""
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        known = ", ".join(SUFFIXES)
-        raise FormatError(f"{path}: cells are not written as {suffix!r}: give one of {known}")
-    return SUFFIXES[suffix]
+def frame_of(data: Any, rows: int) -> Any:
+    """Convert values of rows to a DataFrame, without a geometry."""
+    pandas = load("pandas", extra="shapes")
+    if isinstance(data, pandas.DataFrame):
+        _check_length("data", len(data), rows)
+        return pandas.DataFrame(data.drop(columns=_geometry_of(data)))
+    columns = _values_of(data, rows)
+    for name, values in columns.items():
+        if np.ndim(values) > 1:
+            shape = np.shape(values)
+            raise InputError(f"column {name!r} has the shape {shape}: give a value each")
+    return pandas.DataFrame(columns, index=pandas.RangeIndex(rows))
 
 
-def check_format(name: str) -> str:
-    """Return the name of a format, or raise."""
-    if (kind := name.lower().removeprefix(".")) not in _WRITERS:
-        raise FormatError(f"cells are not written as {name!r}: give one of {', '.join(_WRITERS)}")
-    return kind
+def columns_of(data: Any, rows: int) -> dict[str, Array]:
+    """Convert values of rows to arrays: objects of one type to numbers or text."""
+    arrays = {str(name): np.asarray(each) for name, each in _values_of(data, rows).items()}
+    for name, values in arrays.items():
+        if values.dtype.hasobject and {*map(type, values)} in ({str}, {int}, {float}, {bool}):
+            arrays[name] = np.array(values.tolist())
+    return arrays
 
 
-def own_names(columns: Mapping[str, Array]) -> tuple[str, str]:
-    """Return the names that the row number and the area of a cell have beside other columns."""
-    return free_name("row", columns), free_name("area", columns)
+def _values_of(data: Any, rows: int) -> dict[Any, Any]:
+    if data is not None and not isinstance(data, Mapping) and not hasattr(data, "columns"):
+        raise refused("data", data, "give a mapping of names to values, or a table")
+    columns = {}
+    for name in getattr(data, "columns", () if data is None else data):
+        given = data[name]
+        if isinstance(given, str | bytes) or not hasattr(given, "__len__"):
+            raise InputError(f"column {name!r} is {shown(given)}: give a value for each row")
+        _check_length(f"column {name!r}", len(given), rows)
+        columns[name] = getattr(given, "array", given)  # of a Series, without its index
+    return {name: columns[name] for name in columns if name not in _geometry_of(data)}
 
 
-def write_cells(
-    stream: BinaryIO,
-    cells: ClippedCells,
-    kind: str,
-    columns: Mapping[str, Array],
-    crs: str | None = None,
-) -> tuple[str, ...]:
-    """Write cells; return what the file does not keep, by name."""
-    plain, dropped = plain_columns(columns)
-    row, area = own_names(plain)
-    if kind == "svg":
-        return (*dropped, *write_svg(stream, cells, plain, crs))
-    held = {row: np.arange(len(cells.points)), **plain, area: cells.areas}
-    return (*dropped, *_WRITERS[kind](stream, cells, held, crs))
+def _check_length(what: str, count: int, rows: int) -> None:
+    if count != rows:
+        raise InputError(
+            f"{what} has {counted(count, 'value')} for {counted(rows, 'row')}: give one for each"
+        )
+
+
+def _geometry_of(data: Any) -> list[Any]:
+    """The column that is the geometry of a GeoDataFrame."""
+    name = getattr(data, "active_geometry_name", None)
+    return [] if name is None else [name]
+
+
+def free_name(name: str, taken: Iterable[Any]) -> str:
+    """Return a name for a column of ours that no other column has, in any letters."""
+    others = {str(each).casefold() for each in taken}
+    while name.casefold() in others:
+        name = f"cell_{name}"
+    return name
+
+
+def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
+    """Return the coordinate system that is given, or that of a table or of cells with one."""
+    wanted = None if crs is None else given_system(crs)
+    own = crs_of(data) if _geometry_of(data) else None
+    common = common_system(own, wanted, ("data", "crs"))
+    return common_system(common, cells, ("data or crs", "the cells"))
 
 
 def plain_columns(columns: Mapping[str, Array]) -> tuple[dict[str, Array], tuple[str, ...]]:
@@ -105,13 +156,55 @@ def _plain(values: Array) -> Array | None:
     return doubles if np.array_equal(doubles, values, equal_nan=True) else None
 
 
-_ROWS = 1 << 13  # of a block
+def format_of(place: Any, name: str | None = None) -> str:
+    """Return the name of a format: of the one that is given, or that the suffix stands for."""
+    given = Path(name_of(place)).suffix if name is None else name
+    kind = _SUFFIXES.get("." + given.lower().removeprefix("."))
+    if kind is None:
+        where = f"{name_of(place)}: " if name is None else ""
+        known = ", ".join(_SUFFIXES)
+        raise FormatError(f"{where}cells are not written as {given!r}: give one of {known}")
+    return kind
 
 
-def write_geojson(
+def save_cells(
+    cells: ClippedCells, target: Any, data: Any, file_format: str | None, crs: Any
+) -> WriteResult:
+    """Write cells to a file, completely or not at all, or to a stream."""
+    kind, system = format_of(target, file_format), common_crs(data, crs, cells.crs)
+    columns, dropped = plain_columns(columns_of(data, len(cells.points)))
+    own = {name: free_name(name, columns) for name in ("row", "area")}
+    held = {own["row"]: np.arange(len(cells.points)), **columns, own["area"]: cells.areas}
+    is_path = isinstance(target, str | os.PathLike)
+    if not is_path:
+        check_stream(target, "write")
+    place: Any = at_home(target)
+    with replacing(place) if is_path else nullcontext(target) as stream, preserve_signals():
+        counting = _Counting(stream)
+        dropped += _WRITERS[kind](counting, cells, held, system)
+    names = () if kind == "svg" else own.items()
+    renamed = tuple((name, given) for name, given in names if name != given)
+    return WriteResult(
+        Path(place) if is_path else None, kind, counting.count, None, dropped, renamed
+    )
+
+
+class _Counting:
+    """A stream that counts the bytes written to it."""
+
+    def __init__(self, stream: Any) -> None:
+        self._stream, self.count = stream, 0
+
+    def write(self, data: Any) -> None:
+        """Write and count."""
+        self.count += len(data)
+        self._stream.write(data)
+
+
+def _write_geojson(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Write cells as a collection of features: a writer of `files.write_cells`."""
+    """Write cells as a collection of features."""
     count = len(cells.points)
     stream.write(f'{{"type": "FeatureCollection", {crs_member(crs)}"features": [\n'.encode())
     for first in range(0, count, _ROWS):
@@ -182,13 +275,10 @@ def _corners(corners: Array) -> list[str]:
     return stream.getvalue().decode().splitlines()
 
 
-_MOST = np.iinfo(np.int64).max
-
-
-def write_geopackage(
+def _write_geopackage(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Write cells as one layer: a writer of `files.write_cells`."""
+    """Write cells as one layer."""
     _check_names(columns)
     shapes = cells.to_shapely()
     shapes[cells.empty] = None
@@ -224,16 +314,14 @@ def _known(crs: str | None) -> str | None:
         return None
 
 
-_WIDTH = 1000  # of the longer side
-
-
-def write_svg(
+def _write_svg(
     stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
 ) -> tuple[str, ...]:
-    """Draw the outlines of cells: a writer of `files.write_cells`."""
+    """Draw the outlines of cells, without their values."""
     for line in _lines(cells):  # noqa: FURB122 - streams may only `write`
         stream.write(f"{line}\n".encode())
-    return (*columns, *(["crs"] if crs else []))
+    values = [*columns][1:-1]  # but the number of the row, and the area
+    return (*values, *(["crs"] if crs else []))
 
 
 def _lines(cells: ClippedCells) -> Iterator[str]:
@@ -257,12 +345,109 @@ def _outline(ring: Floats) -> str:
     return f"M{'L'.join(f'{x:.3f} {y:.3f}' for x, y in ring.tolist())}Z"
 
 
+def _write_ply(
+    stream: BinaryIO, cells: ClippedCells, columns: Mapping[str, Array], crs: str | None = None
+) -> tuple[str, ...]:
+    """Write cells as faces in the plane z = 0."""
+    texts = tuple(name for name, values in columns.items() if values.dtype.kind == "U")
+    numbers = {name: values for name, values in columns.items() if name not in texts}
+    corners, sizes, row = _faces(cells)
+    vertices, index = np.unique(corners + 0.0, axis=0, return_inverse=True)
+    names = property_names([*numbers], [_CORNERS])
+    values = {names[k]: portable(v, f"column {k!r}")[row] for k, v in numbers.items()}
+    lines = [*crs_comment(crs), *name_statements(names)]
+    stream.write(_header(len(vertices), sizes, values, lines))
+    write_rows(stream, [vertices], end=" 0\n")
+    for first in range(0, len(sizes), _FACES):
+        block = slice(first, first + _FACES)
+        own = index.reshape(-1)[sizes[:first].sum() :][: sizes[block].sum()]
+        stream.write(_face_lines(own, sizes[block], [column[block] for column in values.values()]))
+    lost = [f"{name} (not numbers)" for name in texts]
+    return (
+        *lost,
+        *([f"{counted(len(cells.empty), 'row')} without an area"] if len(cells.empty) else []),
+    )
+
+
+def _header(
+    vertices: int, sizes: Integers, values: Mapping[str, Array], comments: list[str]
+) -> bytes:
+    count = "int" if sizes.max(initial=0) > 255 else "uchar"
+    lines = ["ply", "format ascii 1.0", *(f"comment {line}" for line in (OWN, *comments))]
+    lines += [f"element vertex {vertices}", *(f"property double {axis}" for axis in "xyz")]
+    lines += [f"element face {len(sizes)}", f"property list {count} int {_CORNERS}"]
+    lines += [f"property {PORTABLE[v.dtype.str[1:]]} {name}" for name, v in values.items()]
+    return "\n".join([*lines, "end_header", ""]).encode("ascii")
+
+
+def _face_lines(index: Indices, sizes: Integers, values: Sequence[Array]) -> bytes:
+    """Faces as lines: how many corners, these, and the values."""
+    stream = io.BytesIO()
+    write_rows(stream, [sizes, *values], prefix="\0", between=["\0"] + [" "] * (len(values) - 1))
+    corners = [*map(str, index.tolist())]
+    ends = np.cumsum(sizes).tolist()
+    held = stream.getvalue().decode().split("\0")[1:]
+    return "".join(
+        f"{count} {' '.join(corners[first:last])} {rest}"
+        for count, rest, first, last in zip(held[::2], held[1::2], [0, *ends], ends, strict=False)
+    ).encode()
+
+
+def _faces(cells: ClippedCells) -> tuple[Floats, Integers, Integers]:
+    """The corners of all faces, how many each has, and its row."""
+    is_whole = _are_convex(cells)
+    row = np.repeat(np.arange(len(cells.points)), np.diff(cells.parts))
+    outer = cells.rings[:-1][is_whole]
+    sizes = np.diff(cells.ring_corners)[outer]
+    corners = cells.corners[places(cells.ring_corners[outer], sizes)]
+    part = np.flatnonzero(is_whole)
+    if not is_whole.all():
+        triangles, cut = _cut(cells, np.flatnonzero(~is_whole))
+        sizes, part = np.append(sizes, np.full(len(cut), 3)), np.append(part, cut)
+        corners = np.concatenate([corners, triangles.reshape(-1, 2)])
+    order = np.lexsort((part, sizes))
+    starts = np.cumsum(sizes) - sizes
+    return corners[places(starts[order], sizes[order])], sizes[order], row[part[order]]
+
+
+def _are_convex(cells: ClippedCells) -> Mask:
+    """Which parts have no holes, and turn left or go straight on at every corner."""
+    following = following_corners(cells.ring_corners)
+    ahead = cells.corners[following]
+    turns = orient2d(cells.corners, ahead, cells.corners[following[following]]) < 0
+    count = np.diff(cells.ring_corners)
+    ring = np.repeat(np.arange(len(count)), count)
+    reflex = np.bincount(ring, turns, minlength=len(count)) > 0
+    outer = cells.rings[:-1]
+    convex: Mask = (np.diff(cells.rings) == 1) & ~reflex[outer]
+    return convex
+
+
+def _cut(cells: ClippedCells, parts: Indices) -> tuple[Floats, Indices]:
+    """Cut parts into triangles; return these, counter-clockwise, and the part of each."""
+    shapely = load("shapely", extra="shapes")
+    shapes = np.array([_polygon(cells, part, shapely) for part in parts.tolist()], dtype=object)
+    pieces = shapely.constrained_delaunay_triangles(shapely.make_valid(shapes))
+    triangles, of = shapely.get_parts(pieces, return_index=True)
+    rings = shapely.get_coordinates(shapely.orient_polygons(triangles)).reshape(-1, 4, 2)
+    return rings[:, :3], parts[of]
+
+
+def _polygon(cells: ClippedCells, part: int, shapely: object) -> object:
+    first, last = cells.rings[part : part + 2].tolist()
+    rings = [
+        cells.corners[slice(*cells.ring_corners[ring : ring + 2].tolist())]
+        for ring in range(first, last)
+    ]
+    return shapely.Polygon(rings[0], rings[1:])  # type: ignore[attr-defined]
+
+
 _WRITERS: Mapping[str, Callable[..., tuple[str, ...]]] = {
-    "geojson": write_geojson, "gpkg": write_geopackage, "ply": write_ply, "svg": write_svg,
+    "geojson": _write_geojson, "gpkg": _write_geopackage, "ply": _write_ply, "svg": _write_svg,
 }  # fmt: skip
 
 
-def read_domain(path: Path) -> tuple[Any, str | None]:
+def read_domain(path: Path) -> Domain:
     """Read the polygons of a file."""
     tree = read_features(path, "a domain")
     try:
@@ -272,5 +457,6 @@ def read_domain(path: Path) -> tuple[Any, str | None]:
     try:
         shape = unite(shapes)
     except InputError as error:
-        raise InputError(f"{path}: {error}") from error
-    return shape, own_system(tree, shape.bounds)
+        error.within(path)
+        raise
+    return as_domain(shape, np.empty((0, 2)), own_system(tree, shape.bounds))

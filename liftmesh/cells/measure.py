@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import as_number, as_numbers, as_reals, read_only
+from liftmesh.base.arrays import as_numbers, as_reals, read_only
 from liftmesh.base.frozen import cached_property
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_number, shown
 from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import binary_scale
@@ -162,11 +162,11 @@ def check_extent(domain: Domain, points: Floats) -> None:
 
 def as_share(value: object, most: float) -> float:
     """Convert a tolerance that is a share; where it is limited it must be positive."""
-    is_limited, is_truth = most < np.inf, isinstance(value, bool | np.bool_)
+    is_limited = most < np.inf
     wanted = f"a number between 0 and {most}" if is_limited else "a number from 0"
 
     def is_wanted(share: float) -> bool:
-        return not is_truth and 0 <= share < most and (share > 0 or not is_limited)
+        return 0 <= share < most and (share > 0 or not is_limited)
 
     return as_number("tol", value, wanted, is_wanted)
 
@@ -186,7 +186,7 @@ def as_density(given: Any, domain: Domain) -> Density:
 
 
 def _values(given: Any) -> Array:
-    values = as_numbers("density is", given, "give an image, as an array")
+    values = as_numbers("density", given, "give an image, as an array")
     if values.ndim != 2 or not values.size:
         hint = "; of colours, their mean" if values.ndim == 3 else ""
         raise InputError(f"density has the shape {values.shape}: give an (h, w) array{hint}")

@@ -9,6 +9,7 @@ the new cell takes of the row's.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -38,6 +39,10 @@ class NaturalNeighbors:
         The share of each in the point's cell: those of a point add up to 1.
     rows_in_all : int
         How many rows there are, neighbours or not.
+
+    See Also
+    --------
+    natural_neighbors : Find natural neighbours.
 
     Examples
     --------
@@ -75,6 +80,10 @@ class NaturalNeighbors:
         InputError
             There are more or fewer values than rows.
 
+        See Also
+        --------
+        Surface.sample : Heights of a surface, also by natural neighbours.
+
         Examples
         --------
         >>> import liftmesh
@@ -82,7 +91,7 @@ class NaturalNeighbors:
         >>> found.interpolate([0, 10, 20])
         array([7.5, nan])
         """
-        held = as_numbers("values are", values, "give a number for each row")
+        held = as_numbers("values", values, "give a number for each row", verb="are")
         if held.ndim == 0 or len(held) != self.rows_in_all:
             raise InputError(
                 f"values have the shape {held.shape}: give one for each of the "
@@ -97,7 +106,7 @@ class NaturalNeighbors:
 
 
 def natural_neighbors(
-    points: ArrayLike | Triangulation, queries: ArrayLike, *, threads: int | None = None
+    points: object, queries: Any, *, threads: int | None = None
 ) -> NaturalNeighbors:
     """Find the natural neighbours of points, and Sibson's weights.
 
@@ -125,6 +134,12 @@ def natural_neighbors(
         A point or a query is not finite.
     DegenerateInputError
         All points lie on one line.
+
+    See Also
+    --------
+    voronoi : The cells that a new point would take from.
+    NaturalNeighbors.interpolate : Means of values by the weights.
+    Surface.sample : Heights of a surface, also by natural neighbours.
 
     Notes
     -----

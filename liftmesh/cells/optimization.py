@@ -33,7 +33,7 @@ from liftmesh.base.arrays import as_numbers, read_only
 from liftmesh.base.options import as_count, as_switch, check_progress, counted, part_of, shown
 from liftmesh.cells.measure import Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells, cells_of
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 
 _SHORTEST = 2.0**-40  # share of a step
@@ -62,6 +62,10 @@ class LloydResult:
     converged : bool
         Whether that was within what ``tol`` allows.
 
+    See Also
+    --------
+    lloyd : Relax points.
+
     Examples
     --------
     >>> import liftmesh
@@ -85,7 +89,7 @@ class LloydResult:
 
 
 def lloyd(
-    points: ArrayLike,
+    points: object,
     *,
     domain: Any = None,
     density: Any = None,
@@ -129,6 +133,12 @@ def lloyd(
         the energy.
     NonFiniteError
         A row is not finite.
+
+    See Also
+    --------
+    transport : Weights by which cells have given areas, where points are.
+    voronoi : The cells of points.
+    thin : Fewer rows of a cloud, some distance apart.
 
     Examples
     --------
@@ -190,6 +200,10 @@ class TransportResult:
         Whether it ended above ``tol`` because no step helped, so that a higher limit of steps
         changes nothing. If neither this nor `converged`, the steps are used up.
 
+    See Also
+    --------
+    transport : Find such cells.
+
     Examples
     --------
     >>> import liftmesh
@@ -218,7 +232,7 @@ class TransportResult:
 
 
 def transport(  # noqa: PLR0913 - options are keywords
-    points: ArrayLike,
+    points: object,
     masses: ArrayLike,
     *,
     domain: Any = None,
@@ -266,6 +280,11 @@ def transport(  # noqa: PLR0913 - options are keywords
     NonFiniteError
         A row is not finite.
 
+    See Also
+    --------
+    power_diagram : The cells by given weights.
+    lloyd : Points whose cells are about even.
+
     Notes
     -----
     Newton's method needs a start at which no cell is empty, or next to it. If the Voronoi cells are
@@ -298,7 +317,7 @@ def transport(  # noqa: PLR0913 - options are keywords
         row, kept = cells.duplicates[0].tolist()
         raise InputError(f"rows {kept} and {row} are at one position: give each mass a place")
     if (parts := int(np.count_nonzero(~cells.domain.is_hole))) > 1:
-        raise InputError(f"domain has {parts} parts: give one that is connected")
+        raise InputError(f"{Option('domain')} has {parts} parts: give one that is connected")
     here = _measured(cells, density)
     told = part_of(whole, 0.5 / (most + 2), 1 / (most + 2))
     cells, weights = _start(cells, threads, told)
@@ -330,7 +349,7 @@ def _start(cells: Cells, threads: int | None, progress: Progress | None) -> tupl
 
 
 def _normalised(masses: ArrayLike, rows: int, total: float, *, strict: bool) -> Floats:
-    given = as_numbers("masses are", masses, "give a number for each row")
+    given = as_numbers("masses", masses, "give a number for each row", verb="are")
     if given.shape != (rows,):
         what = f"have the shape {given.shape}" if given.ndim else f"are {shown(masses)}"
         raise InputError(f"masses {what}: give a number for each of {counted(rows, 'row')}")

@@ -30,7 +30,7 @@ _DUAL, _CLIPPED = 0.2, 0.5  # of the progress: of all, and of what follows the t
 
 
 def voronoi(
-    points: ArrayLike,
+    points: object,
     *,
     domain: Any = None,
     threads: int | None = None,
@@ -74,6 +74,13 @@ def voronoi(
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
 
+    See Also
+    --------
+    power_diagram : Cells of weighted points.
+    apollonius_diagram : Cells of disks.
+    delaunay : The triangulation that is dual to the cells.
+    liftmesh.scipy.Voronoi : Diagrams for code that expects SciPy's.
+
     Notes
     -----
     The boundary of the domain is followed from cell to cell; all other cells are dual to the
@@ -95,7 +102,7 @@ def voronoi(
 
 
 def power_diagram(
-    points: ArrayLike,
+    points: object,
     *,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
@@ -135,6 +142,13 @@ def power_diagram(
         A row, a weight or a radius is not finite.
     MissingDependencyError
         The domain is a polygon, and shapely is missing.
+
+    See Also
+    --------
+    voronoi : Cells of points without weights.
+    apollonius_diagram : Cells of disks, by the distance from their boundary.
+    regular : The triangulation that is dual to the cells.
+    transport : The weights by which cells have given areas.
 
     Examples
     --------
@@ -206,6 +220,12 @@ class Cells(ClippedCells):
     degenerate : (d,) ndarray of int32
         Rows whose cell has no area anywhere, but is a segment, a ray, a line or a point: what is as
         near to them is as near to others.
+
+    See Also
+    --------
+    voronoi : Make Voronoi cells.
+    power_diagram : Make power cells.
+    ApolloniusCells : Cells of disks.
 
     Examples
     --------
@@ -368,6 +388,11 @@ class Unclipped:
         The vertex of each.
     npoints, ndim, min_bound, max_bound, furthest_site
         As for `Voronoi`.
+
+    See Also
+    --------
+    Cells.unclipped : The diagram of cells.
+    liftmesh.scipy.Voronoi : Diagrams for code that expects SciPy's.
 
     Examples
     --------

@@ -1,7 +1,7 @@
 """The command line: ``liftmesh triangulate``, ``liftmesh compare``, ``liftmesh info`` and others.
 
 `program` and `main` run a command and convert an exception to one line on stderr and an exit code;
-the commands themselves only raise. typer and rich are imported in this room only.
+the commands themselves only raise. click and rich are imported in this room only.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from liftmesh.cli.signals import (
     discard_unprinted_errors,
     open_closed,
 )
+from liftmesh.cli.wording import worded
 from liftmesh.errors import DataWarning
 
 __all__ = ["main", "program"]
@@ -79,7 +80,7 @@ def _run(
 def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     """Run a command; convert an exception to its exit code and one line, unless a signal came."""
     try:
-        if words[:1] == ["--version"]:  # typer takes longer to import
+        if words[:1] == ["--version"]:  # click takes longer to import
             print(f"liftmesh {liftmesh.__version__}", flush=True)
             return exit_codes.DONE
         code = _app(words)
@@ -87,25 +88,21 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
     except (BrokenPipeError, SystemExit) as error:
         if isinstance(error, SystemExit) and not error.code:  # after shell completion
             return exit_codes.DONE
-        discard_stdout()  # without a message: typer and rich exit when a pipe closes
+        discard_stdout()  # without a message: rich exits when a pipe closes
         return exit_codes.PIPE_CLOSED
     except (KeyboardInterrupt, Exception) as error:
         if ending.number is not None:
             raise
         return _fail(error, debug=debug)
-    code = code or (exit_codes.DONE if words else exit_codes.USAGE)
-    if code == exit_codes.INTERRUPTED and ending.number is None:  # typer's, of another handler
-        _print_error("interrupted")
-    return int(code)
+    return int(code or (exit_codes.DONE if words else exit_codes.USAGE))
 
 
 def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.application").complete(words[0], words[1:])
-    app = import_module("liftmesh.cli.application").application(words)
     with _noted_warnings():
-        return app(words or ["--help"], prog_name="liftmesh", standalone_mode=False)
+        return import_module("liftmesh.cli.application").run(words)
 
 
 @contextmanager
@@ -116,7 +113,8 @@ def _noted_warnings() -> Iterator[None]:
 
         def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
             if issubclass(category, DataWarning):
-                import_module("liftmesh.cli.terminal").note(str(message))
+                note = import_module("liftmesh.cli.terminal").note
+                note(worded(message.args[0] if isinstance(message, Warning) else message))
             else:
                 other(message, category, *place)
 

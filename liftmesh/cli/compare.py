@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import exit_codes, inputs, notes, options, outputs, terminal
 from liftmesh.cli.options import option, whole
@@ -37,34 +37,32 @@ def run(
     hull: Annotated[Path | None, option("FILE", "Write trimesh's convex hull of them.")] = None,
     proofs: Annotated[int, option("N", "Maximum number of proofs to print.", whole(0))] = 4,
     plane: options.Plane = "xy",
-    nonfinite: options.SkipNonFinite = "error",
-    input_format: options.InputFormat = None,
     *,
-    rows: inputs.RowOptions,
-    max_bytes: options.MaxBytes = None,
+    reading: inputs.Reading,
+    nonfinite: options.SkipNonFinite = "error",
     json: options.Json = False,
 ) -> None:
     """Compare the hulls, write the requested files, and print the result."""
     outputs.check_stdout()
-    outputs.check_target(lower)
-    outputs.check_target(hull)
-    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
+    for each in (lower, hull):
+        if each is not None:
+            outputs.Target(each).check()
     cloud = inputs.read_rows([source], reading)
     with inputs.about(source):
         result = _compare(
             cloud, apex=apex, plane=plane.value, nonfinite=nonfinite, max_proofs=proofs
         )
     if lower is not None:
-        outputs.write(lower, result.lower_hull())
+        outputs.Target(lower).write(result.lower_hull())
     if hull is not None and result.error is None:
-        outputs.write(hull, result.trimesh_hull())
+        outputs.Target(hull).write(result.trimesh_hull())
     with outputs.after_writing(lower, None if result.error else hull):
         if json:
             terminal.as_json(_values(result) | notes.provenance(cloud))
         else:
             _print_result(result, hull)
     if not result.agrees:
-        raise typer.Exit(exit_codes.DIFFERENT)
+        raise click.exceptions.Exit(exit_codes.DIFFERENT)
 
 
 def _compare(cloud: Cloud, **choices: Any) -> Comparison:
@@ -91,19 +89,19 @@ def _values(result: Comparison) -> dict[str, Any]:
         "verdict": result.verdict,
         "error": result.error,
         "apex": list(result.apex),
-        "triangles": result.triangles,
-        "lower_facets": len(result.lower),
-        "hull_facets": len(result.hull),
-        "vertical_facets": result.vertical,
-        "identical": result.identical,
-        "cocircular": result.cocircular,
-        "cells": result.cells,
-        "missing": len(result.missing),
-        "wrong": len(result.wrong),
-        "lost": len(result.lost),
+        "n_triangles": result.n_triangles,
+        "n_lower_facets": len(result.lower),
+        "n_hull_facets": len(result.hull),
+        "n_vertical_facets": result.n_vertical,
+        "n_identical": result.n_identical,
+        "n_cocircular": result.n_cocircular,
+        "n_cells": result.n_cells,
+        "n_missing": len(result.missing),
+        "n_wrong": len(result.wrong),
+        "n_lost": len(result.lost),
         "lost_rows": result.lost[:1000].tolist(),
-        "coincident": result.coincident,
-        "violations": result.violations,
+        "n_coincident": result.n_coincident,
+        "n_violations": result.n_violations,
         "seconds": dict(result.seconds),
         "proofs": [
             {

@@ -5,11 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any
 
-import typer
+import click
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, numbers, option, positive, whole
+from liftmesh.cli.options import argument, number, numbers, option, positive, whole
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -27,7 +27,7 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoJSON or GeoPackage file.")],
+    target: Annotated[Path, argument("OUT", "GeoJSON or GeoPackage file.")],
     interval: Annotated[
         float | None, option("HEIGHT", "Lines at all multiples of this height.", positive)
     ] = None,
@@ -47,7 +47,7 @@ def run(
     outputs.check_stdout()
     check_name(target)
     if (interval is None) == (levels is None):
-        raise typer.BadParameter("give either --interval or --levels")
+        raise click.BadParameter("give either --interval or --levels")
     multiples = {"interval": interval, "contour_base": contour_base}
     wanted = multiples if levels is None else {"levels": levels}
     with options.as_usage():

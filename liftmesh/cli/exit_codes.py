@@ -30,11 +30,11 @@ def explain(error: BaseException) -> tuple[int, str]:
     """Return the exit code for an exception, and the message."""
     if _is_ctrl_c(error):
         return INTERRUPTED, "interrupted"
-    if hasattr(error, "format_message"):  # typer's own: its classes moved between versions
+    if hasattr(error, "format_message"):  # click's own, without its import
         return USAGE, wording.usage_message(error)
     is_lack = isinstance(error, MissingDependencyError) and _out_of_memory(error)
     if isinstance(error, LiftmeshError) and not is_lack:
-        return BAD_INPUT, wording.as_on_command_line(str(error))
+        return BAD_INPUT, wording.worded(error.message)
     if _out_of_memory(error):  # before OSError, which some of these are
         return BAD_INPUT, "not enough memory"
     if isinstance(error, OSError):

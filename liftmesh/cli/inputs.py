@@ -10,30 +10,18 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
-from liftmesh.cli.options import is_stream, option, positive, whole
+from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import (
-    DataWarning,
-    DegenerateInputError,
-    DuplicateHeightError,
-    FormatError,
-    InputError,
-    NonFiniteError,
-)
+from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_OF_ROWS = (DegenerateInputError, DuplicateHeightError, NonFiniteError)
-_ABOUT_A_FILE = (
-    *("row ", "the coordinates ", "weights are ", "radii are "),
-    *("the points have ", "the mesh says "),
-)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -46,17 +34,13 @@ def table(
             "of all in order, as id,x,y,z; - leaves one out.",
         ),
     ] = None,
-    flat: Annotated[
-        bool, typer.Option("--flat", help="Tables: heights do not matter; z is 0.")
-    ] = False,
+    flat: Annotated[bool, flag("Tables: heights do not matter; z is 0.")] = False,
     delimiter: Annotated[
         str | None, option("MARK", "Tables: what separates values, as ';', tab or space.")
     ] = None,
     decimal: Annotated[str | None, option("MARK", "Tables: the decimal mark, . or ,")] = None,
     skip_rows: Annotated[int, option("N", "Tables: skip the first N lines.", whole(0))] = 0,
-    no_header: Annotated[
-        bool, typer.Option("--no-header", help="Tables: the first line is a row.")
-    ] = False,
+    no_header: Annotated[bool, flag("Tables: the first line is a row.")] = False,
     nodata: Annotated[
         str | None,
         option(
@@ -77,7 +61,7 @@ def table(
     if given:
         from liftmesh.io.options import validate_table_options
 
-        with options.as_option():
+        with options.as_usage():
             validate_table_options(**given)
     return given
 
@@ -92,12 +76,10 @@ def _selection(
             options.classes,
         ),
     ] = None,
-    all_classes: Annotated[
-        bool, typer.Option("--all-classes", help="Rows of every class.")
-    ] = False,
+    all_classes: Annotated[bool, flag("Rows of every class.")] = False,
     returns: Annotated[
         Returns | None,
-        typer.Option(help="Rows of the last or the first return, or of those that are both."),
+        flag("Rows of the last or the first return, or of those that are both."),
     ] = None,
     bounds: Annotated[
         Any,
@@ -105,15 +87,18 @@ def _selection(
     ] = None,
     z_range: Annotated[Any, option("Z0,Z1", "Rows of these heights.", options.ends)] = None,
     every: Annotated[int, option("N", "Every n-th of the rows that are left.", whole(1))] = 1,
-    withheld: Annotated[
-        bool, typer.Option("--withheld", help="Rows flagged as withheld, too.")
-    ] = False,
+    withheld: Annotated[bool, flag("Rows flagged as withheld, too.")] = False,
     copc_resolution: Annotated[
         float | None, option("D", "Of a COPC file, points at about this distance.", positive)
     ] = None,
     band: Annotated[
         int | None,
-        option("N", "Rasters: the band that holds the heights; the first is 1.", whole(1)),
+        option(
+            "N",
+            "Rasters: the band that holds the heights; the first is 1.",
+            whole(1),
+            panel="Input",
+        ),
     ] = None,
     src_crs: Annotated[
         str | None,
@@ -121,15 +106,17 @@ def _selection(
             "CRS",
             "The coordinate system of the file, as EPSG:25832, in place of what it states; of "
             "several, of those that state none, or the same without heights.",
+            panel="Input",
         ),
     ] = None,
     dst_crs: Annotated[
-        str | None, option("CRS", "Transform the coordinates to this system, as EPSG:25832.")
+        str | None,
+        option("CRS", "Transform the coordinates to this system, as EPSG:25832.", panel="Input"),
     ] = None,
 ) -> dict[str, Any]:
     """Check the conditions on rows, and return those given, with where the rows are read to."""
     if classes is not None and all_classes:
-        raise typer.BadParameter("--classes and --all-classes exclude each other: leave one out")
+        raise click.BadParameter("--classes and --all-classes exclude each other: leave one out")
     chosen = "all" if all_classes else classes
     conditions = options.given(classes=chosen, returns=returns, bounds=bounds, z_range=z_range)
     conditions |= options.given(
@@ -138,20 +125,67 @@ def _selection(
     if conditions:
         from liftmesh.io.selection import validate_selection
 
-        with options.as_option():
+        with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
 
 
-Table: TypeAlias = Annotated[dict[str, Any], options.Group(table)]
-Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection)]
+Table: TypeAlias = Annotated[dict[str, Any], options.Group(table, "Input")]
+Selection: TypeAlias = Annotated[dict[str, Any], options.Group(_selection, "Selection")]
 
 
 def _rows(*, table: Table, selection: Selection) -> dict[str, Any]:
     return {**table, **selection}
 
 
-RowOptions: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+Rows: TypeAlias = Annotated[dict[str, Any], options.Group(_rows)]
+
+
+def _file(
+    input_format: Annotated[
+        str | None, option("FORMAT", "Format of the input, instead of its suffix.", panel="Input")
+    ] = None,
+    max_bytes: Annotated[
+        int | None,
+        option(
+            "SIZE",
+            "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
+            "500M or 4G.",
+            options.size,
+            panel="Advanced",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return options.given(format=input_format, max_bytes=max_bytes)
+
+
+File: TypeAlias = Annotated[dict[str, Any], options.Group(_file)]
+
+
+def _reading(*, file: File, rows: Rows) -> dict[str, Any]:
+    return {**file, **rows}
+
+
+Reading: TypeAlias = Annotated[dict[str, Any], options.Group(_reading)]
+
+
+def _colored(
+    *,
+    reading: Reading,
+    color_depth: Annotated[
+        int | None,
+        option(
+            "BITS",
+            "Bits per channel of integer colours, 8 or 16; by default their values decide.",
+            options.color_depth,
+            panel="Input",
+        ),
+    ] = None,
+) -> dict[str, Any]:
+    return reading | options.given(color_depth=color_depth)
+
+
+ColoredReading: TypeAlias = Annotated[dict[str, Any], options.Group(_colored)]
 
 
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
@@ -159,9 +193,8 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
 
     What a command reads by are options of `liftmesh.read`, here and below.
     """
-    reading = {name: each for name, each in reading.items() if each is not None or name == "flat"}
     if is_stream(path) and "format" not in reading:
-        raise typer.BadParameter("stdin has no suffix: give its format with --input-format")
+        raise click.BadParameter("stdin has no suffix: give its format with --input-format")
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress
@@ -301,7 +334,7 @@ def check_once(sources: Sequence[Path]) -> None:
         before = known.setdefault(_identity(each), each)
         if before is not each:
             other = "" if str(before) == str(each) else f", as {before}"
-            raise typer.BadParameter(f"{each} is given twice{other}")
+            raise click.BadParameter(f"{each} is given twice{other}")
 
 
 def _identity(path: Path) -> object:
@@ -319,9 +352,8 @@ def about(path: Path) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error):
-            name = "stdin" if is_stream(path) else path
-            error.args = (f"{name}: {error}", *error.args[1:])
+        if _is_about_data(error):
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -336,13 +368,16 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        if _is_about_rows(error) and not notes.provenance_of(cloud).thinning:
-            error.args = (_ROW.sub(lambda found: _placed(found, starts), str(error)),)
+        if _is_about_data(error) and not notes.provenance_of(cloud).thinning:
+            placed = _ROW.sub(lambda found: _placed(found, starts), error.message.marked)
+            error.args = (Message(placed),)
         raise
 
 
-def _is_about_rows(error: InputError) -> bool:
-    return isinstance(error, _OF_ROWS) or str(error).startswith(_ABOUT_A_FILE)
+def _is_about_data(error: InputError) -> bool:
+    """Whether an error is about what a file holds, and not about options."""
+    parts = error.message.parts
+    return not any(isinstance(each, Option) and each.value is None for each in parts)
 
 
 def _placed(found: re.Match[str], starts: Sequence[tuple[str, int]]) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from datetime import date, datetime, timedelta
 from typing import TYPE_CHECKING, Any
 
-from liftmesh.cli.wording import as_on_command_line
+from liftmesh.cli.wording import worded
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -41,7 +41,8 @@ def provenance_of(cloud: Cloud | Surface) -> Provenance:
 
 def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Return what is worth knowing about how a file was read."""
-    first = (*_about_rows(cloud), *_about_system(cloud, is_transformed=is_transformed))
+    about_system = _about_system(cloud, is_transformed=is_transformed)
+    first = (*_about_rows(cloud), *map(worded, about_system))
     known = provenance_of(cloud)
     names = known.columns
     if not names:
@@ -50,7 +51,7 @@ def cloud_notes(cloud: Cloud, *, is_transformed: bool = False) -> tuple[str, ...
     from liftmesh.io.formats.text.columns import coordinates_sentence
 
     said = coordinates_sentence(names)
-    told = map(as_on_command_line, known.notes)
+    told = map(worded, known.notes)
     return (*first, *([said] if said else []), *told)
 
 
@@ -61,7 +62,7 @@ def _about_rows(cloud: Cloud) -> tuple[str, ...]:
         return ()
     from liftmesh.io.selection import selection_sentence
 
-    said = selection_sentence(counts).replace("by every=", "by --every")
+    said = worded(selection_sentence(counts))
     return tuple(filter(None, (said, _flagged(cloud))))
 
 
@@ -83,9 +84,7 @@ def _about_system(cloud: Cloud, *, is_transformed: bool) -> tuple[str, ...]:
     taken = [f"states {crs_name(stated)}; {instead}"] if stated is not None else []
     taken += [transformation_text(told)] if told else []
     if crs is None or system is not None:
-        words = "name a projected system with" if is_transformed else "transform them with"
-        change = "transform them with dst_crs=", f"{words} --dst-crs"
-        return (*taken, *(each.replace(*change) for each in coordinate_warnings(system)))
+        return (*taken, *coordinate_warnings(system, is_transformed=is_transformed))
     text = f"the coordinate system {crs[:_LONGEST]!r} is not understood: its units are not known"
     is_number = is_system(crs) and importlib.util.find_spec("pyproj") is None
     hint = " (pip install 'liftmesh[terrain]' looks up numbers)" if is_number else ""

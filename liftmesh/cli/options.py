@@ -1,12 +1,11 @@
 """Options of commands: how their values are parsed, those that several have, and groups of them.
 
-*Values.* typer calls a parser with what was typed, before the command runs. A `WrongValue` is told
-after the name of the option. What the library refuses of values that were parsed is told as wrong
-usage, too (`as_usage`).
+*Values.* click calls a parser with what was typed, before the command runs. What a parser refuses,
+or the library of values that were parsed, is told as wrong usage (`as_usage`). Parsers name the
+option `VALUE`.
 
 *Groups.* A parameter of a command that is annotated with a `Group` stands for all options of the
-function that the group is parsed by. A group may hold groups. An option of the command's own takes
-the place of one of that name in a group, which then has its default.
+function that the group is parsed by. A group may hold groups.
 """
 
 from __future__ import annotations
@@ -16,16 +15,58 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
 
-import typer
+import click
 
-from liftmesh.base.options import VARIABLE, NonFinite, OnDuplicate as Policy, as_count, as_threads
-from liftmesh.cli.wording import as_on_command_line, of_reading
-from liftmesh.errors import InputError
+from liftmesh.base.options import (
+    MOST_THREADS,
+    NonFinite,
+    OnDuplicate as Policy,
+    as_count,
+    as_distance,
+    as_number,
+    as_positive,
+    as_threads,
+    refused,
+)
+from liftmesh.cli.wording import VALUE
+from liftmesh.errors import InputError, Option
+
+PANELS = ("Arguments", "Options", "Input", "Selection", "Output", "Advanced")
+"""Parts of the help of a command, in this order."""
+
+
+@dataclass(frozen=True)
+class Spec:
+    """What is said of an argument or an option, beside its name, its type and its default."""
+
+    text: str
+    metavar: str = ""
+    parser: Callable[[str], Any] | None = None  # where its type is not
+    check: Callable[[Any], Any] | None = None  # also of the default
+    panel: str = ""
+    is_argument: bool = False
+
+
+def option(
+    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, panel: str = ""
+) -> Spec:
+    """Describe an option with a value, which a parser converts."""
+    return Spec(text, metavar, parser, panel=panel)
+
+
+def flag(text: str, *, panel: str = "") -> Spec:
+    """Describe an option without a value, or whose values say all."""
+    return Spec(text, panel=panel)
+
+
+def argument(metavar: str, text: str) -> Spec:
+    """Describe an argument."""
+    return Spec(text, metavar, is_argument=True)
 
 
 @dataclass(frozen=True)
@@ -33,32 +74,28 @@ class Group:
     """Says which function parses the options of a group to the value of a parameter."""
 
     parse: Callable[..., Any]
+    panel: str = "Options"  # of those of the group that name no other
 
 
 def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a function the options of its groups one by one, as typer knows them."""
-    signature = inspect.signature(function, eval_str=True)
-    groups = {
-        each.name: with_single_options(kind.parse)
-        for each in signature.parameters.values()
-        for kind in get_args(each.annotation)
-        if isinstance(kind, Group)
-    }
+    """Give a function the options of its groups one by one."""
+    single: list[inspect.Parameter] = []
+    groups: dict[str, tuple[Callable[..., Any], list[str]]] = {}
+    for each in _parameters(function):
+        spec = get_args(each.annotation)[1]
+        if not isinstance(spec, Group):
+            single.append(each)
+            continue
+        parse = with_single_options(spec.parse)
+        inner = [_in_panel(one, spec.panel) for one in _parameters(parse)]
+        groups[each.name] = parse, [one.name for one in inner]
+        single += inner
     if not groups:
         return function
-    own = signature.parameters.keys() - groups.keys()
-    taken = {
-        name: [each for each in _parameters(parse) if each.name not in own]
-        for name, parse in groups.items()
-    }
-    single: list[inspect.Parameter] = []
-    for each in signature.parameters.values():
-        single += taken.get(each.name, [each])
 
     @wraps(function)
     def command(**options: Any) -> Any:
-        for name, parse in groups.items():
-            names = [each.name for each in taken[name] if each.name in options]
+        for name, (parse, names) in groups.items():
             options[name] = parse(**{each: options.pop(each) for each in names})
         return function(**options)
 
@@ -75,8 +112,21 @@ def with_parameters(
     return function
 
 
+def parameter(name: str, kind: Any, spec: Spec, default: Any = None) -> inspect.Parameter:
+    """Make a parameter with this annotation."""
+    annotation = Annotated[kind, spec]
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation
+    )
+
+
 def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
     return list(inspect.signature(function, eval_str=True).parameters.values())
+
+
+def _in_panel(each: inspect.Parameter, panel: str) -> inspect.Parameter:
+    kind, spec = get_args(each.annotation)
+    return each.replace(annotation=Annotated[kind, replace(spec, panel=spec.panel or panel)])
 
 
 def given(**options: Any) -> dict[str, Any]:
@@ -84,77 +134,33 @@ def given(**options: Any) -> dict[str, Any]:
     return {name: each for name, each in options.items() if each is not None and each is not False}
 
 
-class WrongValue(typer.BadParameter):
-    """What an option refuses: the message follows the name of the option, or the hint."""
-
-
-def option(
-    metavar: str, text: str, parser: Callable[[str], Any] | None = None, *, name: str = ""
-) -> Any:
-    """Describe an option with a value, which a parser converts: its help, and a name of its own."""
-    return typer.Option(*filter(None, [name]), metavar=metavar, help=text, parser=parser)
-
-
 @contextmanager
 def as_usage() -> Iterator[None]:
-    """Tell what the library refuses of the values of options as wrong usage."""
+    """Tell what the library refuses as wrong usage."""
     try:
         yield
     except InputError as error:
-        raise typer.BadParameter(as_on_command_line(str(error))) from error
-
-
-@contextmanager
-def as_option() -> Iterator[None]:
-    """Tell what the library refuses as wrong usage, where messages begin with its option."""
-    try:
-        yield
-    except InputError as error:
-        name, _, reason = str(error).partition(" ")
-        raise typer.BadParameter(f"{of_reading(name)} {reason}") from error
-
-
-@contextmanager
-def _refusing(name: str, hint: str | None = None) -> Iterator[None]:
-    """Tell what the library refuses of a value of this name as that of the option."""
-    try:
-        yield
-    except InputError as error:
-        raise WrongValue(str(error).removeprefix(f"{name} "), param_hint=hint) from error
+        raise click.BadParameter(error.message) from error
 
 
 def whole(least: int) -> Callable[[str], int]:
     """Make a parser of whole numbers from a least one."""
-
-    def parse(text: str) -> int:
-        with _refusing("value"):
-            return as_count("value", _digits(text), least)
-
-    return parse
+    return lambda text: as_count(VALUE, _digits(text), least)
 
 
 def number(text: str) -> float:
     """Parse a finite number."""
-    value = _float(text)
-    if not math.isfinite(value):
-        raise WrongValue(f"{text!r} is not a number")
-    return value
+    return as_number(VALUE, _number(text))
 
 
 def positive(text: str) -> float:
     """Parse a positive number."""
-    value = _float(text)
-    if not 0 < value < math.inf:
-        raise WrongValue(f"{text!r} is not a positive number")
-    return value
+    return as_positive(VALUE, _number(text))
 
 
 def distance(text: str) -> float:
     """Parse a number that is not below zero."""
-    value = _float(text)
-    if not 0 <= value < math.inf:
-        raise WrongValue(f"{text!r} is not a distance: 0, or more")
-    return value
+    return as_distance(VALUE, _number(text))
 
 
 def numbers(text: str) -> list[float]:
@@ -164,10 +170,11 @@ def numbers(text: str) -> list[float]:
 
 def ends(text: str) -> list[float]:
     """Parse numbers separated by commas that bound something, which may be infinite."""
-    try:
-        return [float(word) for word in text.split(",")]
-    except ValueError:
-        raise WrongValue(f"{text!r} is no list of numbers, as 0,10") from None
+    return [as_number(VALUE, _number(word), "a number", _is_end) for word in text.split(",")]
+
+
+def _is_end(value: float) -> bool:
+    return not math.isnan(value)
 
 
 def box(text: str) -> tuple[float, ...] | None:
@@ -180,10 +187,10 @@ def classes(text: str) -> str | list[int]:
     if text == "ground":
         return text
     if text == "all":
-        raise WrongValue("'all' is --all-classes")
+        raise refused(VALUE, text, "give --all-classes")
     words = text.split(",")
     if not all(word.strip().isdecimal() and len(word) < 9 for word in words):
-        raise WrongValue(f"{text!r} is unknown: give ground, or numbers as 2,9")
+        raise refused(VALUE, text, "give ground, or numbers as 2,9")
     return [int(word) for word in words]
 
 
@@ -192,38 +199,31 @@ def size(text: str) -> int:
     match = re.fullmatch(r"([0-9]{1,18})([kMGT]?)B?", text, re.IGNORECASE)
     value = 0 if match is None else int(match[1]) * 1000 ** " KMGT".index(match[2].upper() or " ")
     if not value:
-        raise WrongValue(f"{text!r} is not a size: give one as 500M or 4G")
+        raise refused(VALUE, text, "give a size, as 500M or 4G")
     return value
 
 
 def threads(text: str) -> int:
     """Parse a number of threads."""
-    given: Any = _digits(text)
-    _check_threads(given, "threads")
-    return int(given)
+    return as_count("threads", _digits(text), 1, MOST_THREADS)
 
 
 def checked_threads(value: int | None) -> int | None:
     """Check the number of threads that the environment gives, where no option does."""
     if value is None:
-        _check_threads(None, VARIABLE, VARIABLE)
+        from liftmesh.base.arrays import MOST_ROWS
+
+        with as_usage():
+            as_threads(None, MOST_ROWS)
     return value
-
-
-def _check_threads(value: Any, name: str, hint: str | None = None) -> None:
-    from liftmesh.base.arrays import MOST_ROWS
-
-    with _refusing(name, hint):
-        as_threads(value, MOST_ROWS)
 
 
 def color_depth(text: str) -> int:
     """Parse a number of bits of a channel."""
-    from liftmesh.base.colors import DEPTHS
+    from liftmesh.base.colors import check_depth
 
-    depth = _digits(text)
-    if depth not in DEPTHS:
-        raise WrongValue(f"{text} is not a depth: give 8, 16, 32 or 64")
+    depth: Any = _digits(text)
+    check_depth(depth, is_optional=False)
     return int(depth)
 
 
@@ -231,12 +231,11 @@ def metric(text: str) -> Any:
     """Parse A,B,C to the matrix of a metric."""
     values = _exactly(3, text)
     if values is None:
-        raise WrongValue(f"{text!r} is not three numbers: give A,B,C")
+        raise refused("metric", text, "give three numbers A,B,C")
     from liftmesh.planar.kinds import as_metric
 
     a, b, c = values
-    with _refusing("metric"):
-        as_metric([[a, b], [b, c]])
+    as_metric([[a, b], [b, c]])
     return (a, b), (b, c)
 
 
@@ -246,7 +245,7 @@ def apex(text: str) -> Any:
         return text
     place = _exactly(2, text)
     if place is None or not all(map(math.isfinite, place)):
-        raise WrongValue(f"{text!r} is unknown: give median, origin or a finite X,Y")
+        raise refused(VALUE, text, "give median, origin or a finite X,Y")
     return place
 
 
@@ -272,16 +271,16 @@ def _matrix(path: Path, text: str) -> Any:
     import numpy as np
 
     if not path.is_file():
-        raise WrongValue(
-            f"{text!r} is neither a known name nor a file: "
+        raise InputError(
+            f"{Option('plane')} is {text!r}, neither a known name nor a file: "
             "give xy, xz, yz, fit, NX,NY,NZ, A,B,C,D or a file with a 4x4 matrix"
         )
     try:
         matrix = _read_npy(path) if path.suffix == ".npy" else np.loadtxt(path)
     except (ValueError, OSError) as error:
-        raise WrongValue(f"{path}: cannot read a matrix: {error}") from error
+        raise InputError(f"{Option('plane')} {path}: cannot read a matrix: {error}") from error
     if matrix.shape != (4, 4):
-        raise WrongValue(f"{path}: the matrix is {matrix.shape}, not 4x4")
+        raise InputError(f"{Option('plane')} {path}: the matrix is {matrix.shape}, not 4x4")
     return matrix
 
 
@@ -302,11 +301,12 @@ def _digits(text: str) -> int | str:
     return int(text) if re.fullmatch(r"[+-]?[0-9]{1,18}", str(text)) else text
 
 
-def _float(text: str) -> float:
+def _number(text: str) -> float | str:
+    """Convert a number, and leave other text."""
     try:
-        return float(text)
+        return int(text) if text.isdecimal() else float(text)
     except ValueError:
-        return math.nan
+        return text
 
 
 def _exactly(length: int, text: str) -> tuple[float, ...] | None:
@@ -319,13 +319,7 @@ def _exactly(length: int, text: str) -> tuple[float, ...] | None:
 
 
 Source: TypeAlias = Annotated[
-    Path, typer.Argument(metavar="IN", help="Cloud or mesh; - reads stdin (see --input-format).")
-]
-InputFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of the input, instead of its suffix.")
-]
-OutputFormat: TypeAlias = Annotated[
-    str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
+    Path, argument("IN", "Cloud or mesh; - reads stdin (see --input-format).")
 ]
 Plane: TypeAlias = Annotated[
     Any,
@@ -338,38 +332,28 @@ Plane: TypeAlias = Annotated[
     ),
 ]
 Apex: TypeAlias = Annotated[
-    Any, option("APEX", "Apex of the paraboloid: median (of the points), origin or X,Y.", apex)
+    Any,
+    option(
+        "APEX",
+        "Apex of the paraboloid: median (of the points), origin or X,Y.",
+        apex,
+        panel="Advanced",
+    ),
 ]
 OnDuplicate: TypeAlias = Annotated[
-    Policy, typer.Option(help="Which of several rows at one planar position is used as the vertex.")
+    Policy, flag("Which of several rows at one planar position is used as the vertex.")
 ]
 SkipNonFinite: TypeAlias = Annotated[
-    NonFinite, typer.Option("--nonfinite", help="Policy for rows with NaN or infinity.")
+    NonFinite, flag("Policy for rows with NaN or infinity.", panel="Input")
 ]
 Threads: TypeAlias = Annotated[
     int | None,
-    typer.Option(
-        metavar="N",
-        parser=threads,
-        callback=checked_threads,
-        help="Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
-    ),
-]
-MaxBytes: TypeAlias = Annotated[
-    int | None,
-    option(
-        "SIZE",
-        "Limit of what a compressed, instanced or very wide file may expand to in memory, as "
-        "500M or 4G.",
-        size,
-    ),
-]
-ColorDepth: TypeAlias = Annotated[
-    int | None,
-    option(
-        "BITS",
-        "Bits per channel of integer colours, 8 or 16; by default their values decide.",
-        color_depth,
+    Spec(
+        "Number of threads; by default LIFTMESH_NUM_THREADS, or one per core.",
+        "N",
+        threads,
+        checked_threads,
+        panel="Advanced",
     ),
 ]
 Weights: TypeAlias = Annotated[
@@ -389,12 +373,12 @@ Metric: TypeAlias = Annotated[
         "A,B,C", "Triangulate in the metric a x^2 + 2 b xy + c y^2 of plane coordinates.", metric
     ),
 ]
-Json: TypeAlias = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
+Json: TypeAlias = Annotated[bool, flag("Print one JSON object.", panel="Output")]
 
 
 def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
     """Return the option that says by what points are lifted, of which there may be one."""
     chosen = given(weights=weights, radii=radii, metric=metric)
     if len(chosen) > 1:
-        raise typer.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
+        raise click.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
     return chosen

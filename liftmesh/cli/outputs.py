@@ -13,39 +13,33 @@ import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, redirect_stdout, suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from itertools import combinations
 from pathlib import Path
-from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO
 
-import typer
+import click
 
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Unit3MF
 from liftmesh.cli import options, terminal
-from liftmesh.cli.options import is_stream, option, positive, whole
+from liftmesh.cli.options import argument, flag, is_stream, option, positive, whole
 from liftmesh.cli.signals import Closed
 from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.format import Format
     from liftmesh.io.write import WriteResult
 
-_NONE: Mapping[str, Any] = MappingProxyType({})
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _BESIDE = {
     ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".asc": (".prj",),
     ".tif": (".prj", ".tfw", ".wld"), ".tiff": (".prj", ".tfw", ".wld"),
 }  # fmt: skip
-_OVERWRITE = inspect.Parameter(
-    "overwrite",
-    inspect.Parameter.KEYWORD_ONLY,
-    default=False,
-    annotation=Annotated[
-        bool, typer.Option("--overwrite", help="Replace a file that exists; never an input.")
-    ],
+_OVERWRITE = options.parameter(
+    "overwrite", bool, flag("Replace a file that exists; never an input.", panel="Output"), False
 )
 
 
@@ -83,11 +77,11 @@ def check_lost(targets: Sequence[Path], inputs: Iterable[Path], *, overwrite: bo
             if _is_part(target, each):
                 raise _same(each, target)
             if _is_named(target, each):
-                raise typer.BadParameter(
+                raise click.BadParameter(
                     f"{target} is a part of {each}, and would be lost: give another name"
                 )
         if not overwrite and holds_data(target):
-            raise typer.BadParameter(
+            raise click.BadParameter(
                 f"{target} exists, and would be lost: give another name for what is written, or "
                 "--overwrite to replace it"
             )
@@ -133,53 +127,107 @@ def _is_named(target: Path, source: Path) -> bool:
     return any(_is_part(target, each) for each in named_in(source))
 
 
-def _same(one: Path, other: Path) -> typer.BadParameter:
+def _same(one: Path, other: Path) -> click.BadParameter:
     if is_stream(one) or Path(one).is_dir():
-        return typer.BadParameter(f"{other} is read as {one}, and would be lost: give another name")
-    return typer.BadParameter(
+        return click.BadParameter(f"{other} is read as {one}, and would be lost: give another name")
+    return click.BadParameter(
         f"{one} and {other} are the same file, and one would overwrite the other: give another name"
     )
 
 
-def _writing(
-    scale: Annotated[
-        float | None, option("STEP", "Of LAS: the step that coordinates are rounded to.", positive)
-    ] = None,
-    point_format: Annotated[
-        int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
-    ] = None,
-    unit: Annotated[Unit3MF | None, typer.Option(help="Of 3MF: the unit of coordinates.")] = None,
-) -> dict[str, Any]:
-    return options.given(scale=scale, point_format=point_format, unit=unit)
+@dataclass(frozen=True)
+class Target:
+    """A file to write, or stdout if the path is ``-``, by options of its format."""
+
+    path: Path
+    file_format: str | None = None
+    writing: Mapping[str, Any] = field(default_factory=dict)
+
+    def check(self) -> None:
+        """Raise before the work starts if the file cannot be written, or has no such options."""
+        from liftmesh.io.write import writer_of
+
+        if is_stream(self.path):
+            check_stdout()
+        kind = self._kind()
+        if kind.write is None:
+            raise FormatError(f"{self.path}: {kind.name} files can be read, not written")
+        check_place(self.path)
+        try:
+            for each in self.writing:
+                writer_of(kind, str(self.path), {each: self.writing[each]})
+        except FormatError as error:
+            name = each.replace("_", "-")
+            raise click.BadParameter(f"--{name}: {kind.name} files have none") from error
+
+    def check_content(self, cloud: Cloud) -> None:
+        """Raise before the work starts if the file cannot hold what a mesh of these rows has."""
+        from liftmesh.crs.units import system_of
+        from liftmesh.io.format import check_before
+
+        kind, has_unit = self._kind(), "unit" in self.writing
+        check_before(replace(kind, check=None) if has_unit else kind, cloud)
+        if has_unit or kind.name not in _TAKEN_UNITS:
+            return
+        system = system_of(cloud)
+        if cloud.crs is None:
+            said = f"no coordinate system says the unit: {kind.name} states "
+            terminal.note(f"{self.path}: {said}{_TAKEN_UNITS[kind.name]}")
+        elif system is not None and system.units[2] is None and system.units[0] is not None:
+            said = f"nothing says the unit of heights: {kind.name} states {system.units[0].name}"
+            terminal.note(f"{self.path}: {said} for them, too")
+
+    def _kind(self) -> Format:
+        from liftmesh.io.registry import find_written
+        from liftmesh.io.streams import suffix_of
+
+        if not (self.file_format or self.path.suffix):
+            raise click.BadParameter(
+                f"{self.path} has no suffix: give its format with --output-format"
+            )
+        return find_written(self.file_format or suffix_of(self.path.name), str(self.path))
+
+    def write(self, mesh: Any) -> WriteResult:
+        """Write a mesh."""
+        from liftmesh.io import streams, write as io
+
+        if not is_stream(self.path):
+            with terminal.writing(f"writing {self.path.name}", streams.written):
+                # The command's guard has looked before the work started.
+                return io.write(
+                    self.path, mesh, format=self.file_format, overwrite=True, **self.writing
+                )
+        with opened(self.path) as stream:
+            return io.write(stream, mesh, format=self.file_format, **self.writing)
 
 
-Writing: TypeAlias = Annotated[dict[str, Any], options.Group(_writing)]
+def target(text: str, *, has_writing: bool = True) -> options.Group:
+    """Make the group of a file to write, of which this is said, and of options of its format."""
+
+    def parse(target: Path, output_format: str | None = None, **writing: Any) -> Target:
+        return Target(target, output_format, options.given(**writing))
+
+    out = argument("OUT", text)
+    parameters = [options.parameter("target", Path, out, inspect.Parameter.empty), _FORMAT]
+    return options.Group(
+        options.with_parameters(parse, parameters + _WRITING * has_writing), "Output"
+    )
 
 
-def check_target(
-    path: Path | None, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
-) -> None:
-    """Raise before the work starts if a file cannot be written, or has no such options."""
-    from liftmesh.io.registry import find_written
-    from liftmesh.io.streams import suffix_of
-    from liftmesh.io.write import writer_of
-
-    if path is None:
-        return
-    if is_stream(path):
-        check_stdout()
-    if not (file_format or path.suffix):
-        raise typer.BadParameter(f"{path} has no suffix: give its format with --output-format")
-    kind = find_written(file_format or suffix_of(path.name), str(path))
-    if kind.write is None:
-        raise FormatError(f"{path}: {kind.name} files can be read, not written")
-    check_place(path)
-    try:
-        for each in writing:
-            writer_of(kind, str(path), {each: writing[each]})
-    except FormatError as error:
-        name = each.replace("_", "-")
-        raise typer.BadParameter(f"--{name}: {kind.name} files have none") from error
+_FORMAT = options.parameter(
+    "output_format", str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
+)
+_WRITING = [
+    options.parameter(
+        "scale",
+        float | None,
+        option("STEP", "Of LAS: the step that coordinates are rounded to.", positive),
+    ),
+    options.parameter(
+        "point_format", int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
+    ),
+    options.parameter("unit", Unit3MF | None, flag("Of 3MF: the unit of coordinates.")),
+]
 
 
 def check_place(path: Path | None) -> None:
@@ -188,42 +236,6 @@ def check_place(path: Path | None) -> None:
 
     if path is not None and not is_stream(path):
         check_writable(path)
-
-
-def check_content(
-    path: Path, file_format: str | None, cloud: Cloud, writing: Mapping[str, Any]
-) -> None:
-    """Raise before the work starts if a file cannot hold what a mesh of these rows would have."""
-    from liftmesh.crs.units import system_of
-    from liftmesh.io.format import check_before
-    from liftmesh.io.registry import find_format
-
-    kind = find_format(file_format or path.suffix, str(path))
-    check_before(replace(kind, check=None) if "unit" in writing else kind, cloud)
-    if "unit" in writing or kind.name not in _TAKEN_UNITS:
-        return
-    system = system_of(cloud)
-    if cloud.crs is None:
-        unit = _TAKEN_UNITS[kind.name]
-        terminal.note(f"{path}: no coordinate system says the unit: {kind.name} states {unit}")
-    elif system is not None and system.units[2] is None and system.units[0] is not None:
-        unit = system.units[0].name
-        said = f"nothing says the unit of heights: {kind.name} states {unit} for them, too"
-        terminal.note(f"{path}: {said}")
-
-
-def write(
-    path: Path, mesh: Any, file_format: str | None = None, writing: Mapping[str, Any] = _NONE
-) -> WriteResult:
-    """Write a mesh, or to stdout if the path is ``-``."""
-    from liftmesh.io import streams, write as io
-
-    if not is_stream(path):
-        with terminal.writing(f"writing {path.name}", streams.written):
-            # The command's guard has looked before the work started.
-            return io.write(path, mesh, format=file_format, overwrite=True, **writing)
-    with opened(path) as stream:
-        return io.write(stream, mesh, format=file_format, **writing)
 
 
 @contextmanager

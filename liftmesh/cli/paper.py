@@ -11,10 +11,8 @@ from itertools import chain, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
-import typer
-
 from liftmesh.cli import outputs, terminal
-from liftmesh.cli.options import option, whole
+from liftmesh.cli.options import flag, option, whole
 
 if TYPE_CHECKING:
     from liftmesh.paper.experiments import Trial
@@ -84,9 +82,7 @@ def run(
             "out/paper-quick with --quick.",
         ),
     ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="1,000 to 3,000 points, one seed: under a minute.")
-    ] = False,
+    quick: Annotated[bool, flag("1,000 to 3,000 points, one seed: under a minute.")] = False,
     seeds: Annotated[
         int | None,
         option(
@@ -95,13 +91,13 @@ def run(
     ] = None,
     table: Annotated[
         Literal["5.1", "5.2", "both"],
-        typer.Option(help="5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
+        flag("5.1 has the paraboloid's vertex at the origin, 5.2 at the median."),
     ] = "both",
-    sizes: Annotated[
+    n: Annotated[
         list[int] | None,
-        option("N", "Number of points, instead of the paper's; repeatable.", whole(3), name="--n"),
+        option("N", "Number of points, instead of the paper's; repeatable.", whole(3)),
     ] = None,
-    figures: Annotated[bool, typer.Option(help="Draw the paper's figures too.")] = True,
+    figures: Annotated[bool, flag("Draw the paper's figures too.")] = True,
     machine: Annotated[str | None, option("TEXT", "Description of the machine.")] = None,
 ) -> None:
     """Measure the missing sets of points, write all files, and print the tables."""
@@ -110,7 +106,7 @@ def run(
     if figures:
         _check_drawing()
     out = out or Path("out/paper-quick" if quick else "out/paper")
-    choice = _Choice(quick, seeds, table, tuple(sizes or ()), machine)
+    choice = _Choice(quick, seeds, table, tuple(n or ()), machine)
     settings = choice.settings()
     out.mkdir(parents=True, exist_ok=True)
     results = Results(out, settings)

@@ -6,10 +6,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import counted
-from liftmesh.cli import notes, options, outputs, places, surfaces, terminal
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
@@ -31,18 +31,17 @@ EXAMPLES = [
 
 _ROUNDING = 1e-9  # of the length
 
-Corners: TypeAlias = Annotated[places.Places, places.group("along")]
+Corners: TypeAlias = Annotated[surfaces.Places, surfaces.places("along")]
+Target: TypeAlias = Annotated[
+    outputs.Target,
+    outputs.target("CSV or any cloud file; GeoJSON or GeoPackage of lines.", has_writing=False),
+]
 
 
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[
-        Path,
-        typer.Argument(
-            metavar="OUT", help="CSV or any cloud file; GeoJSON or GeoPackage of lines."
-        ),
-    ],
+    target: Target,
     along: Annotated[
         list[str],
         option(
@@ -53,7 +52,6 @@ def run(
     ],
     *,
     corners_table: Corners,
-    output_format: options.OutputFormat = None,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
@@ -62,11 +60,11 @@ def run(
     path = None if corners else Path(along[0])
     if json:
         outputs.check_stdout()
-    is_shapes = output_format is None and target.suffix.lower() in places.SHAPES
+    is_shapes = target.file_format is None and target.path.suffix.lower() in surfaces.SHAPES
     if is_shapes:
-        _check_shapes(target)
+        _check_shapes(target.path)
     else:
-        outputs.check_target(target, output_format)
+        target.check()
     surface = surfaces.read(source, reading)
     max_bytes = reading.rows.get("max_bytes")
     lines: list[Any] = [corners]
@@ -75,12 +73,12 @@ def run(
     with terminal.stage(f"draping {counted(len(lines), 'line')}"):
         draped = _draped(surface, lines, along)
     if is_shapes:
-        with terminal.stage(f"writing {target.name}"):
-            written = draped.save(target).path
+        with terminal.stage(f"writing {target.path.name}"):
+            written = draped.save(target.path).path
     else:
-        name = outputs.write(target, draped.as_cloud(), output_format).path
+        name = target.write(draped.as_cloud()).path
         written = None if name is None else Path(name)
-    with outputs.report_after(target):
+    with outputs.report_after(target.path):
         _say(written, draped, lines, surface, as_json=json)
 
 
@@ -91,9 +89,9 @@ def _corners(along: list[str]) -> list[list[float]] | None:
         return None
     if None in pairs:
         word = along[pairs.index(None)]
-        raise typer.BadParameter(f"--along {word!r} is not a corner x,y: give one file, or corners")
+        raise click.BadParameter(f"--along {word!r} is not a corner x,y: give one file, or corners")
     if len(along) == 1:
-        raise typer.BadParameter(f"--along {along[0]!r} is one corner: give another --along X,Y")
+        raise click.BadParameter(f"--along {along[0]!r} is one corner: give another --along X,Y")
     return [pair for pair in pairs if pair is not None]
 
 
@@ -116,7 +114,7 @@ def _check_shapes(target: Path) -> None:
 
 
 def _lines(
-    path: Path, table: places.Places, source: Path, surface: Surface, max_bytes: int | None
+    path: Path, table: surfaces.Places, source: Path, surface: Surface, max_bytes: int | None
 ) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.surface_data import plane_system
@@ -137,7 +135,7 @@ def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
     try:
         return drape(surface, lines)
     except InputError as error:
-        error.args = (f"--along {' '.join(along)}: {error}",)
+        error.within(f"--along {' '.join(along)}")
         raise
 
 

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any
-
-import typer
+from typing import Annotated, Any, Literal, TypeAlias
 
 from liftmesh.base.options import Interpolation, RasterQuantity, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import numbers, option, positive
+from liftmesh.cli.options import argument, flag, numbers, option, positive
 from liftmesh.errors import InputError
 
+Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
@@ -30,17 +29,15 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="GeoTIFF file.")],
+    target: Annotated[Path, argument("OUT", "GeoTIFF file.")],
     resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
     raster_bounds: Annotated[
         Any, option("XMIN,YMIN,XMAX,YMAX", "What to cover, by default the surface.", numbers)
     ] = None,
     quantity: Annotated[
-        RasterQuantity, typer.Option(help="What a pixel holds; slope and aspect in degrees.")
+        RasterQuantity, flag("What a pixel holds; slope and aspect in degrees.")
     ] = "height",
-    interpolation: Annotated[
-        Interpolation, typer.Option(help="How heights are interpolated.")
-    ] = "linear",
+    interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
     z_factor: Annotated[
         float | None,
         option(
@@ -50,9 +47,9 @@ def run(
             positive,
         ),
     ] = None,
-    double: Annotated[bool, typer.Option("--double", help="Write float64, not float32.")] = False,
-    cog: Annotated[bool, typer.Option("--cog", help="Write a cloud optimised GeoTIFF.")] = False,
-    compress: Annotated[str, option("METHOD", "deflate, lzw, zstd or none.")] = "deflate",
+    double: Annotated[bool, flag("Write float64, not float32.")] = False,
+    cog: Annotated[bool, flag("Write a cloud optimised GeoTIFF.")] = False,
+    compress: Annotated[Compression, flag("Compression of the file.")] = "deflate",
     crs: Annotated[
         str | None, option("CRS", "Coordinate system, as EPSG:25832; IN states no other.")
     ] = None,

@@ -6,11 +6,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
-
 from liftmesh.base.options import Interpolation
-from liftmesh.cli import inputs, notes, options, outputs, places, surfaces, terminal
-from liftmesh.cli.options import is_stream, option
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import flag, is_stream, option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -30,42 +28,35 @@ EXAMPLES = [
 _CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
-Points: TypeAlias = Annotated[places.Places, places.group("at")]
+Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at")]
+Target: TypeAlias = Annotated[
+    outputs.Target, outputs.target("Cloud file; - writes stdout.", has_writing=False)
+]
 
 
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
+    target: Target,
     at: Annotated[
         Path, option("FILE", "Points x, y: a cloud of any format, GeoJSON or GeoPackage.")
     ],
     *,
     points: Points,
-    interpolation: Annotated[
-        Interpolation, typer.Option(help="How heights are interpolated.")
-    ] = "linear",
-    nonfinite: options.SkipNonFinite = "error",
-    input_format: options.InputFormat = None,
-    output_format: options.OutputFormat = None,
-    trimming: surfaces.Trimming,
-    threads: options.Threads = None,
-    rows: inputs.RowOptions,
-    max_bytes: options.MaxBytes = None,
+    interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
+    reading: surfaces.Horizontal,
     json: options.Json = False,
 ) -> None:
     """Read a surface and points, write the points with heights, and say how many have one."""
     if json:
         outputs.check_stdout()
-    outputs.check_target(target, output_format)
-    rows = {**rows, "format": input_format, "max_bytes": max_bytes}
-    reading = surfaces.SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
+    target.check()
     surface = surfaces.read(source, reading)
-    asked = _asked(at, points, source, surface.crs, max_bytes)
+    asked = _asked(at, points, source, surface.crs, reading.rows.get("max_bytes"))
     with terminal.stage(f"sampling at {len(asked):,} points"):
-        sampled, known = _sampled(surface, asked, interpolation, threads)
-    path = _write(target, sampled, output_format)
-    with outputs.report_after(target):
+        sampled, known = _sampled(surface, asked, interpolation, reading.threads)
+    path = _write(target, sampled)
+    with outputs.report_after(target.path):
         if json:
             counts: dict[str, Any] = {"points": len(asked), "known": known}
             counts |= notes.provenance(surface)
@@ -75,7 +66,7 @@ def run(
 
 
 def _asked(
-    at: Path, points: places.Places, source: Path, own: str | None, max_bytes: int | None
+    at: Path, points: surfaces.Places, source: Path, own: str | None, max_bytes: int | None
 ) -> Cloud:
     """Read the points, which have to be in the system of the surface."""
     if is_stream(at) or not points.are_shapes(at):
@@ -126,15 +117,15 @@ class _EmptyFields:
         return len(lines)
 
 
-def _write(target: Path, found: Any, file_format: str | None) -> Path | None:
+def _write(target: outputs.Target, found: Any) -> Path | None:
     """Write the points; return the file, or None for stdout."""
     from liftmesh.io import write
     from liftmesh.io.streams import suffix_of
 
-    kind = file_format or suffix_of(target.name)
+    kind = target.file_format or suffix_of(target.path.name)
     if kind.lower().lstrip(".") not in _CSV:
-        written = outputs.write(target, found, file_format).path
+        written = target.write(found).path
         return None if written is None else Path(written)
-    with outputs.opened(target) as stream:
+    with outputs.opened(target.path) as stream:
         write.write(_EmptyFields(stream), found, format=kind)  # type: ignore[arg-type]
-    return None if is_stream(target) else target
+    return None if is_stream(target.path) else target.path

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
-import typer
+import click
 
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, whole
+from liftmesh.cli.options import argument, flag, option, whole
 
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
@@ -28,16 +28,15 @@ EXAMPLES = [
     "liftmesh simplify ground.laz tin.ply --max-error 0.2",
 ]
 
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
+
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="IN", help="Rasters or clouds, merged; - reads stdin (see --input-format)."
-        ),
+        list[Path], argument("IN", "Rasters or clouds, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
+    target: Target,
     max_error: Annotated[
         float | None,
         option("Z", "The largest distance along z, in the units of the heights.", options.distance),
@@ -47,36 +46,30 @@ def run(
     ] = None,
     prune: Annotated[
         bool,
-        typer.Option("--prune/--no-prune", help="Remove vertices that the distance does not need."),
+        flag("Remove vertices that the distance does not need."),
     ] = True,
     plane: options.Plane = "xy",
     on_duplicate: options.OnDuplicate = "first",
-    nonfinite: options.SkipNonFinite = "error",
-    input_format: options.InputFormat = None,
-    output_format: options.OutputFormat = None,
     *,
-    rows: inputs.RowOptions,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
-    writing: outputs.Writing,
+    reading: inputs.ColoredReading,
+    nonfinite: options.SkipNonFinite = "error",
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
     import liftmesh
 
     if max_error is None and max_points is None:
-        raise typer.BadParameter("give --max-error or --max-points")
+        raise click.BadParameter("give --max-error or --max-points")
     limits = options.given(max_points=max_points, max_error=max_error)
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, output_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
-    cloud = inputs.read_rows(sources, reading | {"color_depth": color_depth})
+    cloud = inputs.read_rows(sources, reading)
     text = f"simplifying {len(cloud):,} rows"
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, output_format, cloud, writing)
+        target.check_content(cloud)
         with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
             surface = liftmesh.simplify(
                 cloud,
@@ -87,8 +80,8 @@ def run(
                 nonfinite=nonfinite,
                 progress=progress,
             )
-    written = outputs.write(target, surface, output_format, writing)
-    with outputs.report_after(target):
+    written = target.write(surface)
+    with outputs.report_after(target.path):
         _print_report(written, surface, perf_counter() - start, as_json=json)
 
 

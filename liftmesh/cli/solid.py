@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import Pinched
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, option, positive
+from liftmesh.cli.options import flag, number, option, positive
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -27,11 +26,13 @@ EXAMPLES = [
     "liftmesh solid tin.ply shell.stl --thickness 2 --max-edge 20 --pinched trim",
 ]
 
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file, as STL or 3MF.")]
+
 
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file, as STL or 3MF.")],
+    target: Target,
     base_height: Annotated[
         float | None, option("HEIGHT", "The height of a flat base.", number)
     ] = None,
@@ -46,21 +47,19 @@ def run(
         float | None, option("FACTOR", "With --longest: multiply heights by this.", positive)
     ] = None,
     pinched: Annotated[
-        Pinched, typer.Option(help="Faces that touch in a vertex only: refuse, or leave them out.")
+        Pinched, flag("Faces that touch in a vertex only: refuse, or leave them out.")
     ] = "error",
-    output_format: options.OutputFormat = None,
     *,
     reading: surfaces.Reading,
-    writing: outputs.Writing,
     json: options.Json = False,
 ) -> None:
     """Read a surface, close it, write the solid, and say how large it is."""
     outputs.check_stdout()
     if (base_height is None) == (thickness is None):
-        raise typer.BadParameter("give either --base-height or --thickness")
+        raise click.BadParameter("give either --base-height or --thickness")
     if longest is None and z_factor is not None:
-        raise typer.BadParameter("--z-factor needs --longest")
-    outputs.check_target(target, output_format, writing)
+        raise click.BadParameter("--z-factor needs --longest")
+    target.check()
     surface = surfaces.read(source, reading)
     if longest is not None:
         surfaces.note_units(source, surface, z_factor)
@@ -72,7 +71,7 @@ def run(
             z_factor=z_factor,
             pinched=pinched,
         )
-    written = outputs.write(target, solid, output_format, writing)
+    written = target.write(solid)
     _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
 
 

@@ -1,32 +1,34 @@
-"""Surfaces that commands read: options of reading and trimming, and what is said of them."""
+"""Surfaces that commands read, trim and ask at places of ``--at`` or ``--along``."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import inspect
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 
-import typer
+import click
 
-from liftmesh.base.options import NonFinite, counted
+from liftmesh.base.options import NonFinite, counted, shown
 from liftmesh.cli import inputs, options, terminal
-from liftmesh.cli.options import option, positive
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import InputError
+from liftmesh.cli.options import argument, flag, option, positive
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh._typing import Array
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.surface import Surface
     from liftmesh.tiles.tiled import TiledSurface
 
+SHAPES = {".geojson", ".json", ".gpkg"}
+_LEFT_OUT = "flat"  # of places: where they are, not how high
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides
 
 Source: TypeAlias = Annotated[
     Path,
-    typer.Argument(
-        metavar="IN", help="Mesh as liftmesh triangulate writes it, or a cloud, which it does."
-    ),
+    argument("IN", "Mesh as liftmesh triangulate writes it, or a cloud, which it does."),
 ]
 
 
@@ -36,10 +38,7 @@ def _trimming(
     ] = None,
     boundary_only: Annotated[
         bool,
-        typer.Option(
-            "--boundary-only",
-            help="With --max-edge: only from the boundary inwards, so that gaps stay closed.",
-        ),
+        flag("With --max-edge: only from the boundary inwards, so that gaps stay closed."),
     ] = False,
     max_radius: Annotated[
         float | None,
@@ -54,14 +53,14 @@ def _trimming(
 ) -> dict[str, Any]:
     """Check the options of trimming, and return those given, as `Surface.trim` has them."""
     if max_edge is None and boundary_only:
-        raise typer.BadParameter("--boundary-only needs --max-edge")
+        raise click.BadParameter("--boundary-only needs --max-edge")
     if trim_polygon is not None:
         trim_polygon.open("rb").close()
     trimming = options.given(max_edge=max_edge, max_radius=max_radius, boundary_only=boundary_only)
     return trimming | options.given(polygon=trim_polygon)
 
 
-Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming)]
+Trimming: TypeAlias = Annotated[dict[str, Any], options.Group(_trimming, "Selection")]
 
 
 def trimmed(surface: Surface, trimming: dict[str, Any]) -> Surface:
@@ -80,18 +79,21 @@ class SurfaceOptions:
     trimming: dict[str, Any]
 
 
-def _reading(
-    input_format: options.InputFormat = None,
-    plane: options.Plane = "xy",
-    nonfinite: options.SkipNonFinite = "error",
+def _horizontal(
     *,
+    rows: inputs.Reading,
+    nonfinite: options.SkipNonFinite = "error",
     trimming: Trimming,
     threads: options.Threads = None,
-    rows: inputs.RowOptions,
-    max_bytes: options.MaxBytes = None,
 ) -> SurfaceOptions:
-    rows = rows | options.given(format=input_format, max_bytes=max_bytes)
-    return SurfaceOptions(rows, plane.value, nonfinite, threads, trimming)
+    return SurfaceOptions(rows, "xy", nonfinite, threads, trimming)
+
+
+Horizontal: TypeAlias = Annotated[SurfaceOptions, options.Group(_horizontal)]
+
+
+def _reading(plane: options.Plane = "xy", *, horizontal: Horizontal) -> SurfaceOptions:
+    return replace(horizontal, plane=plane.value)
 
 
 Reading: TypeAlias = Annotated[SurfaceOptions, options.Group(_reading)]
@@ -115,11 +117,7 @@ def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
             _note_overhangs(source, made.report.n_overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):
-            try:
-                return liftmesh.as_surface(cloud, **choices)
-            except InputError as error:
-                error.args = (f"{source}: {error}", *error.args[1:])
-                raise
+            return liftmesh.as_surface(cloud, **choices)
 
 
 def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> TiledSurface:
@@ -134,8 +132,8 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     given += ["nonfinite"] if reading.nonfinite != "error" else []
     given += ["plane"] if reading.plane != "xy" else []
     if given:
-        raise typer.BadParameter(
-            f"{of_reading(given[0])} is for files: {source} is a surface in tiles as it is"
+        raise click.BadParameter(
+            f"{spelled(Option(given[0]))} is for files: {source} is a surface in tiles as it is"
         )
     tiled = open_tiled(source)
     if "surface" not in tiled.manifest:
@@ -192,3 +190,108 @@ def note_units(source: Path, surface: Surface | TiledSurface, factor: float | No
             f"{source}: the units of x, y and z are not all known: z is taken to be in that of x "
             "and y (--z-factor says another)"
         )
+
+
+@dataclass(frozen=True)
+class Places:
+    """How the table of an option is read."""
+
+    option: str  # without its dashes
+    file_format: str | None
+    table: dict[str, Any]
+
+    def are_shapes(self, path: Path) -> bool:
+        """Whether a file holds shapes, and neither a table nor a cloud."""
+        return self.file_format is None and is_shapes(path)
+
+    def read(
+        self,
+        path: Path,
+        source: Path,
+        crs: str | None,
+        max_bytes: int | None,
+        *,
+        flat: bool | None = True,  # as of `liftmesh.read`, for a table without named columns
+    ) -> Cloud:
+        """Read points over a surface of this source and system, in which they have to be."""
+        from liftmesh.crs.comparison import are_different
+
+        kind: dict[str, Any] = {} if self.file_format is None else {"format": self.file_format}
+        if (self.file_format or path.suffix) and is_table(path, self.file_format):
+            kind["flat"] = None if "columns" in self.table else flat
+        try:
+            limit = options.given(max_bytes=max_bytes)
+            cloud = inputs.read(path, {**self.table, **kind, **limit})
+        except (FormatError, InputError) as error:
+            error.args = (error.message.renamed(_own_names(self.option)),)
+            raise
+        if are_different(crs, cloud.crs):
+            there, here = shown(cloud.crs), shown(crs)
+            raise InputError(
+                f"{path} is in {there}, {source} in {here}: transform the points first"
+            )
+        return cloud
+
+
+def _own_names(option_name: str) -> dict[str, str]:
+    """Return by option of IN that of the table which an option names."""
+    names = {each: f"--{option_name}-{each.replace('_', '-')}" for each in _table_options()}
+    other = {"format": f"--{option_name}-input-format", "header": f"--{option_name}-no-header"}
+    return names | other
+
+
+def places(option_name: str) -> options.Group:
+    """Make the group of options of the table that an option, without its dashes, names.
+
+    They are those of IN with another name each, as ``--at-columns``, so that what an error about
+    the table recommends is an option of the table itself.
+    """
+
+    def parse(**given: Any) -> Places:
+        plain = {key.removeprefix(f"{option_name}_"): value for key, value in given.items()}
+        file_format = plain.pop("input_format")
+        try:
+            return Places(option_name, file_format, inputs.table(**plain))
+        except click.BadParameter as error:
+            message = Message(error.message).renamed(_own_names(option_name))
+            raise click.BadParameter(message) from error
+
+    text = f"Format of --{option_name}, instead of its suffix."
+    parameters = [
+        options.parameter(f"{option_name}_input_format", str | None, option("FORMAT", text))
+    ]
+    for name, each in _table_options().items():
+        kind, spec = get_args(each.annotation)
+        text = f"As --{name.replace('_', '-')}, of the table of --{option_name}."
+        own = replace(spec, text=text)
+        parameters.append(options.parameter(f"{option_name}_{name}", kind, own, each.default))
+    return options.Group(options.with_parameters(parse, parameters), "Input")
+
+
+def _table_options() -> dict[str, inspect.Parameter]:
+    """Return the options of tables, by name."""
+    parameters = dict(inspect.signature(inputs.table, eval_str=True).parameters)
+    del parameters[_LEFT_OUT]
+    return parameters
+
+
+def is_shapes(path: Path) -> bool:
+    """Whether a file holds shapes, by its suffix, and neither a table nor a cloud."""
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
+
+    if path.suffix.lower() in SHAPES or not path.suffix:
+        return True
+    try:
+        return find_format(suffix_of(path.name), str(path)) is None
+    except FormatError:
+        return True
+
+
+def is_table(path: Path, file_format: str | None = None) -> bool:
+    """Whether a file is a table, by its format or its suffix."""
+    from liftmesh.io.registry import find_format
+    from liftmesh.io.streams import suffix_of
+
+    kind = file_format or suffix_of(path.name)
+    return bool(kind) and find_format(kind, str(path)).name == "text"

@@ -7,11 +7,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
 from liftmesh.base.options import CellRow
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, positive, whole
+from liftmesh.cli.options import argument, flag, option, positive, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -36,7 +36,7 @@ def _thinning(
     ] = None,
     keep: Annotated[
         CellRow | None,
-        typer.Option(help="Of --cell: by height (lowest by default), or nearest to the centre."),
+        flag("Of --cell: by height (lowest by default), or nearest to the centre."),
     ] = None,
     min_distance: Annotated[
         float | None,
@@ -49,58 +49,49 @@ def _thinning(
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
     thinning = options.given(random=random, cell=cell, min_distance=min_distance, adaptive=adaptive)
     if len(thinning) > 1:
-        raise typer.BadParameter(_WAYS)
+        raise click.BadParameter(_WAYS)
     if seed is not None and random is None:
-        raise typer.BadParameter("--seed is of --random only: give both, or neither")
+        raise click.BadParameter("--seed is of --random only: give both, or neither")
     if keep is not None and cell is None:
-        raise typer.BadParameter("--keep is of --cell only: give both, or neither")
+        raise click.BadParameter("--keep is of --cell only: give both, or neither")
     return thinning | options.given(seed=seed, keep=keep)
 
 
-Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning)]
+Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning, "Selection")]
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Cloud file; - writes stdout.")]
 
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="IN", help="Clouds or rasters, merged; - reads stdin (see --input-format)."
-        ),
+        list[Path], argument("IN", "Clouds or rasters, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Cloud file; - writes stdout.")],
-    input_format: options.InputFormat = None,
-    output_format: options.OutputFormat = None,
+    target: Target,
     *,
-    rows: inputs.RowOptions,
-    thin: Thinning,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
-    writing: outputs.Writing,
+    thin: Annotated[dict[str, Any], options.Group(_thinning)],
+    reading: inputs.ColoredReading,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
-    if not thin and "every" not in rows:
-        raise typer.BadParameter(f"{_WAYS}, or --every")
+    if not thin and "every" not in reading:
+        raise click.BadParameter(f"{_WAYS}, or --every")
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, output_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
-    reading |= {"color_depth": color_depth}
     cloud = inputs.read_rows(sources, reading, of_surface=False)
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, output_format, cloud, writing)
+        target.check_content(cloud)
         kept = thinned(cloud, thin)
-    written = outputs.write(target, kept, output_format, writing)
+    written = target.write(kept)
     told = {
         **outputs.as_values(written),
         "thinning": notes.provenance_of(kept).thinning or None,
         "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
-    with outputs.report_after(target):
+    with outputs.report_after(target.path):
         if json:
             terminal.as_json(told)
         else:

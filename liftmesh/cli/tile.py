@@ -9,13 +9,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.base.options import OnDuplicate, ShardFormat
 from liftmesh.cli import inputs, notes, options, outputs, terminal
-from liftmesh.cli.options import option, whole
-from liftmesh.cli.wording import of_reading
-from liftmesh.errors import DegenerateInputError
+from liftmesh.cli.options import argument, flag, option, whole
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import DegenerateInputError, Option
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled import Tiled
@@ -37,17 +37,13 @@ SHOWN = ("rows", "triangles", "duplicates", "skipped", "hull")
 
 
 def run(
-    sources: Annotated[
-        list[Path], typer.Argument(metavar="IN...", help="NPY, Parquet, LAS, LAZ, PLY, text.")
-    ],
-    out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to write to.")],
-    surface: Annotated[
-        bool, typer.Option("--surface", help="Keep heights, colours and named values, too.")
-    ] = False,
+    sources: Annotated[list[Path], argument("IN", "NPY, Parquet, LAS, LAZ, PLY, text.")],
+    out: Annotated[Path, argument("OUT", "Folder to write to.")],
+    surface: Annotated[bool, flag("Keep heights, colours and named values, too.")] = False,
     on_duplicate: Annotated[
         OnDuplicate | None,
-        typer.Option(
-            help="Of a surface, which of several rows at one planar position is the vertex; by "
+        flag(
+            "Of a surface, which of several rows at one planar position is the vertex; by "
             "default the first."
         ),
     ] = None,
@@ -70,19 +66,15 @@ def run(
             "FOLDER", "For 24 bytes a row, fewer as tiles are finished; by default a folder in OUT."
         ),
     ] = None,
-    restart: Annotated[
-        bool, typer.Option("--restart", help="Replace what a former run has written to OUT.")
-    ] = False,
+    restart: Annotated[bool, flag("Replace what a former run has written to OUT.")] = False,
     shards: Annotated[
-        ShardFormat, typer.Option(help="Format of triangles without heights; ply holds meshes.")
+        ShardFormat, flag("Format of triangles without heights; ply holds meshes.")
     ] = "npy",
-    neighbors: Annotated[
-        bool, typer.Option("--neighbors", help="Also write which triangles share an edge.")
-    ] = False,
+    neighbors: Annotated[bool, flag("Also write which triangles share an edge.")] = False,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     *,
-    rows: inputs.RowOptions,
+    rows: inputs.Rows,
     json: options.Json = False,
 ) -> None:
     """Triangulate in tiles, and say how many triangles there are."""
@@ -90,10 +82,10 @@ def run(
     inputs.check_once(sources)
     _check_options(memory, tile_rows, workers, scheduler, threads)
     if not surface and (on_duplicate or rows):
-        given = "--on-duplicate" if on_duplicate else of_reading(next(iter(rows)))
-        raise typer.BadParameter(f"{given} is for surfaces: give --surface, too")
+        given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
+        raise click.BadParameter(f"{given} is for surfaces: give --surface, too")
     if surface and shards != "npy":
-        raise typer.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
+        raise click.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
     from liftmesh.tiles.options import (
         ROW_BYTES,
         SURFACE_ROW_BYTES,
@@ -128,7 +120,7 @@ def _named(paths: list[str]) -> Iterator[None]:
     try:
         yield
     except DegenerateInputError as error:
-        error.args = (f"{notes.listed(paths)}: {error}",)
+        error.within(notes.listed(paths))
         raise
 
 
@@ -147,7 +139,7 @@ def _check_options(
         ("--scheduler", "--threads", (scheduler, threads)),
     ):
         if None not in given:
-            raise typer.BadParameter(f"{one} and {other} exclude each other: leave one out")
+            raise click.BadParameter(f"{one} and {other} exclude each other: leave one out")
 
 
 def _maker(*, surface: bool, by_dask: bool) -> Callable[..., Tiled]:
@@ -196,7 +188,7 @@ def _check_address(text: str) -> None:
     except ValueError:
         protocol, host, port = "", "", 0
     if protocol not in protocols or not host or not 0 < port < 1 << 16:
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--scheduler {text!r} is no address: give one as tcp://10.0.0.1:8786"
         )
 

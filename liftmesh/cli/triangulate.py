@@ -7,12 +7,13 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-import typer
+import click
 
-from liftmesh.base.options import Algorithm, GroundAlgorithm
+from liftmesh.base.options import Algorithm, GroundAlgorithm, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import option, positive
+from liftmesh.cli.options import argument, flag, option, positive
 from liftmesh.cli.thin import Thinning, thinned
+from liftmesh.cli.wording import worded
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -46,14 +47,14 @@ _UNITS = {  # what is said where that of the plane and that of heights are known
 
 def _rigidness(text: str) -> int:
     if text not in {"1", "2", "3"}:
-        raise options.WrongValue(f"{text!r} is not 1, 2 or 3")
+        raise refused("cloth_rigidness", text, "give 1, 2 or 3")
     return int(text)
 
 
 def _ground(
     ground: Annotated[
         GroundAlgorithm | None,
-        typer.Option(help="Find the ground of an unclassified cloud, by the cloth simulation CSF."),
+        flag("Find the ground of an unclassified cloud, by the cloth simulation CSF."),
     ] = None,
     cloth_resolution: Annotated[
         float | None,
@@ -78,50 +79,44 @@ def _ground(
     choices = options.given(cloth_resolution=cloth_resolution, cloth_threshold=cloth_threshold)
     choices |= options.given(cloth_rigidness=cloth_rigidness)
     if choices and ground is None:
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--{next(iter(choices)).replace('_', '-')} is an option of --ground csf"
         )
     return {} if ground is None else {"algorithm": ground, **choices}
 
 
-Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground)]
+Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground, "Selection")]
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
 
 
 @outputs.guards("target")
 def run(
     sources: Annotated[
-        list[Path],
-        typer.Argument(
-            metavar="IN", help="Clouds or meshes, merged; - reads stdin (see --input-format)."
-        ),
+        list[Path], argument("IN", "Clouds or meshes, merged; - reads stdin (see --input-format).")
     ],
-    target: Annotated[Path, typer.Argument(metavar="OUT", help="Mesh file; - writes stdout.")],
+    target: Target,
     plane: options.Plane = "xy",
     on_duplicate: options.OnDuplicate = "first",
-    nonfinite: options.SkipNonFinite = "error",
     algorithm: Annotated[
         Algorithm,
-        typer.Option(
-            metavar="ALGORITHM",
-            help="auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
+        option(
+            "ALGORITHM",
+            "auto, divide-and-conquer, lf, lfres or lfres-indexed; all give the same "
             "triangles, lf and lfres are slow.",
+            panel="Advanced",
         ),
     ] = "auto",
     apex: options.Apex = "median",
-    input_format: options.InputFormat = None,
     weights: options.Weights = None,
     radii: options.Radii = None,
     metric: options.Metric = None,
     *,
-    trimming: surfaces.Trimming,
-    output_format: options.OutputFormat = None,
-    threads: options.Threads = None,
-    rows: inputs.RowOptions,
+    reading: inputs.ColoredReading,
+    nonfinite: options.SkipNonFinite = "error",
     ground: Ground,
     thin: Thinning,
-    writing: outputs.Writing,
-    max_bytes: options.MaxBytes = None,
-    color_depth: options.ColorDepth = None,
+    trimming: surfaces.Trimming,
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report."""
@@ -129,19 +124,17 @@ def run(
     if json:
         outputs.check_stdout()
     inputs.check_once(sources)
-    outputs.check_target(target, output_format, writing)
+    target.check()
     start = perf_counter()
-    reading = {**rows, "format": input_format, "max_bytes": max_bytes}
-    reading |= {"color_depth": color_depth}
     if ground:  # classes count only once there are some
         cloud = inputs.read_rows(sources, reading | {"classes": "all"})
-        cloud = _classified(cloud, ground, rows.get("classes", _GROUND))
+        cloud = _classified(cloud, ground, reading.get("classes", _GROUND))
     else:
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
     with inputs.about_rows(sources, cloud):
-        outputs.check_content(target, output_format, cloud, writing)
+        target.check_content(cloud)
         surface = _triangulate(
             cloud,
             plane=plane.value,
@@ -155,9 +148,9 @@ def run(
         surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
     start = perf_counter()
-    written = outputs.write(target, surface, output_format, writing)
+    written = target.write(surface)
     seconds["write"] = perf_counter() - start
-    with outputs.report_after(target):
+    with outputs.report_after(target.path):
         _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)
 
 
@@ -166,14 +159,9 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     from liftmesh.io.selection import Selector, selected, validate_selection
     from liftmesh.terrain.ground import bare_warning, classify_ground
 
-    with terminal.stage(f"finding the ground among {len(cloud):,} rows"):
-        try:
-            with inputs.without_warnings():
-                classified = classify_ground(cloud, **ground)
-        except InputError as error:
-            said = str(error).replace("cloth_resolution= to classify_ground", "--cloth-resolution")
-            error.args = (said,)
-            raise
+    stage = terminal.stage(f"finding the ground among {len(cloud):,} rows")
+    with stage, inputs.without_warnings():
+        classified = classify_ground(cloud, **ground)
     counts = notes.provenance_of(classified).ground
     if not counts["ground"]:
         raise InputError(f"{counts['algorithm']} finds no ground among {counts['rows']:,} rows")
@@ -184,8 +172,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
         "; where ground is sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
-        remedy = ("a smaller cloth_resolution= to classify_ground, or cloth_rigidness=1",)
-        terminal.note(lost.replace(*remedy, "a smaller --cloth-resolution, or --cloth-rigidness 1"))
+        terminal.note(worded(lost))
     chosen = validate_selection(classes=classes)
     classified = (
         classified if chosen is None else selected(classified, Selector(chosen, "the cloud"))

@@ -6,10 +6,10 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream, option
+from liftmesh.cli.options import argument, is_stream, option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,18 +38,14 @@ SHOWN = 3  # violations of a flaw
 def run(
     source: Annotated[
         Path,
-        typer.Argument(
-            metavar="FILE", help="Mesh, - reads stdin (see --input-format); or a folder of tiles."
-        ),
+        argument("FILE", "Mesh, - reads stdin (see --input-format); or a folder of tiles."),
     ],
     certificate: Annotated[
         Path | None,
         option("FILE", "Write what was found as JSON, with SHA-256 sums; - for stdout."),
     ] = None,
     plane: options.Plane = "xy",
-    nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
-    input_format: options.InputFormat = None,
     weights: Annotated[
         str | None, option("COLUMN", "Values of FILE: is it regular by these weights?")
     ] = None,
@@ -60,7 +56,9 @@ def run(
     points: Annotated[
         list[Path] | None, option("FILE", "The points of a folder, if its source has moved.")
     ] = None,
-    max_bytes: options.MaxBytes = None,
+    *,
+    file: inputs.File,
+    nonfinite: options.SkipNonFinite = "error",
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
@@ -68,12 +66,12 @@ def run(
     lifting = options.lifting(weights, radii, metric)
     outputs.check_place(certificate)
     if points is not None and not source.is_dir():
-        raise typer.BadParameter(f"--points is for folders of tiles, and {source} is none")
+        raise click.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
         certified = _verify_tiles(source, points, threads, certificate)
     else:
-        _check_format(source, input_format)
-        cloud = inputs.read(source, {"format": input_format, "max_bytes": max_bytes})
+        _check_format(source, file.get("format"))
+        cloud = inputs.read(source, file)
         _note_polygons(cloud)
         with inputs.about(source):
             choices = {"nonfinite": nonfinite, "threads": threads}
@@ -86,7 +84,7 @@ def run(
         else:
             _say(certified)
     if not certified.valid:
-        raise typer.Exit(exit_codes.DIFFERENT)
+        raise click.exceptions.Exit(exit_codes.DIFFERENT)
 
 
 def _verify_tiles(
@@ -197,7 +195,7 @@ def _say(certified: Certificate) -> None:
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
     counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(certified, name))) for name in counts]
+    lines = [(name.replace("_", " "), _number(getattr(certified, f"n_{name}"))) for name in counts]
     sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
     sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import number, option
+from liftmesh.cli.options import argument, number, option
 
 if TYPE_CHECKING:
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
@@ -33,9 +33,7 @@ def run(
     source: surfaces.Source,
     other: Annotated[
         Path | None,
-        typer.Argument(
-            metavar="[AFTER]", help="What IN becomes: prints cut and fill.", show_default=False
-        ),
+        argument("[AFTER]", "What IN becomes: prints cut and fill."),
     ] = None,
     level: Annotated[float | None, option("HEIGHT", "The level, 0 by default.", number)] = None,
     within: Annotated[
@@ -54,12 +52,12 @@ def run(
     """Read a surface, measure it, and print what was found."""
     outputs.check_stdout()
     if by is not None and within is None:
-        raise typer.BadParameter("--by goes with --within")
+        raise click.BadParameter("--by goes with --within")
     named = "name" if by is None else by
     if within is not None:
         within.open("rb").close()
     if other is not None and level is not None:
-        raise typer.BadParameter("--level goes with one surface, not with two")
+        raise click.BadParameter("--level goes with one surface, not with two")
 
     surface = surfaces.read(source, reading)
     rows_of = notes.provenance(surface)

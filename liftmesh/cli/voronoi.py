@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, BinaryIO, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
+import click
 
 from liftmesh.cli import inputs, options, outputs, terminal
-from liftmesh.cli.options import is_stream, option
-from liftmesh.cli.places import is_table
+from liftmesh.cli.options import argument, is_stream, option
+from liftmesh.cli.surfaces import is_table
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -33,9 +34,7 @@ def run(
     source: options.Source,
     target: Annotated[
         Path,
-        typer.Argument(
-            metavar="OUT", help="Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."
-        ),
+        argument("OUT", "Polygons: .geojson, .gpkg, .ply or .svg; - for stdout."),
     ],
     domain: Annotated[
         str | None,
@@ -66,144 +65,109 @@ def run(
             float,
         ),
     ] = None,
-    input_format: options.InputFormat = None,
     output_format: Annotated[
-        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.")
+        str | None, option("FORMAT", "geojson, gpkg, ply or svg, for stdout.", panel="Output")
     ] = None,
     *,
     table: inputs.Table,
-    max_bytes: options.MaxBytes = None,
+    file: inputs.File,
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
     if json:
         outputs.check_stdout()
-    _check_one(weights, radii, disks, max_deviation)
+    kinds = {"weights": weights, "radii": radii, "disks": disks}
+    choices = options.given(max_deviation=max_deviation, threads=threads)
+    _check_one(kinds, choices)
     kind = _kind(target, output_format)
     outputs.check_place(target)
-    planar = {"flat": None} if is_table(source, input_format) else {}
-    reading = {**planar, **table, "format": input_format, "max_bytes": max_bytes}
-    cloud = inputs.read(source, reading)
-    area, crs = _domain(domain, cloud)
-    with inputs.about(source), terminal.stage(f"cells of {len(cloud):,} rows"):
-        cells = _cells(cloud, area, weights, radii, disks, max_deviation)
+    planar = {"flat": None} if is_table(source, file.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **table, **file})
+    choices["domain"] = _domain(domain)
+    text = f"cells of {len(cloud):,} rows"
+    with inputs.about(source), terminal.share_bar(text, len(cloud)) as progress:
+        cells = _cells(cloud, kinds, {**choices, "progress": progress})
     _note_rows_elsewhere(cells)
-    size, dropped = _write(target, cells, kind, cloud, crs)
+    with outputs.opened(target) as stream:
+        written = cells.save(stream, _columns(cloud), format=kind)
+    for name, own in written.renamed:
+        terminal.note(f"{name} is a column of the points: that of cells is {own}")
+    lost = [part for part in ("colors", "normals") if getattr(cloud, part) is not None]
+    dropped = [*written.dropped, *lost]
     with outputs.report_after(target):
-        _report(target, kind, size, cells, dropped, as_json=json)
+        _report(target, kind, written.bytes, cells, dropped, as_json=json)
 
 
-def _check_one(
-    weights: str | None, radii: str | None, disks: str | None, max_deviation: float | None
-) -> None:
-    if disks is not None and (weights is not None or radii is not None):
-        raise typer.BadParameter("--disks makes other cells than --weights and --radii: give one")
-    if disks is None and max_deviation is not None:
-        raise typer.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
+def _check_one(kinds: Mapping[str, str | None], choices: Mapping[str, Any]) -> None:
+    is_of_disks = kinds["disks"] is not None
+    if is_of_disks and (kinds["weights"] is not None or kinds["radii"] is not None):
+        raise click.BadParameter("--disks makes other cells than --weights and --radii: give one")
+    if is_of_disks and "threads" in choices:
+        raise click.BadParameter("--disks makes cells on one thread: leave out --threads")
+    if not is_of_disks and "max_deviation" in choices:
+        raise click.BadParameter("--max-deviation needs --disks: give --disks COLUMN, too")
 
 
 def _kind(target: Path, name: str | None) -> str:
-    from liftmesh.cells.files import check_format, format_of
+    from liftmesh.cells.files import format_of
 
-    if name is not None:
-        return check_format(name)
-    if is_stream(target):
-        raise typer.BadParameter(
+    if name is None and is_stream(target):
+        raise click.BadParameter(
             "stdout has no suffix: give the format with --output-format geojson"
         )
-    return format_of(target)
+    return format_of(target, name)
 
 
-def _domain(text: str | None, cloud: Cloud) -> tuple[Any, str | None]:
-    """The domain, and the coordinate system of the cells."""
+def _domain(text: str | None) -> Any:
     if text is None or text == "bounds":
-        return None, cloud.crs
+        return None
     if (box := options.box(text)) is not None:
-        return box, cloud.crs
+        return box
     path = Path(text).expanduser()
     if not path.exists():
-        raise typer.BadParameter(
+        raise click.BadParameter(
             f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
         )
     from liftmesh.cells.files import read_domain
-    from liftmesh.crs.comparison import common_system
 
-    shape, crs = read_domain(path)
-    return shape, common_system(cloud.crs, crs)
+    return read_domain(path)
 
 
-def _cells(
-    cloud: Cloud,
-    area: Any,
-    weights: str | None,
-    radii: str | None,
-    disks: str | None,
-    max_deviation: float | None,
-) -> ClippedCells:
+def _cells(cloud: Cloud, kinds: Mapping[str, str | None], choices: dict[str, Any]) -> ClippedCells:
     import liftmesh
-    from liftmesh.planar.kinds import named_values, weights_or_radii
+    from liftmesh.planar.kinds import named_values
 
-    planar = cloud.points[:, :2]
-    if disks is not None:
-        reach = named_values(cloud, "disks", disks)
-        return liftmesh.apollonius_diagram(planar, reach, domain=area, max_deviation=max_deviation)
-    if weights is None and radii is None:
-        return liftmesh.voronoi(planar, domain=area)
-    kind, name = weights_or_radii(weights, radii)
-    return liftmesh.power_diagram(planar, **{kind: named_values(cloud, kind, name)}, domain=area)
+    if (disks := kinds["disks"]) is not None:
+        return liftmesh.apollonius_diagram(cloud, named_values(cloud, "disks", disks), **choices)
+    if kinds["weights"] is None and kinds["radii"] is None:
+        return liftmesh.voronoi(cloud, **choices)
+    return liftmesh.power_diagram(cloud, weights=kinds["weights"], radii=kinds["radii"], **choices)
 
 
 def _note_rows_elsewhere(cells: ClippedCells) -> None:
     """Say so if no row is near the domain: most often it is in another coordinate system."""
-    low, high = cells.domain.corners.min(axis=0), cells.domain.corners.max(axis=0)
-    if not ((cells.points >= low) & (cells.points <= high)).all(axis=1).any():
+    left, low, right, high = cells.domain.bounds
+    x, y = cells.points.T
+    if not ((x >= left) & (x <= right) & (y >= low) & (y <= high)).any():
         terminal.note("no row lies in the box of the domain: are both in one coordinate system?")
 
 
 def _columns(cloud: Cloud) -> dict[str, Any]:
     """The values of rows: the named ones, and heights if there are any."""
-    from liftmesh.cells.clipped import free_name
+    from liftmesh.cells.files import free_name
 
     heights = cloud.points[:, 2]
     named = {**cloud.attributes}
     return {free_name("z", named): heights, **named} if heights.any() else named
 
 
-def _write(
-    target: Path, cells: ClippedCells, kind: str, cloud: Cloud, crs: str | None
-) -> tuple[int, list[str]]:
-    """Write the cells; return the number of bytes, and what the file does not keep."""
-    from liftmesh.cells.files import own_names, write_cells
-
-    columns = _columns(cloud)
-    with outputs.opened(target) as stream:
-        counted = _Counting(stream)
-        dropped = write_cells(cast("BinaryIO", counted), cells, kind, columns, crs)
-    if kind != "svg":
-        for name, own in zip(("row", "area"), own_names(columns), strict=True):
-            if name != own:
-                terminal.note(f"{name} is a column of the points: that of cells is {own}")
-    lost = [part for part in ("colors", "normals") if getattr(cloud, part) is not None]
-    return counted.count, [*dropped, *lost]
-
-
-class _Counting:
-    """A stream that counts the bytes written to it."""
-
-    def __init__(self, stream: Any) -> None:
-        self._stream, self.count = stream, 0
-
-    def write(self, data: Any) -> None:
-        self.count += len(data)
-        self._stream.write(data)
-
-
 def _report(
     target: Path, kind: str, size: int, cells: ClippedCells, dropped: list[str], *, as_json: bool
 ) -> None:
     counts = {
-        "rows": len(cells.points),
-        "cells": len(cells.points) - len(cells.empty),
+        "rows": len(cells),
+        "cells": len(cells) - len(cells.empty),
         "duplicates": len(cells.duplicates),
         "hidden": len(cells.hidden),
         "empty": len(cells.empty),
@@ -212,7 +176,8 @@ def _report(
         told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
         if cells.max_deviation is not None:
             told["max_deviation"] = cells.max_deviation
-        terminal.as_json({**told, **counts, "dropped": dropped})
+        named = {f"n_{name}": count for name, count in counts.items()}
+        terminal.as_json({**told, **named, "dropped": dropped})
         return
     bytes_text = terminal.bytes_text(size)
     line = f"{target}: {counts['cells']:,} cells in {cells.domain.text}, {bytes_text}"

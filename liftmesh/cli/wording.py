@@ -1,11 +1,10 @@
 """Messages in the words of the command line: of wrong usage, and of what the library raises.
 
-*Wrong usage.* The words of typer, and of the libraries that it uses, change from version to
-version: here, the type of an exception and what it concerns decide; its text serves only to find
-what was typed.
+*Wrong usage.* The words of click change from version to version: here, the type of an exception
+and what it concerns decide; its text serves only to find what was typed.
 
-*Options.* The library names its own options in what it raises: ``band=`` becomes ``--band``. A name
-counts where it begins a word, so that folders such as ``tiles/band=2`` stay as they are.
+*Options.* Messages of the library say where they name options: ``band=`` becomes ``--band``. Most
+options of commands have the names of the library's; `_OTHERS` has the rest.
 """
 
 from __future__ import annotations
@@ -16,46 +15,25 @@ from collections.abc import Sequence
 from difflib import get_close_matches
 from typing import Any
 
-_OPTION_NAMES = (
-    "algorithm", "band", "by", "cell", "classes", "color_depth", "columns", "decimal", "delimiter",
-    "dst_crs", "encoding", "end", "flat", "interpolation", "nodata", "nonfinite",
-    "on_duplicate", "plane", "point_format", "scale", "skip_rows", "src_crs", "unit",
-    "z_factor",
-)  # fmt: skip
-_PHRASES = {
-    "liftmesh.triangulate(cloud, plane='fit')": "--plane fit",
-    "with format='raster'": "with --input-format raster",
-    "with format=": "with --input-format FORMAT",
-    "with crs=": "with --src-crs",
-    "with max_bytes=": "with --max-bytes SIZE",
-    "neighbors=True, resume=False": "--neighbors --restart",
-    "resume=False": "--restart",
-    "with neighbors ": "with --neighbors ",
-    "with nonfinite '": "with --nonfinite '",
-    "with on_duplicate '": "with --on-duplicate '",
-    "with shard_format '": "with --shards '",
-    "with tile_rows ": "with --tile-rows ",
-    "fewer tile_rows": "fewer --tile-rows",
-    "dtype='float64'": "--double",
-    "find the ground with classify_ground": "find the ground with triangulate --ground csf",
-    "flat=True": "--flat",
-    "read one with dst_crs= that of the other, or replace(crs=None) if they are the same": (
-        "give --dst-crs, which transforms both"
-    ),
-    "give one of None, ": "give one of none, ",
-    "classes='all'": "--all-classes",
+from liftmesh.base.options import VARIABLE
+from liftmesh.errors import InputError, Message, Option
+
+VALUE = "value"
+"""The name of any option for the parsers of values: click knows which one it is."""
+
+_OTHERS: dict[str | Option, str] = {
+    VARIABLE: VARIABLE,
+    "format": "--input-format",
+    "header": "--no-header",
+    "length": "--min-length",
+    "polygon": "--trim-polygon",
+    "resume": "--restart",
+    "shard_format": "--shards",
+    Option("classes", "all"): "--all-classes",
+    Option("classify_ground"): "triangulate --ground csf",
+    Option("dtype", "float64"): "--double",
 }
-_SUBJECTS = (
-    "adaptive", "cell", "compress", "interval", "length", "max_deviation", "max_points",
-    "min_distance", "point_format", "raster_bounds", "resolution",
-)  # fmt: skip
-_OF_READING = {"format": "input_format", "header": "no_header", "polygon": "trim_polygon"}
-_OTHER_NAMES = {"length": "min_length"}
-_OPTION_NAME = rf"(?P<name>{'|'.join(_OPTION_NAMES)})="
-_QUOTED = re.compile(rf"(?<![^\s(]){_OPTION_NAME}'(?P<value>[^']*)'")
-_NUMBER = re.compile(rf"(?<=[\s(]){_OPTION_NAME}(?P<value>[-+.\w]*\w)(?![-+.\w/])")
-_BARE = re.compile(rf"(?<![^\s(]){_OPTION_NAME}(?=[\s,;:)]|$)")
-_SUBJECT = re.compile(rf"(?:^|(?<=: ))(?P<subject>{'|'.join(_SUBJECTS)}) (is|are) ")
+"""How the command line names what has another name in the library, or is given in another way."""
 
 
 def usage_message(error: Any) -> str:
@@ -102,18 +80,18 @@ def _about_words(text: str, context: Any) -> str:
     extra = re.search(r"argument.*? \((.*)\)", text)
     if extra:
         return f"unexpected {extra[1]!r}: {_usage(context)}"
-    typed, known = _quoted(text), getattr(context.command, "commands", None)
-    if typed is None or known is None:
+    typed = _quoted(text)
+    if typed is None or not hasattr(context.command, "list_commands"):
         return text
-    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), [*known])}"
+    known = context.command.list_commands(context)
+    return f"there is no command {typed!r}{_similar(get_close_matches(typed, known), known)}"
 
 
 def _about_value(error: Any) -> str:
     """Describe a value that an option does not have."""
-    if error.param is None:  # of several options
-        return str(error.message)
-    if type(error).__name__ == "WrongValue":  # ours
-        return f"{error.param_hint or _name(error.param)} {error.message}"
+    if error.param is None or isinstance(error.__cause__, InputError):  # ours
+        named = {} if error.param is None else {VALUE: _name(error.param)}
+        return worded(Message(error.message).renamed(named))
     typed = _quoted(error.message)
     name, choices = _name(error.param), _choices(error.param)
     given = name if typed is None else f"{name} {typed!r}"
@@ -129,8 +107,7 @@ def _quoted(text: str) -> str | None:
 
 
 def _choices(param: Any) -> Sequence[str]:
-    holder = getattr(param, "type_descriptor", None) or getattr(param, "type", None)
-    return [str(each) for each in getattr(holder, "choices", None) or ()]
+    return [str(each) for each in getattr(getattr(param, "type", None), "choices", None) or ()]
 
 
 def _name(param: Any) -> str:
@@ -159,27 +136,20 @@ def _similar(names: Sequence[str], known: Sequence[str] = ()) -> str:
     return f": give one of {', '.join(known)}" if known else ""
 
 
-def of_reading(name: str) -> str:
-    """Return the option of the command line for one of `liftmesh.read`."""
-    return f"--{_OF_READING.get(name, _OTHER_NAMES.get(name, name)).replace('_', '-')}"
+def worded(message: str) -> str:
+    """Name the options in a message as the command line does."""
+    parts = Message(message).parts
+    return "".join(each if isinstance(each, str) else spelled(each) for each in parts)
 
 
-def as_on_command_line(message: str) -> str:
-    """Replace Python options in a message by those of the command line."""
-    for phrase, words in _PHRASES.items():
-        message = message.replace(phrase, words)
-    message = re.sub(r"\bdst_crs=(?=['\"])", "--dst-crs ", message)  # quotes are the shell's too
-    for pattern in (_QUOTED, _NUMBER, _BARE):
-        message = pattern.sub(_as_option, message)
-    return _SUBJECT.sub(lambda found: f"{_option(found['subject'])} {found[2]} ", message)
-
-
-def _as_option(found: re.Match[str]) -> str:
+def spelled(option: Option) -> str:
     """Write an option as a shell takes it, with its value if it has one."""
-    value = found.groupdict().get("value")
-    option = _option(found["name"])
-    return option if value is None else f"{option} {shlex.quote(value)}"
-
-
-def _option(name: str) -> str:
-    return f"--{_OTHER_NAMES.get(name, name).replace('_', '-')}"
+    name, value = option
+    if option in _OTHERS:
+        return _OTHERS[option]
+    spelled_name = _OTHERS.get(name) or (
+        name if name.startswith("-") else f"--{name.replace('_', '-')}"
+    )
+    if value is None or value is ... or isinstance(value, bool):
+        return spelled_name
+    return f"{spelled_name} {shlex.quote(str(value))}"

@@ -76,7 +76,7 @@ def compare(
     --------
     >>> from liftmesh import compare
     >>> result = compare([[0, 0], [4, 0], [0, 4], [3, 3], [1, 1]])
-    >>> result.verdict, result.identical
+    >>> result.verdict, result.n_identical
     ('identical', 4)
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
@@ -93,15 +93,15 @@ def compare(
         apex=place,
         hull=hull.facets,
         lower=hull.lower,
-        vertical=hull.vertical,
-        identical=differences.identical,
-        cocircular=differences.cocircular,
-        cells=differences.cells,
+        n_vertical=hull.vertical,
+        n_identical=differences.identical,
+        n_cocircular=differences.cocircular,
+        n_cells=differences.cells,
         missing=triangles[differences.missing],
         wrong=hull.lower[differences.wrong],
         lost=np.setdiff1d(rows, used_rows(triangulation.npoints, hull.lower), assume_unique=True),
-        coincident=hull.coincident,
-        violations=len(cells.violations),
+        n_coincident=hull.coincident,
+        n_violations=len(cells.violations),
         proofs=() if hull.error else tuple(evidence.proofs(most)),
         seconds={"liftmesh": seconds, "trimesh": hull.seconds},
         error=hull.error,

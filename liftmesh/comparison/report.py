@@ -36,8 +36,8 @@ _FAULT = "liftmesh's triangulation is wrong at {violations} edges: please report
 class Comparison(FrozenResult):
     r"""liftmesh's triangles compared with the lower facets of trimesh's hull.
 
-    ``triangles = identical + cocircular + len(missing)`` and
-    ``len(lower) = identical + cocircular + len(wrong)``.
+    ``n_triangles = n_identical + n_cocircular + len(missing)`` and
+    ``len(lower) = n_identical + n_cocircular + len(wrong)``.
 
     Parameters
     ----------
@@ -49,14 +49,14 @@ class Comparison(FrozenResult):
         All facets of trimesh's hull in the caller's rows, oriented outward.
     lower : (l, 3) ndarray of int32
         Its lower facets (Proposition 3.1), counter-clockwise seen from above.
-    vertical : int
+    n_vertical : int
         Facets of the hull whose planar points are collinear: neither lower nor upper.
-    identical : int
+    n_identical : int
         Triangles that both results have.
-    cocircular : int
+    n_cocircular : int
         Triangles of liftmesh that trimesh's facets replace by others in the same exactly
         cocircular cell: both are correct.
-    cells : int
+    n_cells : int
         Number of such cells.
     missing : (k, 3) ndarray of int32
         Triangles of liftmesh that are really missing in trimesh's hull.
@@ -64,9 +64,9 @@ class Comparison(FrozenResult):
         Lower facets of trimesh's hull that are really different.
     lost : (j,) ndarray of int32
         Rows that are vertices of liftmesh's lower hull, but of no lower facet of trimesh's.
-    coincident : int
+    n_coincident : int
         Rows that coincide with another row when centred and lifted in float64.
-    violations : int
+    n_violations : int
         Edges of liftmesh's triangulation that fail the exact local Delaunay test: 0.
     proofs : tuple of Proof
         Exact proofs for the first really different triangles.
@@ -97,27 +97,27 @@ class Comparison(FrozenResult):
     apex: tuple[float, float]
     hull: Rows
     lower: Rows
-    vertical: int
-    identical: int
-    cocircular: int
-    cells: int
+    n_vertical: int
+    n_identical: int
+    n_cocircular: int
+    n_cells: int
     missing: Rows
     wrong: Rows
     lost: Rows
-    coincident: int
-    violations: int
+    n_coincident: int
+    n_violations: int
     proofs: tuple[Proof, ...]
     seconds: Mapping[str, float]
     error: str | None = None
 
     def __repr__(self) -> str:
         return (
-            f"<Comparison: {self.verdict}, {self.triangles:,} triangles of liftmesh, "
+            f"<Comparison: {self.verdict}, {self.n_triangles:,} triangles of liftmesh, "
             f"{len(self.lower):,} lower facets of trimesh>"
         )
 
     @property
-    def triangles(self) -> int:
+    def n_triangles(self) -> int:
         """Number of liftmesh's triangles."""
         return len(self.triangulation.simplices)
 
@@ -129,9 +129,9 @@ class Comparison(FrozenResult):
         """
         if self.error is not None:
             return "failed"
-        if len(self.missing) or len(self.wrong) or self.violations:
+        if len(self.missing) or len(self.wrong) or self.n_violations:
             return "different"
-        return "cocircular" if self.cocircular else "identical"
+        return "cocircular" if self.n_cocircular else "identical"
 
     @property
     def agrees(self) -> bool:
@@ -200,12 +200,12 @@ class Comparison(FrozenResult):
         >>> liftmesh.compare([[0, 0], [2, 0], [0, 2], [3, 3]]).conclusion()
         'Both results are correct: all triangles are identical.'
         """
-        sentence = _FAULT if self.violations else _CONCLUSIONS[self.verdict]
+        sentence = _FAULT if self.n_violations else _CONCLUSIONS[self.verdict]
         return sentence.format(
-            cells=f"{self.cells:,}",
+            cells=f"{self.n_cells:,}",
             faults=self._faults(),
             error=self.error,
-            violations=f"{self.violations:,}",
+            violations=f"{self.n_violations:,}",
         )
 
     def _faults(self) -> str:
@@ -241,17 +241,17 @@ class Comparison(FrozenResult):
         lifted = len(used_rows(self.triangulation.npoints, self.triangulation.simplices))
         ours, theirs = (f"{self.seconds[side]:.3f}" for side in ("liftmesh", "trimesh"))
         if self.error is not None:
-            counts = {"points on the lower hull": lifted, "lower facets": self.triangles}
+            counts = {"points on the lower hull": lifted, "lower facets": self.n_triangles}
             rows = [(name, f"{count:,}", "-") for name, count in counts.items()]
             return [*rows, ("seconds", ours, "-")]
         pairs = {
             "points on the lower hull": (lifted, lifted - len(self.lost)),
-            "lower facets": (self.triangles, len(self.lower)),
-            "identical": (self.identical, self.identical),
-            "cocircular, triangulated differently": (self.cocircular, self.cocircular),
+            "lower facets": (self.n_triangles, len(self.lower)),
+            "identical": (self.n_identical, self.n_identical),
+            "cocircular, triangulated differently": (self.n_cocircular, self.n_cocircular),
             "really different": (len(self.missing), len(self.wrong)),
         }
         rows = [(name, f"{left:,}", f"{right:,}") for name, (left, right) in pairs.items()]
-        if self.coincident:
-            rows.append(("equal once lifted in float64", "-", f"{self.coincident:,}"))
+        if self.n_coincident:
+            rows.append(("equal once lifted in float64", "-", f"{self.n_coincident:,}"))
         return [*rows, ("seconds", ours, theirs)]

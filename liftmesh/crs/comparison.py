@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused, shown
 from liftmesh.crs.description import is_number, look_up, parse_crs, urn_of
 from liftmesh.errors import InputError, MissingDependencyError
 
@@ -37,9 +37,8 @@ def given_system(crs: Any) -> str:
     try:
         return text_of(look_up(text, extra="shapes"))
     except InputError as error:
-        raise InputError(
-            f"crs is {shown(crs)}, which pyproj does not know: give one such as 'EPSG:25832'"
-        ) from error
+        reason = "which pyproj does not know: give one such as 'EPSG:25832'"
+        raise refused("crs", crs, reason, mark=", ") from error
 
 
 def are_different(one: str | None, other: str | None) -> bool:

@@ -19,7 +19,7 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.options import shown
 from liftmesh.crs.description import has_grids, look_up, oldest_wkt
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 
 
@@ -41,8 +41,8 @@ def transform(
     # The operation is that for the place of the first row, so there is no step among rows.
     if crs is None:
         raise InputError(
-            "dst_crs= needs the coordinate system of the points, which is not stated: read them "
-            "with src_crs="
+            f"{Option('dst_crs', ...)} needs the coordinate system of the points, which is not "
+            f"stated: read them with {Option('src_crs', ...)}"
         )
     pyproj = load("pyproj", extra="terrain")
     kept = {} if chosen is None else chosen
@@ -62,7 +62,7 @@ def transform(
         row = int(np.argmax(lost))
         raise InputError(
             f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
-            "another dst_crs="
+            f"another {Option('dst_crs', ...)}"
         )
     return moved, operation.told
 
@@ -153,9 +153,9 @@ def _impossible(target: str, lacking: Sequence[Any], is_planar: bool) -> InputEr
     needed = f" ({', '.join(files)})" if files else ""
     remedy = "give" if is_planar else "give the system without heights, or"
     return InputError(
-        f"dst_crs={shown(target)}: there is no exact transformation where the rows are, or it "
-        f"needs a grid that is not installed{needed}: {remedy} another one of the file with "
-        "src_crs="
+        f"{Option('dst_crs')} is {shown(target)}: there is no exact transformation where the rows "
+        f"are, or it needs a grid that is not installed{needed}: {remedy} another one of the file "
+        f"with {Option('src_crs', ...)}"
     )
 
 
@@ -175,7 +175,8 @@ def _check_grids(*systems: str) -> None:
     for each in filter(has_grids, systems):
         raise InputError(
             f"the heights of {shown(each)} are those of a grid (PROJ4_GRIDS), and no file that a "
-            "text names is opened: name their system with src_crs=, such as EPSG:26910+5703"
+            f"text names is opened: name their system with {Option('src_crs', ...)}, such as "
+            "EPSG:26910+5703"
         )
 
 

@@ -14,7 +14,7 @@ from typing import Any, Protocol
 
 from liftmesh.base.options import shown
 from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, System, Unit, is_number, parse_crs
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 
 _DEGREE = 111_320.0  # metres of a degree on the equator
 
@@ -65,16 +65,17 @@ def height_factors(cloud: Placed, target: str) -> tuple[float, float]:
     stated, wanted = (_unit_of_heights(crs) for crs in (cloud.crs, target))
     if wanted is not None and stated is None and band is None and cloud.crs is not None:
         raise InputError(
-            f"dst_crs={shown(target)} states what heights are, but nothing says their unit in the "
-            "file: name their system, too, with src_crs=, as 'EPSG:2263+6360' (US survey feet), or "
-            "give dst_crs= without heights"
+            f"{Option('dst_crs')} is {shown(target)}, which states what heights are, but nothing "
+            f"says their unit in the file: name their system, too, with {Option('src_crs', ...)}, "
+            f"as 'EPSG:2263+6360' (US survey feet), or give {Option('dst_crs', ...)} without "
+            "heights"
         )
     if band is None or (stated is None and wanted is None):
         return 1.0, 1.0
     if band.metres is None:
         raise InputError(
-            f"dst_crs={shown(target)}: the band says that heights are in {shown(band.name)}, which "
-            "cannot be converted: give a system without heights"
+            f"{Option('dst_crs')} is {shown(target)}: the band says that heights are in "
+            f"{shown(band.name)}, which cannot be converted: give a system without heights"
         )
     if stated is not None:
         return band.metres / stated, 1.0
@@ -107,15 +108,17 @@ def _unit_of_heights(crs: str | None) -> float | None:
     return None if unit is None else unit.metres
 
 
-def coordinate_warnings(system: System | None) -> tuple[str, ...]:
+def coordinate_warnings(system: System | None, *, is_transformed: bool = False) -> tuple[str, ...]:
     """Say what most users do not want of coordinates."""
     if system is None:
         return ()
+    verb = "name a projected system with" if is_transformed else "transform them with"
+    change = f"{verb} {Option('dst_crs', ...)}"
     if system.kind == "geographic":
         what = f"x and y are degrees ({system.name}), which are no lengths"
-        return (f"{what}: transform them with dst_crs=",)
+        return (f"{what}: {change}",)
     if system.kind == "geocentric":
-        return (f"the coordinates are geocentric ({system.name}): transform them with dst_crs=",)
+        return (f"the coordinates are geocentric ({system.name}): {change}",)
     if system.is_mixed:
         x, y, z = (each.name if each else "?" for each in system.units)
         return (f"the units differ: x is in {x}, y in {y}, z in {z}",)
@@ -128,7 +131,7 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
     if crs is None and heights is not None and heights != METRE:
         raise FormatError(
             f"z is in {heights.name}, and the unit of x and y is not known, but {what} has one for "
-            "all: state their system with crs="
+            f"all: state their system with {Option('src_crs', ...)}"
         )
     if crs is None:
         return None
@@ -137,18 +140,18 @@ def length_unit(crs: str | None, what: str, heights: Unit | None = None) -> str 
         remedy = "install liftmesh[terrain], or " if is_lookup else ""
         raise FormatError(
             f"the unit of {shown(crs)} is not known, but {what} states one: {remedy}state another "
-            "system with crs="
+            f"system with {Option('src_crs', ...)}"
         )
     if system.kind in {"geographic", "geocentric"}:
         raise FormatError(
             f"the coordinates are {system.kind} ({system.name}), but {what} holds lengths: "
-            "transform them with dst_crs="
+            f"transform them with {Option('dst_crs', ...)}"
         )
     units = (*system.units, heights)
     names = dict.fromkeys(each.name for each in units if each is not None)
     if len(names) > 1:
         raise FormatError(
             f"the units of x, y and z are {' and '.join(names)}, but {what} has one for all: "
-            "transform them with dst_crs="
+            f"transform them with {Option('dst_crs', ...)}"
         )
     return next(iter(names), None)

@@ -15,8 +15,16 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_numbers, as_positive, of_one_array
-from liftmesh.base.options import NonFinite, as_count, check_option, check_progress, shown
+from liftmesh.base.arrays import as_numbers, of_one_array
+from liftmesh.base.options import (
+    NonFinite,
+    as_count,
+    as_positive,
+    check_option,
+    check_progress,
+    refused,
+    shown,
+)
 from liftmesh.disks.graph import DiskGraph, are_finite, as_disks
 from liftmesh.disks.sides import pieces_in, trace_sides
 from liftmesh.errors import InputError
@@ -55,7 +63,7 @@ def apollonius(
     nonfinite : {"error", "skip"}, default "error"
         Rows whose centre or radius is NaN or infinite raise, or are skipped and listed.
     progress : callable, optional
-        As for `delaunay`; called with 0.0 to 1.0.
+        As for `delaunay`.
 
     Returns
     -------
@@ -107,6 +115,8 @@ def apollonius(
         }
         skipped = np.flatnonzero(~are_finite(disks)).astype(np.int32)
         arrays |= of_rows | {"skipped": skipped}
+    if progress is not None:
+        progress(1.0)
     return ApolloniusGraph(disks[:, :2], disks[:, 2], **arrays)
 
 
@@ -306,18 +316,17 @@ class ApolloniusGraph(DiskGraph):
 
 
 def _as_limits(bounds: ArrayLike) -> tuple[float, float, float, float]:
-    values = as_numbers("bounds are", bounds, "give real numbers")
+    values = as_numbers("bounds", bounds, "give real numbers", verb="are")
     if values.shape != (4,) or not np.isfinite(values).all():
-        raise InputError(f"bounds are {shown(bounds)}: give four finite numbers")
+        raise refused("bounds", bounds, "give four finite numbers", verb="are")
     x, y, right, upper = values.tolist()
     if not (x < right and y < upper):
-        raise InputError(f"bounds are {shown(bounds)}: give xmin, ymin, xmax, ymax")
+        raise refused("bounds", bounds, "give xmin, ymin, xmax, ymax", verb="are")
     return x, y, right, upper
 
 
 def as_max_deviation(max_deviation: float, bounds: ArrayLike) -> float:
     """Convert how far polylines may be from their arcs."""
-    as_numbers("max_deviation is", max_deviation, "give real numbers")
     value = as_positive("max_deviation", max_deviation, "a positive, finite number")
     limits = np.asarray(bounds, dtype=np.float64)
     least = float(np.abs(limits).max()) * _FINEST

@@ -90,20 +90,20 @@ def _certify(
     is_counted = not any(flaw.kind == "invalid_index" for flaw in flaws)
     triangles, hull = len(lists["simplices"]), len(lists["convex_hull"])
     return Certificate(
-        rows=len(disks),
-        skipped=int((~are_finite(disks)).sum()),
-        vertices=vertices if is_counted else None,
-        duplicates=len(lists["duplicates"]) if is_counted else None,
-        merged=0 if is_counted else None,
-        triangles=triangles,
-        edges=(3 * triangles + hull) // 2 if is_counted else None,
-        hull_edges=hull if is_counted else None,
+        n_rows=len(disks),
+        n_skipped=int((~are_finite(disks)).sum()),
+        n_vertices=vertices if is_counted else None,
+        n_duplicates=len(lists["duplicates"]) if is_counted else None,
+        n_merged=0 if is_counted else None,
+        n_triangles=triangles,
+        n_edges=(3 * triangles + hull) // 2 if is_counted else None,
+        n_hull_edges=hull if is_counted else None,
         flaws=tuple(sorted(flaws, key=_comes_last)),
         points_sha256=sha256_of(disks[:, :2], "<f8"),
         simplices_sha256=sha256_of(lists["simplices"], "<i4"),
         version=_kernel.VERSION,
         member="apollonius",
-        hidden=len(lists["hidden"]) if is_counted else None,
+        n_hidden=len(lists["hidden"]) if is_counted else None,
         values_sha256=sha256_of(disks[:, 2], "<f8"),
     )
 

@@ -36,7 +36,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
 from liftmesh.base.interruption import defer_signals
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io import metadata
 from liftmesh.io.markup import finite_numbers, shown_json
 from liftmesh.io.metadata import noted
@@ -217,7 +217,7 @@ def configured(
         return reader
     if file_format.options is None:
         raise FormatError(
-            f"{name}: {', '.join(f'{each}=' for each in options)} cannot be given: "
+            f"{name}: {', '.join(f'{Option(each, ...)}' for each in options)} cannot be given: "
             f"{file_format.name} files are read without options"
         )
     try:

@@ -20,7 +20,7 @@ import math
 import re
 from xml.sax.saxutils import quoteattr
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.text_tables import shortened
 
 _MOST = 1 << 25
@@ -74,7 +74,8 @@ def check_length(text: bytes, name: str) -> None:
     if len(text) > _MOST:
         raise FormatError(
             f"{name}: its JSON without embedded buffers has {len(text):,} bytes, more than the "
-            f"limit of {_MOST:,}: if you trust the file, give its content a limit with max_bytes="
+            f"limit of {_MOST:,}: if you trust the file, give its content a limit with "
+            f"{Option('max_bytes', ...)}"
         )
 
 

@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.options import as_count, shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import as_count, as_switch, refused
+from liftmesh.errors import FormatError, InputError, Option
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -130,8 +130,8 @@ class Outliers:
         apart = "far from all others, " if self.has_others else ""
         raise FormatError(
             f"{what} is {shown} in {self.counts[value]:,} of {self.rows:,} {rows}, {apart}a value "
-            f"or the mark of a missing one: read it with nodata='{shown}' if it is missing there, "
-            "or with nodata='none'"
+            f"or the mark of a missing one: read it with {Option('nodata', shown)} if it is "
+            f"missing there, or with {Option('nodata', 'none')}"
         )
 
     def _found(self) -> float | None:
@@ -152,10 +152,8 @@ def as_missing(value: Any) -> tuple[float | str, ...] | None:
             return (value.strip(),)
         number = math.nan
     if math.isnan(number):
-        raise InputError(
-            f"nodata is {value!r}: give the number or the text that stands for a missing value, "
-            "or 'none' if there is none"
-        )
+        remedy = "give the number or the text that stands for a missing value, or 'none' if there"
+        raise refused("nodata", value, f"{remedy} is none")
     return (number,)
 
 
@@ -204,8 +202,7 @@ def validate_table_options(  # noqa: PLR0913 - one for each option
     """Check the options of a table."""
     chosen, names = _columns(columns)
     if flat is not None:
-        _check_flag("flat", flat)
-    _check_flag("header", header)
+        as_switch("flat", flat)
     options = TableOptions(
         chosen=MappingProxyType(chosen),
         names=names,
@@ -213,15 +210,21 @@ def validate_table_options(  # noqa: PLR0913 - one for each option
         delimiter=_delimiter(delimiter),
         decimal=_decimal(decimal),
         skip_rows=as_count("skip_rows", skip_rows, 0),
-        header=header,
+        header=as_switch("header", header),
         missing=as_missing(nodata),
         end=_text("end", end),
         encoding=_encoding(encoding),
     )
     if options.decimal is not None and options.decimal == options.delimiter:
-        raise InputError(f"delimiter and decimal are both {decimal!r}: give two different ones")
+        raise InputError(
+            f"{Option('delimiter')} and {Option('decimal')} are both {decimal!r}: give two "
+            "different ones"
+        )
     if flat and "z" in (*chosen, *(names or ())):
-        raise InputError("columns= names a column z, and flat=True says that there is none")
+        raise InputError(
+            f"{Option('columns', ...)} names a column z, and {Option('flat', True)} says that "
+            "there is none"
+        )
     return options
 
 
@@ -247,7 +250,7 @@ def spelled(names: Sequence[str]) -> str:
     """Return the option that names all columns, for a message; "" if it cannot be typed."""
     if len(names) > MOST_LISTED or not all(map(is_plain, names)):
         return ""
-    return f"columns='{','.join(names)}'"
+    return f"{Option('columns', ','.join(names))}"
 
 
 def is_plain(name: str) -> bool:
@@ -267,20 +270,17 @@ def _parsed(text: str) -> dict[str, str] | list[str]:
 
 
 def _invalid(columns: object) -> InputError:
-    return InputError(
-        f"columns is {shown(columns)}: give columns='x=..,y=..,z=..' with the names of the table's "
-        "columns, or the names of all columns in order, as columns='id,x,y,z'"
+    return refused(
+        "columns",
+        columns,
+        f"give {Option('columns', 'x=..,y=..,z=..')} with the names of the table's columns, or the "
+        f"names of all columns in order, as {Option('columns', 'id,x,y,z')}",
     )
-
-
-def _check_flag(name: str, value: object) -> None:
-    if not isinstance(value, bool):
-        raise InputError(f"{name} is {shown(value)}: give True or False")
 
 
 def _text(name: str, value: object) -> str | None:
     if value is not None and (not isinstance(value, str) or not value.strip()):
-        raise InputError(f"{name} is {shown(value)}: give a text")
+        raise refused(name, value, "give a text")
     return None if value is None else value.strip()
 
 
@@ -293,7 +293,7 @@ def _encoding(value: object) -> str | None:
         "0".encode(name)
         codecs.getincrementaldecoder(name)
     except (LookupError, UnicodeError, ValueError):
-        raise InputError(f"encoding is {value!r}: give a name, as 'cp1252' or 'latin-1'") from None
+        raise refused("encoding", value, "give a name, as 'cp1252' or 'latin-1'") from None
     return name
 
 
@@ -303,15 +303,14 @@ def _delimiter(value: object) -> str | None:
     mark = _DELIMITERS.get(value, value) if isinstance(value, str) else ""
     mark = "\t" if mark == "\\t" else mark  # as shells pass it on
     if len(mark) != 1 or mark.isalnum() or mark in "+-.\"'\r\n_#":
-        raise InputError(
-            f"delimiter is {value!r}: give one character, as ';', or tab, or space for blanks"
-        )
+        remedy = "give one character, as ';', or tab, or space for blanks"
+        raise refused("delimiter", value, remedy)
     return mark
 
 
 def _decimal(value: object) -> str | None:
     if value is not None and value not in (".", ","):
-        raise InputError(f"decimal is {value!r}: give '.' or ','")
+        raise refused("decimal", value, "give '.' or ','")
     return None if value is None else str(value)
 
 
@@ -345,5 +344,5 @@ def check_expanded(needed: int, limit: int, name: str, what: str, remedy: str = 
     if needed > limit:
         raise FormatError(
             f"{name}: {what} expands to {needed:,} bytes, more than the limit of {limit:,}: "
-            f"{remedy}if you trust the file, raise it with max_bytes="
+            f"{remedy}if you trust the file, raise it with {Option('max_bytes', ...)}"
         )

@@ -23,12 +23,12 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count
+from liftmesh.base.options import Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import height_factors, steps_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.format import configured
 from liftmesh.io.formats.text.columns import DEGREES
@@ -277,7 +277,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         withheld=withheld,
     )
     if chosen is not None and chosen.classes == "ground":
-        raise InputError("classes is 'ground', which the whole file decides: give classes=2")
+        reason = f"which the whole file decides: give {Option('classes', 2)}"
+        raise refused("classes", classes, reason, mark=", ")
     if src_crs is not None:
         check_system(src_crs)
     source = at_home(source)
@@ -415,7 +416,8 @@ def _changed(
         cloud = cloud if depth is None else cloud.with_color_depth(depth)
         return placed(cloud, crs, target, chosen)
     except InputError as error:
-        raise InputError(f"{name}: {error}") from error
+        error.within(name)
+        raise
 
 
 def placed(
@@ -487,7 +489,7 @@ def read_rows(source: object, **options: Unpack[ReadOptions]) -> Cloud:
         return check_some(read(source, **chosen), source)
     if "classes" in given:
         raise InputError(
-            "classes= is for files: select the rows of a cloud, as "
+            f"{Option('classes', ...)} is for files: select the rows of a cloud, as "
             'cloud.select(cloud.attributes["classification"] == 2)'
         )
     return as_cloud(source, **given)
@@ -528,8 +530,8 @@ def check_grounds(files: Iterable[tuple[str, Mapping[str, int]]]) -> None:
     rest = f" and {len(lacking) - _NAMED} more" if len(lacking) > _NAMED else ""
     raise InputError(
         f"{', '.join(lacking[:_NAMED])}{rest}: no ground (class 2), while other files have some: "
-        "give classes='all' for all rows of each file, classes=2 for none of these, or find the "
-        "ground with classify_ground"
+        f"give {Option('classes', 'all')} for all rows of each file, {Option('classes', 2)} for "
+        f"none of these, or find the ground with {Option('classify_ground')}"
     )
 
 

@@ -23,7 +23,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import freeze
 from liftmesh.base.interruption import defer_signals, preserve_signals
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, UnsupportedTypeError
+from liftmesh.errors import FormatError, Option, UnsupportedTypeError
 from liftmesh.io.format import Format, LazyFunction
 from liftmesh.io.formats import FORMATS
 from liftmesh.io.objects import plain
@@ -120,7 +120,9 @@ def known_formats() -> dict[str, Format]:
 def find_format(wanted: str, name: str) -> Format:
     """Find a format by its name or suffix, with or without the dot, in upper or lower case."""
     if not isinstance(wanted, str):
-        raise FormatError(f"format is {shown(wanted)}: give a name or suffix, such as 'ply'")
+        raise FormatError(
+            f"{Option('format')} is {shown(wanted)}: give a name or suffix, such as 'ply'"
+        )
     key = wanted.lower().removeprefix(".")
     if key.endswith(".gz"):
         return _compressed(find_format(key.removesuffix(".gz"), name), name)
@@ -244,7 +246,7 @@ def _unsupported(source: object) -> UnsupportedTypeError:
 
 def _unknown(key: str) -> str:
     if not key:
-        return "the name has no suffix: give the format with format="
+        return f"the name has no suffix: give the format with {Option('format', ...)}"
     return f"no format has the suffix or name {key!r}"
 
 

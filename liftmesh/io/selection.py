@@ -15,9 +15,15 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import Returns, as_count, as_switch, check_option, shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import (
+    Returns,
+    as_count,
+    as_positive,
+    as_switch,
+    check_option,
+    refused,
+)
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.metadata import Provenance, noted
 
@@ -38,7 +44,7 @@ _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet t
     "returns": "other returns",
     "bounds": "outside the box",
     "z_range": "outside the heights",
-    "every": "by every=",
+    "every": f"by {Option('every', ...)}",
 }
 
 
@@ -126,7 +132,7 @@ def _numbers(value: Any) -> tuple[float, ...]:
 
 
 def _invalid(name: str, value: object, wanted: str) -> InputError:
-    return InputError(f"{name} is {shown(value)}: give {wanted}")
+    return refused(name, value, f"give {wanted}")
 
 
 class Selector:
@@ -136,8 +142,8 @@ class Selector:
         # has_levels: of COPC, whose reader has chosen the resolution
         if selection.copc_resolution is not None and not has_levels:
             raise FormatError(
-                f"{name}: rows cannot be selected by resolution, for which the file has no index "
-                "(COPC), or is read in chunks: take every k-th row, or thin the cloud"
+                f"{name}: rows cannot be selected by {Option('resolution')}, for which the file "
+                "has no index (COPC), or is read in chunks: take every k-th row, or thin the cloud"
             )
         self._selection = selection
         self._name = name

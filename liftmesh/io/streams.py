@@ -19,7 +19,7 @@ from contextlib import contextmanager
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias, TypeVar, cast
 
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.options import limit_of
 
 if TYPE_CHECKING:
@@ -347,7 +347,7 @@ class _Text(io.RawIOBase):
             if self._end > self._limit:  # nobody knows by how much
                 raise FormatError(
                     f"{self._name}: its text expands to more than the limit of {self._limit:,} "
-                    "bytes: if you trust the file, raise it with max_bytes="
+                    f"bytes: if you trust the file, raise it with {Option('max_bytes', ...)}"
                 )
         return bool(block)
 

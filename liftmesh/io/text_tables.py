@@ -29,7 +29,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask
 from liftmesh.base.options import as_threads
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import Ragged
 from liftmesh.io.options import MOST_COLUMNS
 
@@ -449,8 +449,8 @@ class Lines:
             raise FormatError(
                 f"{self._name}: line {line}: byte {error.start - begin} of the line "
                 f"(0x{data[error.start]:02x}) is not UTF-8: save the file as UTF-8 text, or if it "
-                "is a table, read it with encoding='cp1252' (or cp1250 for Central Europe, cp932 "
-                "for Japan)"
+                f"is a table, read it with {Option('encoding', 'cp1252')} (or cp1250 for Central "
+                "Europe, cp932 for Japan)"
             ) from error
 
 

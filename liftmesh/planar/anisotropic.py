@@ -17,7 +17,7 @@ from liftmesh._typing import Floats, Indices, Integers, Mask, Progress, Rows
 from liftmesh.base.arrays import as_coordinates, of_one_array
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite, as_count, check_option, check_progress
-from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.errors import InputError, NonFiniteError, Option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import METRIC_REMEDY, as_matrices, is_positive_definite
 from liftmesh.planar.points import edges_around
@@ -146,7 +146,7 @@ def _check(matrices: Floats, nonfinite: NonFinite) -> None:
         row = int(finite.argmin())
         raise NonFiniteError(
             f"{_named(matrices, row)}, which is not finite: {_REMEDY}, or skip such rows with "
-            "nonfinite='skip'",
+            f"{Option('nonfinite', 'skip')}",
             row=row,
         )
     symmetric = ~finite | (matrices[:, 0, 1] == matrices[:, 1, 0])

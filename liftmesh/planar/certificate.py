@@ -100,21 +100,21 @@ class Certificate:
 
     Attributes
     ----------
-    rows : int
+    n_rows : int
         Rows of the points.
-    skipped : int
+    n_skipped : int
         Rows that are not finite.
-    vertices : int or None
+    n_vertices : int or None
         Distinct positions of corners. This and the other counts are None if a corner is not a row,
         or is on a row that is not finite.
-    duplicates : int or None
+    n_duplicates : int or None
         Finite rows at the position of another row, which represents them, and of its weight.
-    merged : int or None
+    n_merged : int or None
         The number of rows that are corners, beyond one for each position, as in meshes whose
         triangles do not share vertices.
-    triangles : int
+    n_triangles : int
         Triangles.
-    edges, hull_edges : int or None
+    n_edges, n_hull_edges : int or None
         Edges, and those of them that belong to one triangle only.
     flaws : tuple of Flaw
         What is wrong. A flaw of the kind "not_canonical" leaves the triangulation valid.
@@ -130,7 +130,7 @@ class Certificate:
     member : str
         Of which triangulation this is said: "delaunay", "weights" or "radii" (regular), "metric",
         "farthest", or "apollonius" for the graph of disks.
-    hidden : int or None
+    n_hidden : int or None
         Finite rows that are no vertices as their lifted points are strictly above the triangles, or
         as their disks are within others; 0 where none can be, None if they were not counted. They
         are not among the duplicates.
@@ -149,20 +149,20 @@ class Certificate:
     valid: these 2 triangles are a Delaunay triangulation of 4 rows; not canonical: 1 edge is ...
     """
 
-    rows: int
-    skipped: int
-    vertices: int | None
-    duplicates: int | None
-    merged: int | None
-    triangles: int
-    edges: int | None
-    hull_edges: int | None
+    n_rows: int
+    n_skipped: int
+    n_vertices: int | None
+    n_duplicates: int | None
+    n_merged: int | None
+    n_triangles: int
+    n_edges: int | None
+    n_hull_edges: int | None
     flaws: tuple[Flaw, ...]
     points_sha256: str
     simplices_sha256: str
     version: str = field(compare=False)
     member: str = "delaunay"
-    hidden: int | None = 0
+    n_hidden: int | None = 0
     metric: tuple[tuple[float, float], tuple[float, float]] | None = None
     values_sha256: str | None = None
 
@@ -179,9 +179,9 @@ class Certificate:
     @property
     def euler_characteristic(self) -> int | None:
         """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted."""
-        if self.vertices is None or self.edges is None:
+        if self.n_vertices is None or self.n_edges is None:
             return None
-        return self.vertices - self.edges + self.triangles
+        return self.n_vertices - self.n_edges + self.n_triangles
 
     @property
     def name(self) -> str:
@@ -201,11 +201,13 @@ class Certificate:
         if not self.valid:
             return self._describe_flaws()
         these = (
-            f"these {self.triangles:,} triangles are" if self.triangles != 1 else "1 triangle is"
+            f"these {self.n_triangles:,} triangles are"
+            if self.n_triangles != 1
+            else "1 triangle is"
         )
         kind = "the canonical" if self.canonical else "a"
-        said = f"valid: {these} {kind} {self.name} of {self.rows:,} rows"
-        said += f", {self.hidden:,} of them hidden" if self.hidden else ""
+        said = f"valid: {these} {kind} {self.name} of {self.n_rows:,} rows"
+        said += f", {self.n_hidden:,} of them hidden" if self.n_hidden else ""
         return said + "".join(f"; not canonical: {flaw.text}" for flaw in self.flaws)
 
     def _describe_flaws(self) -> str:
@@ -225,11 +227,12 @@ class Certificate:
         Examples
         --------
         >>> import liftmesh
-        >>> liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]).as_dict()["counts"]["edges"]
+        >>> liftmesh.verify([[0, 0], [1, 0], [0, 1]], [[0, 1, 2]]).as_dict()["counts"]["n_edges"]
         3
         """
-        counts = ["rows", "skipped", "vertices", "duplicates", "merged", "triangles", "edges"]
-        counts += [] if self.member == "delaunay" else ["hidden"]
+        counts = {k: v for k, v in asdict(self).items() if k.startswith("n_")}
+        if self.member == "delaunay":
+            del counts["n_hidden"]
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION if self.member == "delaunay" else OF_MEMBERS,
@@ -239,7 +242,7 @@ class Certificate:
             "canonical": self.canonical,
             "points_sha256": self.points_sha256,
             "simplices_sha256": self.simplices_sha256,
-            "counts": {name: getattr(self, name) for name in (*counts, "hull_edges")},
+            "counts": counts,
             "euler_characteristic": self.euler_characteristic,
             "flaws": [_plain(asdict(flaw)) for flaw in self.flaws],
         }

@@ -25,7 +25,7 @@ from liftmesh.base.options import (
     check_progress,
     counted,
 )
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.kinds import TriangulationKind, as_metric
 from liftmesh.planar.lifting import Counters, given_apex, resolve_apex
 from liftmesh.planar.points import rows_of
@@ -192,7 +192,10 @@ def solve(  # noqa: PLR0913 - as above
     counters = None
     if algorithm is not _AUTO and algorithm in _WRAPPING:
         if form is not None:
-            raise InputError(f"algorithm {algorithm!r} has no metric: leave one of the two out")
+            raise InputError(
+                f"{Option('algorithm')} {algorithm!r} has no {Option('metric')}: leave one of the "
+                "two out"
+            )
         outcome, counts = _kernel.gift_wrap(*run, algorithm, *resolve_apex(apex, planar))
         counters = Counters.from_kernel(counts)
     else:
@@ -211,14 +214,14 @@ def _folder(
     """Check what has no arrays in files."""
     folder = as_folder("scratch", scratch)
     if not os.path.isdir(folder):  # noqa: PTH112 - Path raises for odd names
-        raise InputError(f"scratch {folder!r} is no folder: make it first")
+        raise InputError(f"{Option('scratch')} {folder!r} is no folder: make it first")
     for name, is_given in (
-        (f"algorithm={algorithm!r}", algorithm in _WRAPPING),
+        (f"{Option('algorithm', algorithm)}", algorithm in _WRAPPING),
         (f"order={order!r}", order != _ENGINE),
         ("metric", form is not None),
     ):
         if is_given:
-            raise InputError(f"scratch and {name} exclude each other: leave one out")
+            raise InputError(f"{Option('scratch')} and {name} exclude each other: leave one out")
     return folder
 
 
@@ -280,7 +283,7 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
     return DegenerateInputError(
         f"all {distinct} distinct points lie on one line, from row {first} to row {last}: "
         "a triangle needs a point off it (for a cloud in a vertical plane: "
-        "liftmesh.triangulate(cloud, plane='fit'))"
+        f"triangulate it with {Option('plane', 'fit')})"
     )
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.planar.delaunay import delaunay
 
@@ -176,7 +176,7 @@ class DynamicTriangulation:
         if numbers.size == 0:
             return
         if numbers.dtype.kind not in "iu" or numbers.ndim > 1:
-            raise InputError(f"vertices are {shown(vertices)}: give the numbers of points")
+            raise refused("vertices", vertices, "give the numbers of points", verb="are")
         if len(np.unique(numbers)) < len(numbers):
             raise InputError("a number occurs twice: a point can be removed once")
         rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)

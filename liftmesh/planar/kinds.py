@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals
 from liftmesh.base.arrays import as_floats, is_readable, unmasked, widened
-from liftmesh.base.options import as_switch, counted, shown
-from liftmesh.errors import InputError, NonFiniteError
+from liftmesh.base.options import as_switch, counted, refused, shown
+from liftmesh.errors import InputError, NonFiniteError, Option
 from liftmesh.predicates import incircle
 
 if TYPE_CHECKING:
@@ -81,7 +81,7 @@ class TriangulationKind:
     def non_finite(self, row: int, *, skippable: bool = True) -> NonFiniteError:
         """Return the error for a row whose value is not finite."""
         named = f"row {row} has the {_ONE_EACH[self.name]} {float(self.values[row])!r}"
-        advice = ", or skip them with nonfinite='skip'" if skippable else " first"
+        advice = f", or skip them with {Option('nonfinite', 'skip')}" if skippable else " first"
         return NonFiniteError(f"{named}: remove such rows{advice}", row=row)
 
     def side(self, rows: tuple[int, ...], points: tuple[tuple[float, float], ...]) -> int:
@@ -111,7 +111,9 @@ def as_kind(
     is_farthest = as_switch("furthest_site", furthest_site)
     named += ["furthest_site"] if is_farthest else []
     if len(named) > 1:
-        raise InputError(f"{' and '.join(named)} are given: give one of them")
+        raise InputError(
+            f"{' and '.join(f'{Option(each)}' for each in named)} are given: give one of them"
+        )
     if is_farthest:
         return TriangulationKind("farthest")
     if not named:
@@ -153,7 +155,8 @@ def _held(cloud: Any, kind: str, name: str) -> Any:
     if name not in cloud.attributes:
         raise InputError(
             f"the mesh says that it was triangulated by the {kind} {name!r}, and does not hold "
-            f"them: give {kind}, or keep them with it in a format that holds named values, as PLY"
+            f"them: give {Option(kind, ...)}, or keep them with it in a format that holds named "
+            "values, as PLY"
         )
     return named_values(cloud, kind, name)
 
@@ -163,17 +166,17 @@ def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
     try:
         array = np.asanyarray(given)
     except ValueError as error:
-        raise InputError(f"{kind} cannot be converted to an array: {error}") from error
+        raise InputError(f"{Option(kind)} cannot be converted to an array: {error}") from error
     if array.ndim == 2 and array.shape[1] == 1:
         array = array[:, 0]
     if array.ndim != 1:
         what = f"are {shown(given)}" if array.ndim == 0 else f"have the shape {array.shape}"
         raise InputError(
-            f"{kind} {what}: give an array of one number for each of {counted(rows, 'row')}"
+            f"{Option(kind)} {what}: give an array of one number for each of {counted(rows, 'row')}"
         )
     if len(array) != rows:
         raise InputError(
-            f"{kind} hold {counted(len(array), 'number')} for {counted(rows, 'row')}: "
+            f"{Option(kind)} hold {counted(len(array), 'number')} for {counted(rows, 'row')}: "
             "give one for each"
         )
     values = as_floats(unmasked(array, kind), kind)
@@ -183,11 +186,13 @@ def as_weights(kind: str, given: Any, rows: int) -> TriangulationKind:
 def weights_or_radii(weights: Any, radii: Any) -> tuple[str, Any]:
     """Return the name and the value of the one of the two options that is given."""
     if weights is not None and radii is not None:
-        raise InputError("both weights and radii are given: give one of them")
+        raise InputError(
+            f"both {Option('weights')} and {Option('radii')} are given: give one of them"
+        )
     if weights is None and radii is None:
         raise InputError(
-            "neither weights nor radii are given: give one of them, or use delaunay, which needs "
-            "none"
+            f"neither {Option('weights')} nor {Option('radii')} are given: give one of them, or "
+            "use delaunay, which needs none"
         )
     return ("weights", weights) if radii is None else ("radii", radii)
 
@@ -198,21 +203,22 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
         return cloud.attributes[name]
     there = ", ".join(repr(each) for each in list(cloud.attributes)[:8])
     remedy = f"there are {there}" if there else "they have none; give an array"
-    raise InputError(
-        f"{kind} are {shown(name)}, and the points have no values of that name: {remedy}"
-    )
+    raise InputError(f"{Option(kind, name)}, and the points have no values of that name: {remedy}")
 
 
 def as_metric(metric: ArrayLike) -> Floats:
     """Validate the option ``metric``."""
     matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
-    shown = matrix.tolist()
+    flaw = ""
     if not np.isfinite(matrix).all():
-        raise InputError(f"metric {shown} is not finite: {METRIC_REMEDY}")
-    if matrix[0, 1] != matrix[1, 0]:
-        raise InputError(f"metric {shown} is not symmetric: {METRIC_REMEDY}")
-    if not is_positive_definite(matrix):
-        raise InputError(f"metric {shown} is not positive definite: {METRIC_REMEDY}")
+        flaw = "finite"
+    elif matrix[0, 1] != matrix[1, 0]:
+        flaw = "symmetric"
+    elif not is_positive_definite(matrix):
+        flaw = "positive definite"
+    if flaw:
+        reason = f"which is not {flaw}: {METRIC_REMEDY}"
+        raise refused("metric", matrix.tolist(), reason, mark=", ")
     return matrix
 
 

@@ -20,8 +20,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Apex, Floats, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
 from liftmesh.base.frozen import FrozenResult, check_numbers
-from liftmesh.base.options import shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import refused
 from liftmesh.planar.points import as_complex, rows_of
 
 if TYPE_CHECKING:
@@ -116,11 +115,11 @@ def given_apex(apex: Apex) -> tuple[float, float] | None:
     if isinstance(apex, str):
         if apex in ("median", "origin"):
             return None
-        raise InputError(f"apex is {shown(apex)}: give 'median', 'origin' or a point (x, y)")
+        raise refused("apex", apex, "give 'median', 'origin' or a point (x, y)")
     with np.errstate(all="ignore"):
-        pair = as_numbers("apex is", apex, "give 'median', 'origin' or a point (x, y)")
+        pair = as_numbers("apex", apex, "give 'median', 'origin' or a point (x, y)")
     if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise InputError(f"apex is {shown(apex)}: give 'median', 'origin' or a finite point (x, y)")
+        raise refused("apex", apex, "give 'median', 'origin' or a finite point (x, y)")
     return float(pair[0]), float(pair[1])
 
 

@@ -12,8 +12,8 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_decimal, as_numbers, as_reals
-from liftmesh.base.options import as_thousands, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import as_thousands, refused
+from liftmesh.errors import InputError, Option
 
 Transform: TypeAlias = tuple[float, float, float, float, float, float]
 
@@ -39,10 +39,11 @@ def layout_of(
 ) -> Layout:
     """Decide where the pixels of a raster are."""
     if (resolution is None) == (transform is None) or (transform is None) != (shape is None):
-        raise InputError("give either the resolution, or transform and shape")
+        raise InputError(f"give either {Option('resolution')}, or transform and shape")
     if transform is not None and bounds is not None:
         raise InputError(
-            "bounds go with a resolution: transform and shape say where the pixels are"
+            f"{Option('bounds')} go with {Option('resolution')}: transform and shape say where the "
+            "pixels are"
         )
     if resolution is None:
         return _checked(_numbers("transform", _without_last_row(transform), 6), *_whole(shape))
@@ -54,7 +55,7 @@ def steps_of(resolution: object) -> tuple[float, ...]:
     """Convert a resolution to the width and height of a pixel."""
     steps = _steps(resolution)
     if not all(step > 0 for step in steps):
-        raise InputError(f"resolution is {shown(resolution)}: give a positive number, or two")
+        raise refused("resolution", resolution, "give a positive number, or two")
     return steps
 
 
@@ -62,7 +63,7 @@ def bounds_of(bounds: object, name: str = "bounds") -> tuple[float, float, float
     """Convert bounds to numbers."""
     left, low, right, high = _numbers(name, bounds, 4)
     if not (left < right and low < high):
-        raise InputError(f"{name} are {shown(bounds)}: give xmin, ymin, xmax, ymax")
+        raise refused(name, bounds, "give xmin, ymin, xmax, ymax", verb="are")
     return left, low, right, high
 
 
@@ -100,15 +101,15 @@ def _checked(transform: Sequence[float], rows: int, columns: int) -> Layout:
     a, b, c, d, e, f = transform
     exact_a, exact_b, exact_d, exact_e = map(Fraction, (a, b, d, e))
     if exact_a * exact_e == exact_b * exact_d:
-        raise InputError(f"transform is {shown(transform)}: its pixels have no area")
+        raise refused("transform", transform, "its pixels have no area")
     return Layout((a, b, c, d, e, f), rows, columns)
 
 
 def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
     """Convert an option to so many finite numbers."""
-    numbers = as_numbers(f"{name} is", values, f"give {count} numbers")
+    numbers = as_numbers(name, values, f"give {count} numbers")
     if numbers.shape != (count,) or not np.isfinite(numbers).all():
-        raise InputError(f"{name} is {shown(values)}: give {count} finite numbers")
+        raise refused(name, values, f"give {count} finite numbers")
     return tuple(numbers.tolist())
 
 
@@ -121,7 +122,7 @@ def _without_last_row(transform: Any) -> Any:
 def _whole(shape: Any) -> tuple[int, int]:
     rows, columns = _numbers("shape", shape, 2)
     if rows != int(rows) or columns != int(columns):
-        raise InputError(f"shape is {shown(shape)}: give rows and columns")
+        raise refused("shape", shape, "give rows and columns")
     return int(rows), int(columns)
 
 

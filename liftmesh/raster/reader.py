@@ -31,10 +31,10 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.cloud import Cloud, is_crs
-from liftmesh.base.options import as_count, shown
+from liftmesh.base.options import as_count, refused
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION, CloudBuilder
 from liftmesh.io.metadata import noted
 from liftmesh.io.options import Missing, Outliers, as_missing, check_expanded, limit_of
@@ -75,9 +75,11 @@ def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterO
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
     if marks is not None and numbers != marks:
-        raise InputError(
-            f"nodata is {shown(nodata)}: give the number that stands for a missing value in the "
-            "raster, or 'none' if there is none"
+        raise refused(
+            "nodata",
+            nodata,
+            "give the number that stands for a missing value in the raster, or 'none' if there is "
+            "none",
         )
     return RasterOptions(as_count("band", band, 1), numbers)
 

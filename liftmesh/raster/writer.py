@@ -20,7 +20,7 @@ from zlib import crc32
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused, shown
 from liftmesh.crs.description import without_files
 from liftmesh.crs.geokeys import ALONE
 from liftmesh.errors import InputError
@@ -95,7 +95,7 @@ def validate_geotiff_options(crs: str | None, compress: str | None) -> Any:
     """Check what a file is asked to have, before there are values."""
     if compress not in _COMPRESSIONS:
         known = ", ".join(map(repr, _COMPRESSIONS))
-        raise InputError(f"compress is {shown(compress)}: give one of {known}")
+        raise refused("compress", compress, f"give one of {known}")
     if crs is None:
         return None
     rasterio = load("rasterio", extra="terrain")

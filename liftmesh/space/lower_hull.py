@@ -14,7 +14,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Rows
 from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
 from liftmesh.base.options import Algorithm, HullAlgorithm, check_option
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.lifting import Counters, LowerHull
 from liftmesh.planar.points import rows_of
 
@@ -95,8 +95,8 @@ def _check_algorithm(algorithm: str) -> None:
     known = get_args(HullAlgorithm)
     if isinstance(algorithm, str) and algorithm in get_args(Algorithm) and algorithm not in known:
         raise InputError(
-            f"algorithm {algorithm!r} is for planar points only, which it lifts itself: use "
-            f"liftmesh.delaunay(points, algorithm={algorithm!r}), or one of "
+            f"{Option('algorithm')} {algorithm!r} is for planar points only, which it lifts "
+            f"itself: use liftmesh.delaunay(points, algorithm={algorithm!r}), or one of "
             f"{', '.join(map(repr, known))} here"
         )
     check_option("algorithm", algorithm, HullAlgorithm)

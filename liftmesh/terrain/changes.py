@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite
 from liftmesh.base.colors import judged, with_depth
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
@@ -147,7 +147,7 @@ def _is_canonical(triangulation: Triangulation) -> bool:
     """Whether the triangles are right, and the same rows hidden as before."""
     certificate = triangulation.verify()
     hidden = triangulation.hidden if isinstance(triangulation, RegularTriangulation) else ()
-    return certificate.canonical and certificate.hidden == len(hidden)
+    return certificate.canonical and certificate.n_hidden == len(hidden)
 
 
 def _from_least(hull: Rows, planar: Floats) -> Rows:
@@ -202,5 +202,5 @@ def _array(name: str, values: Any) -> Array:
     except ValueError as error:
         raise InputError(f"{name} cannot be converted to an array: {error}") from error
     if array.ndim == 0:
-        raise InputError(f"{name} is {shown(values)}: give an array with one row per point")
+        raise refused(name, values, "give an array with one row per point")
     return array

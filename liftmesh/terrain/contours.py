@@ -19,10 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_decimal, as_number, as_reals
+from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_thousands, as_threads, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
+from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
@@ -260,7 +260,7 @@ def wanted_levels(
 ) -> tuple[Floats, Array]:
     """Decide which levels have lines, and which of these are index contours."""
     if (levels is None) == (interval is None):
-        raise InputError("give either levels or an interval")
+        raise InputError(f"give either {Option('levels')} or {Option('interval')}")
     if interval is None:
         wanted = _levels("levels", levels)
         return wanted, np.zeros(len(wanted), dtype=np.bool_)
@@ -273,9 +273,9 @@ def _levels(name: str, values: Any) -> Floats:
     try:
         heights = np.unique(as_reals(values))
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} cannot be read as numbers: {shown(values)}") from error
+        raise InputError(f"{Option(name)} cannot be read as numbers: {shown(values)}") from error
     if heights.ndim != 1 or not np.isfinite(heights).all():
-        raise InputError(f"{name} are {shown(values)}: give finite heights")
+        raise refused(name, values, "give finite heights", verb="are")
     return heights
 
 
@@ -290,14 +290,12 @@ def _multiples(
         _decimal(*each) for each in (("interval", interval), ("contour_base", contour_base))
     )
     if step <= 0:
-        raise InputError(f"interval is {shown(interval)}: give a positive height")
+        raise refused("interval", interval, "give a positive height")
     low, high = heights()
     first, last = math.floor((low - start) / step), math.ceil((high - start) / step)
     if last - first > _MOST_LEVELS:
-        raise InputError(
-            f"interval is {shown(interval)}, which makes {as_thousands(last - first)} levels: give "
-            "a larger one"
-        )
+        reason = f"which makes {as_thousands(last - first)} levels: give a larger one"
+        raise refused("interval", interval, reason, mark=", ")
     numbers = range(first, last + 1)
     levels = np.array([float(start + step * number) for number in numbers])
     return levels, np.array([number % index_every == 0 for number in numbers])
@@ -318,4 +316,4 @@ def _decimal(name: str, value: Any) -> Fraction:
     try:
         return as_decimal(value)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"{name} is {shown(value)}: give a finite height") from error
+        raise refused(name, value, "give a finite height") from error

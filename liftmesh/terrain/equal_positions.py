@@ -15,7 +15,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.base.options import OnDuplicate, check_option
-from liftmesh.errors import DuplicateHeightError
+from liftmesh.errors import DuplicateHeightError, Option
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -71,8 +71,9 @@ def _refuse_overhangs(
     low, high = (kept, row) if names is None else names[[kept, row]].tolist()
     raise DuplicateHeightError(
         f"rows {low} and {high} share the planar position ({x!r}, {y!r}) at the heights "
-        f"{float(heights[kept])!r} and {float(heights[row])!r}: give on_duplicate='first', 'last', "
-        "'lowest', 'highest' or 'mean' to choose the vertex",
+        f"{float(heights[kept])!r} and {float(heights[row])!r}: give "
+        f"{Option('on_duplicate', 'first')}, 'last', 'lowest', 'highest' or 'mean' to choose the "
+        "vertex",
         rows=(low, high),
     )
 

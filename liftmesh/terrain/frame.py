@@ -25,8 +25,8 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, as_reals, read_only
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import counted, shown
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.base.options import counted, refused
+from liftmesh.errors import DegenerateInputError, InputError, Option
 
 _ROWS = 1 << 14  # rows projected at a time: intermediate results fit in the cache
 # The planar coordinates of named planes are two columns, as they are.
@@ -178,7 +178,7 @@ class Frame(FrozenResult):
         points = _rows(points)
         for heights in (old, new):
             if not isinstance(heights, np.ndarray) or heights.dtype.kind not in "iuf":
-                raise InputError(f"heights are {shown(heights)}: give arrays of numbers")
+                raise refused("heights", heights, "give arrays of numbers", verb="are")
             if heights.shape != (len(points),):
                 raise InputError(
                     f"heights have the shape {heights.shape} for {counted(len(points), 'row')}: "
@@ -227,7 +227,7 @@ def _named(plane: str, points: Floats) -> Frame:
     if plane == "fit":
         normal, centroid = _fit(points)
         return _around("fit", normal, centroid)
-    raise InputError(f"plane {plane!r} is unknown: {_REMEDY}")
+    raise InputError(f"{Option('plane')} {plane!r} is unknown: {_REMEDY}")
 
 
 def _numbers(plane: ArrayLike) -> Floats:
@@ -236,12 +236,15 @@ def _numbers(plane: ArrayLike) -> Floats:
         with np.errstate(all="ignore"):
             values = as_reals(plane)
     except (TypeError, ValueError, OverflowError) as error:
-        raise InputError(f"plane cannot be read as numbers ({error}): {_REMEDY}") from error
+        raise InputError(
+            f"{Option('plane')} cannot be read as numbers ({error}): {_REMEDY}"
+        ) from error
     if values.shape not in ((3,), (4,), (2, 3), (4, 4)):
-        raise InputError(f"plane has the shape {values.shape}: {_REMEDY}")
+        raise InputError(f"{Option('plane')} has the shape {values.shape}: {_REMEDY}")
     if not np.isfinite(values).all():
         raise InputError(
-            f"plane holds values that are not finite as float64, {values.tolist()}: {_REMEDY}"
+            f"{Option('plane')} holds values that are not finite as float64, {values.tolist()}: "
+            f"{_REMEDY}"
         )
     return values
 
@@ -284,7 +287,7 @@ def _from_equation(equation: Floats, centre: Floats) -> Frame:
         foot = -(equation[3] / equation[largest]) * normal[largest] * normal
         middle = centre - (normal * (centre - foot)).sum() * normal
     if not np.isfinite(foot).all():
-        raise InputError(f"plane {equation.tolist()} overflows: {_REMEDY}")
+        raise InputError(f"{Option('plane')} {equation.tolist()} overflows: {_REMEDY}")
     return _around("normal", normal, middle, through=foot)
 
 
@@ -320,7 +323,7 @@ def _fit(points: Floats) -> tuple[Floats, Floats]:
     if spread[1] <= len(rows) * np.finfo(np.float64).eps * spread[0]:
         raise DegenerateInputError(
             "a plane cannot be fitted: all finite rows are equal or on one line; "
-            "give plane='xy', a normal or a matrix"
+            f"give {Option('plane', 'xy')}, a normal or a matrix"
         )
     return _upward(directions[2]), np.ldexp(base + shift, exponent)
 

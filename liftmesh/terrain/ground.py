@@ -25,10 +25,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import GroundAlgorithm, as_count, check_option
+from liftmesh.base.options import GroundAlgorithm, as_count, as_positive, check_option, refused
 from liftmesh.crs.description import parse_crs
-from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError
+from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
@@ -117,7 +116,7 @@ def classify_ground(
     as_positive("cloth_resolution", cloth_resolution, "a positive number of metres")
     as_positive("cloth_threshold", cloth_threshold, "a positive number of metres")
     if as_count("cloth_rigidness", cloth_rigidness, 1) > 3:
-        raise InputError(f"cloth_rigidness is {cloth_rigidness}: give 1, 2 or 3")
+        raise refused("cloth_rigidness", cloth_rigidness, "give 1, 2 or 3")
     source = read_cloud(cloud)
     metres, is_known, is_known_of_z = _metres(source)
     rows = np.flatnonzero(_is_for_cloth(source))
@@ -150,7 +149,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     if system.kind in {"geographic", "geocentric"}:
         raise InputError(
             f"the coordinates are {system.kind} ({system.name}), but the ground is found in "
-            "metres: transform them with dst_crs="
+            f"metres: transform them with {Option('dst_crs', ...)}"
         )
     x, y, z = ((each and each.metres) for each in system.units)
     plane = x or 1.0
@@ -175,7 +174,7 @@ def _check_size(points: Floats, resolution: float) -> None:
         raise InputError(
             f"the rows are in a box of {width:,.0f} by {height:,.0f} m, for which the cloth has "
             f"{nodes:.2g} nodes: remove rows that are far away, or give a larger "
-            "cloth_resolution= to classify_ground"
+            f"{Option('cloth_resolution', ...)}"
         )
 
 
@@ -247,8 +246,8 @@ def bare_warning(counts: Mapping[str, Any]) -> str:
     size = _NODES_OF_CELL * counts["cloth_resolution"]
     return (
         f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
-        "it, if they are no roofs: give a smaller cloth_resolution= to classify_ground, or "
-        "cloth_rigidness=1"
+        f"it, if they are no roofs: give a smaller {Option('cloth_resolution', ...)}, or "
+        f"{Option('cloth_rigidness', 1)}"
     )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Mask, Rows
 from liftmesh.base.options import Algorithm
-from liftmesh.errors import DataWarning, InputError
+from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import LIFTED, Provenance
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
@@ -92,7 +92,9 @@ def lifting_of(
     if metric is not None:
         raise InputError(f"both {kind} and a metric are given: give one of them")
     if algorithm not in _DIVIDING:
-        raise InputError(f"algorithm {algorithm!r} takes no {kind}: leave one of the two out")
+        raise InputError(
+            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
+        )
     _check_hidden(cloud, kind)
     if isinstance(given, str):
         values = as_weights(kind, named_values(cloud, kind, given), len(cloud))

@@ -25,10 +25,9 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number
-from liftmesh.base.options import as_switch
+from liftmesh.base.options import as_number, as_switch
 from liftmesh.crs.comparison import are_different
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import check_grounds
 from liftmesh.optional import load
@@ -260,8 +259,8 @@ def _check(surface: SurfaceData, other: SurfaceData) -> None:
         raise InputError("the surfaces are over different planes: give both the same")
     if are_different(surface.crs, other.crs):
         raise InputError(
-            "the surfaces have different coordinate systems: read one with dst_crs= that of the "
-            "other, or replace(crs=None) if they are the same"
+            "the surfaces have different coordinate systems: read both with the "
+            f"same {Option('dst_crs', ...)}, or the same {Option('src_crs', ...)} if they are in it"
         )
     files = ("the file of this surface", surface), ("the file of the other surface", other)
     check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
@@ -352,14 +351,15 @@ def _in_each(
     for region in regions_in(plane_system(surface), within, by):
         if region.name in seen:
             raise InputError(
-                f"two polygons have the name {region.name!r}: give each its own, or by= a property "
-                "that differs"
+                f"two polygons have the name {region.name!r}: give each its own, or "
+                f"{Option('by', ...)} a property that differs"
             )
         seen.add(region.name)
         try:
             yield region.name, measure(region.polygons)
         except InputError as error:
-            raise InputError(f"polygon {region.name!r}: {error}") from error
+            error.within(f"polygon {region.name!r}")
+            raise
 
 
 def _level_within(surface: SurfaceData, level: float, polygons: list[Polygon]) -> Measured:

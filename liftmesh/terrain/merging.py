@@ -16,12 +16,12 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, kept_depth, with_alpha
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused, shown
 from liftmesh.crs.comparison import are_different, is_same
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.transformation import common_transformation
 from liftmesh.crs.units import band_unit
-from liftmesh.errors import DataWarning, InputError
+from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import TRANSFORMATION, Label, Provenance, Unread, user_entries
 from liftmesh.io.read import check_grounds, read_cloud
 from liftmesh.terrain.overlap import distances_of, overlap_of
@@ -137,7 +137,7 @@ def _listed(clouds: object) -> Iterable[Any]:
     try:
         return [] if is_one else iter(clouds)  # type: ignore[call-overload]
     except TypeError:
-        raise InputError(f"clouds is {shown(clouds)}: give a list of clouds or paths") from None
+        raise refused("clouds", clouds, "give a list of clouds or paths") from None
 
 
 def _name(cloud: Cloud, number: int) -> str:
@@ -169,11 +169,11 @@ def _common_system(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
             raise InputError(
                 f"{first} and {name} have coordinate systems that are the same in the plane, but "
                 f"only {first if _states_heights(crs) else name} states what heights are: say it "
-                "of the other with src_crs=, such as EPSG:7415"
+                f"of the other with {Option('src_crs', ...)}, such as EPSG:7415"
             )
         raise InputError(
             f"{first} and {name} have different coordinate systems, {_titled(crs)} and "
-            f"{_titled(other)}: give dst_crs=, which transforms both"
+            f"{_titled(other)}: give {Option('dst_crs', ...)}, which transforms both"
         )
     return crs
 
@@ -185,7 +185,8 @@ def _note_distances(merged: list[dict[str, Any]], distances: Sequence[float]) ->
             each["distance"] = distance
             message = (
                 f"{each['source']} is {distance:.4g} away from {merged[0]['source']}, and neither "
-                "states a coordinate system: they may be in different ones; say which with src_crs="
+                "states a coordinate system: they may be in different ones; say which with "
+                f"{Option('src_crs', ...)}"
             )
             warnings.warn(message, DataWarning, stacklevel=3)
 
@@ -309,8 +310,8 @@ def _common_unit(parts: Sequence[Cloud], names: Sequence[str]) -> str | None:
         if unit != first:
             raise InputError(
                 f"the band of {name} says that heights are in {shown(unit.name)}, that of {before} "
-                f"in {shown(first.name)}: convert one, or read both with dst_crs= of a system that "
-                "names a unit"
+                f"in {shown(first.name)}: convert one, or read both with {Option('dst_crs', ...)} "
+                "of a system that names a unit"
             )
     if stated and len(stated) < len(parts):
         unit, name = stated[0]

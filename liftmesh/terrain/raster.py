@@ -17,8 +17,14 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.options import Interpolation, RasterQuantity, as_threads, check_option, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import (
+    Interpolation,
+    RasterQuantity,
+    as_threads,
+    check_option,
+    refused,
+)
+from liftmesh.errors import InputError, Option
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.sampling import aspect_degrees, heights_at, slope_degrees
@@ -145,7 +151,8 @@ class Wanted:
             is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
         if is_beyond:
             raise InputError(
-                f"the height {farthest} is beyond {self.kind.name}: give dtype='float64'"
+                f"the height {farthest} is beyond {self.kind.name}: give "
+                f"{Option('dtype', 'float64')}"
             )
 
     def of_gradients(self, gradients: Floats) -> Floats:
@@ -161,7 +168,9 @@ class Wanted:
 def check_interpolation(quantity: RasterQuantity, interpolation: Interpolation) -> None:
     """Raise unless a quantity has an interpolation."""
     if quantity != "height" and interpolation != "linear":
-        raise InputError(f"{quantity} is that of faces: leave out interpolation={interpolation!r}")
+        raise InputError(
+            f"{quantity} is that of faces: leave out {Option('interpolation', interpolation)}"
+        )
 
 
 def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
@@ -170,7 +179,7 @@ def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
     except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
         kind = np.dtype(np.void)
     if kind not in _TYPES:
-        raise InputError(f"dtype is {shown(dtype)}: give 'float64' or 'float32'")
+        raise refused("dtype", dtype, "give 'float64' or 'float32'")
     return kind
 
 
@@ -179,11 +188,9 @@ def _light_of(light: tuple[float, float]) -> Floats:
     try:
         azimuth, altitude = (math.radians(float(each)) for each in light)
     except (TypeError, ValueError) as error:
-        raise InputError(
-            f"light is {shown(light)}: give azimuth and altitude, in degrees"
-        ) from error
+        raise refused("light", light, "give azimuth and altitude, in degrees") from error
     if not (math.isfinite(azimuth) and 0 <= altitude <= math.pi / 2):
-        raise InputError(f"light is {shown(light)}: give an altitude from 0 to 90 degrees")
+        raise refused("light", light, "give an altitude from 0 to 90 degrees")
     level = math.cos(altitude)
     return np.array([math.sin(azimuth) * level, math.cos(azimuth) * level, math.sin(altitude)])
 

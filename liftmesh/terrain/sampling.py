@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_pairs
 from liftmesh.base.options import Interpolation, as_threads, check_option
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 from liftmesh.terrain.units import steepness
 
@@ -30,8 +30,8 @@ def heights_at(
     solved = surface.triangulation
     if interpolation != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
         raise InputError(
-            f"interpolation {interpolation!r} needs a Delaunay triangulation, and the surface has "
-            "weights, radii or a metric: give interpolation='linear'"
+            f"{Option('interpolation')} {interpolation!r} needs a Delaunay triangulation, and the "
+            f"surface has weights, radii or a metric: give {Option('interpolation', 'linear')}"
         )
     pairs = as_pairs(points)
     heights = np.empty(pairs.shape[:-1])

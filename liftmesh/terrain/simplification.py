@@ -29,7 +29,6 @@ far from the surface as permitted.
 from __future__ import annotations
 
 import math
-import sys
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -41,8 +40,16 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.options import NonFinite, OnDuplicate, as_count, as_switch, check_progress, shown
-from liftmesh.errors import InputError
+from liftmesh.base.options import (
+    NonFinite,
+    OnDuplicate,
+    as_count,
+    as_distance,
+    as_switch,
+    check_progress,
+    refused,
+)
+from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
@@ -176,14 +183,13 @@ def simplify(  # noqa: PLR0913 - options are keywords
 
 def _limits(max_error: object, max_points: object) -> tuple[float, int]:
     if max_error is None and max_points is None:
-        raise InputError("neither max_error nor max_points is given: give one of them, or both")
+        raise InputError(
+            f"neither {Option('max_error')} nor {Option('max_points')} is given: give one of them, "
+            "or both"
+        )
     bound = 0.0
     if max_error is not None:
-        is_number = isinstance(max_error, int | float | np.number)
-        if not is_number or isinstance(max_error, bool) or not 0 <= max_error <= sys.float_info.max:  # type: ignore[operator]
-            message = f"max_error is {shown(max_error)}: give a distance, in the units of heights"
-            raise InputError(message)
-        bound = float(max_error)  # type: ignore[arg-type]
+        bound = as_distance("max_error", max_error, "a distance, in the units of heights")
     most = 0 if max_points is None else as_count("max_points", max_points, 3)
     return bound, min(most, _kernel.MOST_ROWS)
 
@@ -242,7 +248,8 @@ def _scaled(progress: Progress | None) -> Any:
 
 def _check_count(corners: int, most: int) -> None:
     if most and corners > most:
-        raise InputError(f"max_points is {most}, and the hull has {corners} corners: give more")
+        reason = f"and the hull has {corners} corners: give more"
+        raise refused("max_points", most, reason, mark=", ")
 
 
 def _surface(whole: Surface, kept: Rows, start: float) -> Surface:

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number, as_positive, used_rows
+from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import Pinched, check_option
-from liftmesh.errors import InputError
+from liftmesh.base.options import Pinched, as_number, as_positive, check_option
+from liftmesh.errors import InputError, Option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.trimming import boundary, mask_of, masked
 from liftmesh.terrain.units import slope_scale
@@ -41,7 +41,9 @@ def closed_solid(
     depth = _depth(base_height, thickness)
     scale = None if longest is None else as_positive("longest", longest, "a positive length")
     if scale is None and z_factor is not None:
-        raise InputError("z_factor goes with longest: without it, no height changes")
+        raise InputError(
+            f"{Option('z_factor')} goes with {Option('longest')}: without it, no height changes"
+        )
     surface = _unpinched(surface, pinched)
     top = used_rows(len(surface.vertices), surface.faces)
     heights = surface.frame.heights(surface.vertices[top])
@@ -154,7 +156,7 @@ def _wall(above: Array, below: Array) -> Array:
 def _depth(base_height: Any, thickness: Any) -> float:
     """Return the height of the base, or how much lower it is."""
     if (base_height is None) == (thickness is None):
-        raise InputError("give either base_height or thickness")
+        raise InputError(f"give either {Option('base_height')} or {Option('thickness')}")
     if thickness is None:
         return as_number("base_height", base_height, "a finite height")
     return as_positive("thickness", thickness, "a positive length")
@@ -168,7 +170,7 @@ def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:
             others = f", and at {len(rows) - 1:,} more" if len(rows) > 1 else ""
             raise InputError(
                 f"faces touch in a vertex only at row {rows[0]}, {place}{others}, where no solid "
-                "can be closed: give pinched='trim' to leave out the faces there"
+                f"can be closed: give {Option('pinched', 'trim')} to leave out the faces there"
             )
         flags = np.zeros(surface.triangulation.npoints, dtype=np.bool_)
         flags[rows] = True

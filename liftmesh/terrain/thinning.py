@@ -25,9 +25,9 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_positive, check_finite, starts_of_runs
-from liftmesh.base.options import CellRow, as_count, check_option
-from liftmesh.errors import InputError
+from liftmesh.base.arrays import check_finite, starts_of_runs
+from liftmesh.base.options import CellRow, as_count, as_positive, check_option, refused
+from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.surface_data import positions_of
@@ -108,7 +108,7 @@ def thin(
     way, value = _one_of(given)
     for name, owner, option in (("seed", "random", seed), ("keep", "cell", keep)):
         if option is not None and owner != way:
-            raise InputError(f"{name} is of {owner} only: give both, or neither")
+            raise InputError(f"{Option(name)} is of {Option(owner)} only: give both, or neither")
     seed = 0 if seed is None else as_count("seed", seed, 0)
     keep = "lowest" if keep is None else keep
     check_option("keep", keep, CellRow)
@@ -134,10 +134,9 @@ def thin(
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     ways = {key: value for key, value in given.items() if value is not None}
     if len(ways) != 1:
-        several = " and ".join(ways) or "none"
-        raise InputError(
-            f"{several} of every, random, cell, min_distance and adaptive are given: give one"
-        )
+        several = " and ".join(f"{Option(key)}" for key in ways) or "none"
+        *most, last = (f"{Option(key)}" for key in given)
+        raise InputError(f"{several} of {', '.join(most)} and {last} are given: give one")
     return next(iter(ways.items()))
 
 
@@ -149,9 +148,7 @@ def _most_significant(cloud: Cloud, wanted: int) -> Rows:
     heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
     rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
     if len(rows) > wanted:
-        raise InputError(
-            f"adaptive is {wanted}: the hull alone has {len(rows)} corners, which stay"
-        )
+        raise refused("adaptive", wanted, f"the hull alone has {len(rows)} corners, which stay")
     return np.sort(used[rows])
 
 
@@ -177,7 +174,7 @@ def _of_cells(points: Floats, size: float, keep: CellRow) -> Array:
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
     finite = points[rows].astype(np.float64, copy=False)
-    cells = _cells(finite, size, f"cell is {size:g}")
+    cells = _cells(finite, size, "cell", size)
     if keep == "center":
         rank = np.square(finite[:, :2] - (cells + 0.5) * size).sum(axis=1)
     else:
@@ -192,7 +189,7 @@ def _apart(points: Floats, distance: float) -> Array:
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
     plane = points[rows, :2].astype(np.float64) + 0.0  # -0.0 becomes 0.0
-    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), f"min_distance is {distance:g}")
+    cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), "min_distance", distance)
     grid = _Grid(cells)
     bits = plane.view(np.uint64)
     order = _mixed(bits[:, 0] ^ _mixed(bits[:, 1], 1), 0)
@@ -200,13 +197,14 @@ def _apart(points: Floats, distance: float) -> Array:
     return np.sort(np.concatenate([rows[kept], np.flatnonzero(~is_finite)]))
 
 
-def _cells(points: Floats, size: float, asked: str) -> Array:
-    """Return the cells of points, two whole numbers each; say what was asked if there are none."""
+def _cells(points: Floats, size: float, option: str, value: float) -> Array:
+    """Return the cells of points, two whole numbers each; refuse an option by which are none."""
     with np.errstate(over="ignore"):
         cells = np.floor(points[:, :2] / size)
     if len(cells) and not np.abs(cells).max() <= _MOST_CELLS:
         row = int(np.abs(cells).max(axis=1).argmax())
-        raise InputError(f"{asked}, too small for coordinates such as {points[row, :2].tolist()}")
+        reason = f"too small for coordinates such as {points[row, :2].tolist()}"
+        raise refused(option, value, reason, mark=", ")
     return cells.astype(np.int64)
 
 

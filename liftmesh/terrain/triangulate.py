@@ -21,7 +21,7 @@ from liftmesh.base.arrays import check_finite, non_finite, of_one_array
 from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
-from liftmesh.errors import DataWarning, InputError, NonFiniteError
+from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
 from liftmesh.terrain.changes import with_parts
@@ -234,7 +234,8 @@ def check_system(
     if system is not None and system.kind == "geocentric" and isinstance(plane, str | None):
         raise InputError(
             f"the coordinates are geocentric ({system.name}), and x, y is no plane on the ground: "
-            "read the file with dst_crs= a projected system, or give the normal of a plane"
+            f"read the file with {Option('dst_crs', ...)} a projected system, or give the normal "
+            "of a plane"
         )
     for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)

@@ -14,9 +14,8 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_number
-from liftmesh.base.options import as_switch
-from liftmesh.errors import InputError
+from liftmesh.base.options import as_number, as_switch
+from liftmesh.errors import InputError, Option
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners
 from liftmesh.vector.polygons import contains, polygons_in
 
@@ -34,9 +33,11 @@ def trim(
     corners = surface.triangulation.points[surface.triangulation.simplices]
     inwards = as_switch("boundary_only", boundary_only)
     if max_edge is None and max_radius is None and polygon is None:
-        raise InputError("nothing is asked for: give max_edge, max_radius or a polygon")
+        raise InputError(
+            f"nothing is asked for: give {Option('max_edge')}, {Option('max_radius')} or a polygon"
+        )
     if inwards and max_edge is None:
-        raise InputError("boundary_only needs max_edge")
+        raise InputError(f"{Option('boundary_only')} needs {Option('max_edge')}")
     if max_radius is not None:
         left_out |= _radii(corners) > _length("max_radius", max_radius)
     if polygon is not None:

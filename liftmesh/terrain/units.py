@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Protocol
 
-from liftmesh.base.arrays import as_positive
+from liftmesh.base.options import as_positive
 from liftmesh.crs.units import Placed, band_unit, system_of
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 
 if TYPE_CHECKING:
     from liftmesh.terrain.frame import Frame
@@ -72,6 +72,7 @@ def steepness(surface: OverPlane, z_factor: float | None) -> tuple[float, float]
     if z_factor is None and any(each is not None and each.metres is None for each in units):
         raise InputError(
             "x and y are degrees, which are no lengths, so slopes and aspects are wrong: read the "
-            "points with dst_crs= a projected system, or give z_factor="
+            f"points with {Option('dst_crs', ...)} a projected system, or give "
+            f"{Option('z_factor', ...)}"
         )
     return slope_scale(surface, z_factor)

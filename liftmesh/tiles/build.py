@@ -2,8 +2,8 @@
 
 One run scans, plans, partitions, triangulates and merges, and publishes. The scratch folder says
 what the run is of (``job.json``): the hashes of all chunks of the source, and the options that its
-files depend on. A run of something else does not touch them. What the files of tasks depend on besides,
-the plan and the program, is in the hash of the plan.
+files depend on. A run of something else does not touch them. What the files of tasks depend on
+besides, the plan and the program, is in the hash of the plan.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from liftmesh.base.options import (
     check_progress,
     shown,
 )
-from liftmesh.errors import DegenerateInputError, InputError
+from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.lock import check_apart, clear, locked, release_copies
 from liftmesh.tiles.options import JOB, TILE_ROWS, Groups, Options, RunContext, SurfaceOptions
@@ -435,7 +435,7 @@ class Run:
             if before["chunks"] != identity["chunks"]:
                 raise InputError(
                     f"{self.context.out} holds the triangles of other points: choose another "
-                    "folder, or replace them with resume=False"
+                    f"folder, or replace them with {Option('resume', False)}"
                 )
             if is_intact(TiledData(self.context.out, before)):
                 return True
@@ -443,7 +443,7 @@ class Run:
         if record.exists():
             job = load_record(record, "")
             if wrong_job(job) is not None:
-                raise InputError(f"{record}: damaged: begin anew with resume=False")
+                raise InputError(f"{record}: damaged: begin anew with {Option('resume', False)}")
             self._check_options(job, "a run", identity)
             self._check_chunks(job["chunks"], identity["chunks"])
         save_record(record, "", identity)
@@ -459,7 +459,7 @@ class Run:
             held, asked = kinds if one is None else kinds[::-1]
             raise InputError(
                 f"{self.context.out} holds {held}, not {asked}: choose another folder, or begin "
-                "anew with resume=False"
+                f"anew with {Option('resume', False)}"
             )
         for name in other or {}:
             self._check_same(what, name, (one or {})[name], (other or {})[name])
@@ -468,7 +468,7 @@ class Run:
         if before != now:
             raise InputError(
                 f"{self.context.out} holds {what} with {name} {shown(before)}, not {shown(now)}: "
-                "use the same, or begin anew with resume=False"
+                f"use the same, or begin anew with {Option('resume', False)}"
             )
 
     def _check_chunks(self, before: Sequence[Any], now: Sequence[Any]) -> None:
@@ -476,7 +476,7 @@ class Run:
         if not same:
             raise InputError(
                 f"{self.context.out} holds a run with other points: choose another folder, or "
-                "begin anew with resume=False"
+                f"begin anew with {Option('resume', False)}"
             )
         for number, chunk in enumerate(self.chunks):
             if number not in same:
@@ -485,7 +485,7 @@ class Run:
             rows = sum(chunk.rows for chunk in self.chunks)
             raise InputError(
                 f"the source has lost rows since this triangulation was begun: {rows:,} are left: "
-                "restore them, or begin anew with resume=False"
+                f"restore them, or begin anew with {Option('resume', False)}"
             )
 
 

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from liftmesh.base.interruption import opened
-from liftmesh.errors import DegenerateInputError, FormatError, InputError
+from liftmesh.errors import DegenerateInputError, FormatError, InputError, Option
 from liftmesh.tiles.options import JOB, RunContext
 from liftmesh.tiles.store import MANIFEST, load_json, manifest_of, save_json
 
@@ -234,7 +234,7 @@ def _take_scratch(before: Path, context: RunContext, made: list[Path], *, anew: 
         if not anew:
             raise InputError(
                 f"{context.out} holds a run that works in {before}: give the same scratch folder, "
-                "or begin anew with resume=False"
+                f"or begin anew with {Option('resume', False)}"
             )
         if _out_of(before) == os.path.realpath(context.out):
             _remove(before)

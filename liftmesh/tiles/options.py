@@ -27,7 +27,7 @@ from liftmesh.base.options import (
     as_folder,
     as_switch,
     check_option,
-    shown,
+    refused,
 )
 from liftmesh.errors import InputError
 from liftmesh.tiles.schema import Reading
@@ -107,23 +107,27 @@ class SurfaceOptions:
         """Check the options."""
         check_option("on_duplicate", on_duplicate, OnDuplicate)
         if not isinstance(plane, str) or plane != "xy":
-            raise InputError(
-                f"plane is {shown(plane)}: surfaces in tiles are over x and y; turn the points "
-                "first, or triangulate them in one call"
+            raise refused(
+                "plane",
+                plane,
+                "surfaces in tiles are over x and y; turn the points first, or triangulate them in "
+                "one call",
             )
         for name, reason in _WHOLE.items():
             if name in options:
                 raise InputError(f"{name} is for surfaces in one call: {reason}")
         if crs is not None and not is_crs(crs):
-            raise InputError(f"crs is {shown(crs)}: give WKT or 'EPSG:n' as a string, or None")
+            raise refused("crs", crs, "give WKT or 'EPSG:n' as a string, or None")
         return cls(on_duplicate, Reading(crs, as_json(options)))
 
     def check_shards(self, shards: ShardFormat) -> None:
         """Raise if the triangles of a surface cannot be in a format."""
         if shards != "npy":
-            raise InputError(
-                f"shards is {shown(shards)}: a surface has NPY, with vertices and faces beside the "
-                "triangles; TiledSurface.iter_meshes() gives each shard for a file of any format"
+            raise refused(
+                "shards",
+                shards,
+                "a surface has NPY, with vertices and faces beside the triangles; "
+                "TiledSurface.iter_meshes() gives each shard for a file of any format",
             )
 
     def as_dict(self, schema: Schema) -> dict[str, Any]:
@@ -173,7 +177,7 @@ def _plain(name: str, value: Any) -> Any:
     try:
         return [_plain(name, each) for each in value]
     except TypeError as error:
-        raise InputError(f"{name} is {shown(value)}: give numbers, names or lists") from error
+        raise refused(name, value, "give numbers, names or lists") from error
 
 
 _MOST = 16  # more would hardly save anything: a sixteenth of the rows is 1.5 bytes a point

@@ -20,13 +20,13 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenDict
 from liftmesh.base.options import shown
 from liftmesh.crs.units import band_unit
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 
 POSITION = [("x", "<f8"), ("y", "<f8"), ("z", "<f8")]
 ROW = ("row", "<i8")  # before the position, in what is written for a shard
 _PARTS = ("colors", "normals")
-_DEPTH = "give color_depth= 8 or 16, which decides it for all rows"
+_DEPTH = f"give {Option('color_depth', ...)} 8 or 16, which decides it for all rows"
 _RESERVED = {ROW[0], *(name for name, _ in POSITION), *_PARTS}
 
 
@@ -107,7 +107,8 @@ def naming(source: str) -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise type(error)(f"{source}: {error}") from error
+        error.within(source)
+        raise
 
 
 def records_of_points(points: Array, schema: Schema, source: str) -> Array:
@@ -182,12 +183,13 @@ def check_alike(first: Schema, other: Schema, name: str, before: str) -> None:
     if other.crs != first.crs:
         raise InputError(
             f"{name} is in {shown(other.crs)}, {before} in {shown(first.crs)}: "
-            "give dst_crs= or src_crs="
+            f"give {Option('dst_crs', ...)} or {Option('src_crs', ...)}"
         )
     if other.unit != first.unit:
         raise InputError(
             f"the band of {name} says that heights are in {_unit_of(other)}, that of {before} in "
-            f"{_unit_of(first)}: convert one, or give dst_crs= with a system that names a unit"
+            f"{_unit_of(first)}: convert one, or give {Option('dst_crs', ...)} with a system that "
+            "names a unit"
         )
     if other.names == first.names and other.color_depth != first.color_depth:
         raise InputError(

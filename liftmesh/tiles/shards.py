@@ -18,7 +18,7 @@ import numpy as np
 from liftmesh._typing import Array, Integers
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import ShardFormat
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.formats.ply import read_ply
 from liftmesh.io.formats.ply.writer import write_ply
 from liftmesh.optional import load
@@ -34,7 +34,7 @@ def check_format(shards: ShardFormat, rows: int) -> None:
     if shards == "ply" and rows > _MOST_ROWS:
         raise InputError(
             f"PLY has no 64-bit integers for the numbers of {rows:,} rows, only of "
-            f"{_MOST_ROWS:,}: give shards='npy' or 'parquet'"
+            f"{_MOST_ROWS:,}: give {Option('shards', 'npy')} or 'parquet'"
         )
     if shards == "parquet":
         load("pyarrow.parquet", extra="dask")

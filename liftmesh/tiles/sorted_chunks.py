@@ -17,7 +17,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
-from liftmesh.errors import FormatError, InputError, NonFiniteError
+from liftmesh.errors import FormatError, InputError, NonFiniteError, Option
 from liftmesh.io.read import classes_of
 from liftmesh.tiles.options import group_suffix
 from liftmesh.tiles.plan import Plan, set_apart
@@ -98,7 +98,7 @@ def _non_finite(chunk: SourceChunk, row: int, first: int, records: Array) -> Non
         return error
     within = chunk.origin.row + row
     where = "" if within == first + row else f", its row {within}"
-    return NonFiniteError(f"{chunk.origin.source}{where}: {error}", row=first + row)
+    return error.within(f"{chunk.origin.source}{where}")
 
 
 def partition(
@@ -159,7 +159,7 @@ def changed(chunk: SourceChunk) -> InputError:
     first = chunk.origin.row
     return InputError(
         f"{chunk.origin.source}: rows {first:,} to {first + chunk.rows - 1:,} have changed since "
-        "this triangulation was begun: restore them, or begin anew with resume=False"
+        f"this triangulation was begun: restore them, or begin anew with {Option('resume', False)}"
     )
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Rows
 from liftmesh.base.frozen import FrozenResult, cached_property
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.report import Report
@@ -178,7 +178,8 @@ def neighbor_pairs(tiled: TiledData, shard: int) -> Integers:
     """Read the neighbours of a shard: the shard and the row beyond each edge."""
     if not tiled.manifest["neighbors"]:
         raise InputError(
-            f"{tiled.folder} has no neighbours: tile again with neighbors=True, resume=False"
+            f"{tiled.folder} has no neighbours: tile again with {Option('neighbors', True)}, "
+            f"{Option('resume', False)}"
         )
     name, counts = tiled.shards[shard].name, np.array(_counts(tiled))
     rows = array_of(tiled, neighbors_name(name), np.int32, counts[shard], 3)

@@ -143,14 +143,14 @@ def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> C
         text = f"vertices - edges + triangles is {vertices - edges + triangles}, not 1"
         flaws = (Flaw("euler", 1, text), *flaws)
     return Certificate(
-        rows=tiled.npoints,
-        skipped=skipped,
-        vertices=vertices,
-        duplicates=proof.duplicates,
-        merged=0,
-        triangles=triangles,
-        edges=edges,
-        hull_edges=proof.hull_edges,
+        n_rows=tiled.npoints,
+        n_skipped=skipped,
+        n_vertices=vertices,
+        n_duplicates=proof.duplicates,
+        n_merged=0,
+        n_triangles=triangles,
+        n_edges=edges,
+        n_hull_edges=proof.hull_edges,
         flaws=flaws,
         points_sha256=digest,
         simplices_sha256=_sha256(tiled),

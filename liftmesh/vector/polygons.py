@@ -22,8 +22,8 @@ from typing import Any, TypeAlias, TypeVar
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices
-from liftmesh.base.options import shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import refused
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import check_system, read_shapes
 from liftmesh.vector.geojson import coordinates_of, planar_corners
@@ -62,7 +62,7 @@ def regions_in(crs: str | None, polygon: object, by: str = _NAME) -> list[Region
     try:
         return as_regions(shapes, by)
     except InputError as error:
-        raise FormatError(f"{path}: {error}") from error
+        raise FormatError(f"{path}: {error.message.marked}") from error
 
 
 def as_polygons(polygon: object) -> list[Polygon]:
@@ -101,13 +101,14 @@ def _check_there(by: str, features: Sequence[Mapping[str, Any]]) -> None:
     if by == _NAME or by in names:
         return
     if not isinstance(by, str):
-        raise InputError(f"by is {shown(by)}: give the name of a property")
+        raise refused("by", by, "give the name of a property")
     rest = f" and {len(names) - _SHOWN} more" if len(names) > _SHOWN else ""
     raise InputError(
         f"no polygon has the property {by!r}, but {', '.join(map(repr, names[:_SHOWN]))}{rest}: "
-        "give by= one of these"
+        f"give {Option('by', ...)} one of these"
         if names
-        else f"no polygon has the property {by!r}, nor any other: by= is for features and tables"
+        else f"no polygon has the property {by!r}, nor any other: {Option('by', ...)} is for "
+        "features and tables"
     )
 
 

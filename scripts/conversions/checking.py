@@ -23,6 +23,7 @@ from conversions.comparing import (
 )
 from conversions.passages import OF_LAS, Passage, chunks
 from conversions.probing import Kept, kept_by
+
 from liftmesh import Cloud, LiftmeshError
 from liftmesh.io.metadata import Provenance
 

@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 import rasterio
-from beside.e57_files import Scan, e57
-from pye57 import libe57
-
 from conversions.objects import to_structured, to_tensor_points
 from conversions.passages import Arrival, Passage, without_others
+from files.e57 import Scan, e57
+from files.geotiff import geotiff
+from pye57 import libe57
+
 from liftmesh import Cloud, InputError, read
 from liftmesh.base.colors import as_uint8, stated_depth
 from liftmesh.io.registry import FORMATS
@@ -95,12 +96,7 @@ def raster(cloud: Cloud, path: Path) -> None:
     heights = np.full(high - low + 1, -9999.0)
     heights[tuple((places - low).astype(int).T)] = z
     transform = rasterio.Affine(1, 0, low[1] - 0.5, 0, 1, low[0] - 0.5)
-    with rasterio.open(
-        path.with_suffix(".tif"), "w", driver="GTiff", count=1, height=heights.shape[0],
-        width=heights.shape[1], dtype="float64", nodata=-9999, transform=transform,
-    ) as file:  # fmt: skip
-        file.write(heights, 1)
-    path.with_suffix(".tif").rename(path)
+    path.write_bytes(geotiff(heights, transform=transform, nodata=-9999))
 
 
 def scan(cloud: Cloud, path: Path) -> None:

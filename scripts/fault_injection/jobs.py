@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Protocol
 
 import numpy as np
-import rasterio
+from files.geotiff import geotiff
 from jobs import BY_TRIMESH, CLOUDS, OLD, Command, commands, make_files
+from rasterio import Affine
 
 import liftmesh
 from liftmesh import Cloud, LiftmeshError
@@ -134,11 +135,7 @@ def _with_a_buffer_file(samples: Path) -> None:
 def _rasters(samples: Path) -> None:
     """Write a raster as GeoTIFF, and as an ASCII grid."""
     heights = np.arange(600.0).reshape(20, 30)
-    with rasterio.open(
-        samples / "mesh.tif", "w", driver="GTiff", count=1, height=20, width=30, dtype="float64",
-        transform=rasterio.Affine(1, 0, 0, 0, -1, 20),
-    ) as file:  # fmt: skip
-        file.write(heights, 1)
+    (samples / "mesh.tif").write_bytes(geotiff(heights, transform=Affine(1, 0, 0, 0, -1, 20)))
     head = "ncols 30\nnrows 20\nxllcorner 0\nyllcorner 0\ncellsize 1\n"
     rows = (" ".join(map(str, row)) for row in heights.tolist())
     (samples / "mesh.agr").write_text(head + "\n".join(rows))

@@ -12,7 +12,7 @@ import io
 from typing import Any
 
 import numpy as np
-from beside import PLACE, stream_of
+from files import PLACE, stream_of
 from numpy.typing import NDArray
 
 from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write

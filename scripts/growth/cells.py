@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import copy
+import io
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
 from distributions import Points, polar
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.functions import EXACT, PLAIN, on_points
 from growth.planar import PLANAR
 from growth.weighted import FEW, weights_of
+
+import liftmesh
 from liftmesh.optional import load
 
 CELLS = ("areas", "centroids", "corner_kinds", "corner_sources", "empty", "neighbors", "not_simple",
@@ -142,6 +143,8 @@ def diagram_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Unclipped.{name}", PLANAR, unclipped, ()
     yield "Cells.to_shapely", PLANAR, on_cells(liftmesh.Cells.to_shapely), ("uniform",)
     yield "Cells.to_geodataframe", PLANAR, on_cells(liftmesh.Cells.to_geodataframe), ()
+    saved = on_cells(lambda c: c.save(io.BytesIO(), format="geojson"))
+    yield "Cells.save", PLANAR, saved, ()
 
 
 FUNCTIONS = tuple(diagram_functions())

@@ -7,6 +7,7 @@ more than three.
 from __future__ import annotations
 
 import copy
+import io
 from collections.abc import Callable, Iterator
 from math import isqrt
 from typing import Any
@@ -143,11 +144,13 @@ def disk_functions() -> Iterator[tuple[Any, ...]]:
     yield "apollonius", DISKS, prepare, tuple(DISKS)
     yield "ApolloniusGraph.cell_sides", DISKS, find_sides, ("disjoint",), FEW
     yield "apollonius_diagram", DISKS, find_cells, ("disjoint", "tiny and far"), FEW
-    for name in (*CELLS, "sides"):
+    for name in CELLS:
         yield f"ApolloniusCells.{name}", DISKS, on_cells(lambda c, n=name: getattr(c, n)), ()
     kind = liftmesh.ApolloniusCells
     for method in (kind.to_shapely, kind.to_geodataframe):
         yield f"ApolloniusCells.{method.__name__}", DISKS, on_cells(method), ()
+    saved = on_cells(lambda c: c.save(io.BytesIO(), format="geojson"))
+    yield "ApolloniusCells.save", DISKS, saved, ()
     yield "ApolloniusGraph.verify", DISKS, verify, tuple(DISKS)
     yield "ApolloniusGraph.neighbors_of", DISKS, find_neighbors, ("disjoint",)
 

@@ -20,8 +20,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from beside import stream_of
-
+from files import stream_of
 from growth.counting import ALONE
 from growth.subjects import FILES, content
 

@@ -14,7 +14,7 @@ from functools import cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-from beside import stream_of
+from files import stream_of
 from growth import cells, changing, disks, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ

@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Prepare, Work, on
 from growth.planar import PLANAR
 from growth.spatial import SPATIAL
+
+import liftmesh
 
 
 def tiled_by(work: Callable[..., object]) -> Prepare:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError
-from liftmesh.base.arrays import as_decimal, as_number, as_positive, starts_of_runs
-from liftmesh.base.options import as_thousands
+from liftmesh.base.arrays import as_decimal, starts_of_runs
+from liftmesh.base.options import as_number, as_positive, as_thousands
 
 
 def test_a_number_is_the_decimal_it_is_printed_as() -> None:

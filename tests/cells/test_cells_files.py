@@ -18,7 +18,6 @@ import shapely
 import trimesh
 
 import liftmesh
-from liftmesh.cells.files import write_cells
 
 RNG = np.random.default_rng(1806)
 POINTS = RNG.random((30, 2)) * 10
@@ -34,7 +33,9 @@ CELLS = liftmesh.voronoi(POINTS, domain=COUNTRY)
 
 def written(kind: str, columns: dict[str, Any], cells: liftmesh.Cells = CELLS) -> Any:
     stream = io.BytesIO()
-    return write_cells(stream, cells, kind, columns, "EPSG:32633"), io.BytesIO(stream.getvalue())
+    done = cells.save(stream, columns, format=kind, crs="EPSG:32633")
+    assert (done.path, done.format, done.bytes) == (None, kind, len(stream.getvalue()))
+    return done.dropped, io.BytesIO(stream.getvalue())
 
 
 def test_no_column_of_the_caller_is_replaced() -> None:
@@ -110,7 +111,7 @@ def test_geojson_is_written_in_blocks() -> None:
     many = liftmesh.voronoi(points)
     pieces: list[bytes] = []
     stream = type("Stream", (), {"write": lambda _, data: pieces.append(data)})()
-    write_cells(stream, many, "geojson", {})
+    many.save(stream, format="geojson")
     assert len(pieces) == 5
     found = json.loads(b"".join(pieces))["features"]
     assert [each["properties"]["row"] for each in found] == [*range(20_000)]
@@ -217,3 +218,37 @@ def test_messages_speak_of_diagrams() -> None:
         liftmesh.Voronoi(POINTS, qhull_options="QJ")
     with pytest.raises(liftmesh.InputError, match="'Qu' is furthest_site=True here"):
         liftmesh.Voronoi(POINTS, qhull_options="Qu")
+
+
+@pytest.mark.parametrize("kind", ["geojson", "gpkg", "ply", "svg"])
+def test_a_file_is_that_of_a_stream(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / f"cells.{kind}"
+    done = CELLS.save(path, {"area": np.arange(30)}, crs="EPSG:32633")
+    assert (done.path, done.format, done.bytes) == (path, kind, path.stat().st_size)
+    assert done.renamed == (() if kind == "svg" else (("area", "cell_area"),))
+    if kind != "gpkg":  # which holds the time
+        _, stream = written(kind, {"area": np.arange(30)})
+        assert path.read_bytes() == stream.read()
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_an_error_leaves_the_file_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "cells.gpkg"
+    CELLS.save(path)
+    before = path.read_bytes()
+    with pytest.raises(liftmesh.FormatError, match="columns 'a' and 'A' for one"):
+        CELLS.save(path, {"a": np.arange(30), "A": np.arange(30)})
+    with pytest.raises(liftmesh.FormatError, match="neither a path nor a binary stream"):
+        CELLS.save(io.StringIO(), format="svg")  # type: ignore[arg-type]
+    assert path.read_bytes() == before
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_tables_and_cells_of_disks_are_saved(tmp_path: Path) -> None:
+    table = pd.DataFrame({"name": ["a", "b"], "size": [1, 2]}, index=[7, 8])
+    cells = liftmesh.apollonius_diagram([[0, 0], [4, 0]], [1, 0.5])
+    cells.save(tmp_path / "out.geojson", table)
+    found = geopandas.read_file(tmp_path / "out.geojson")
+    assert found["name"].tolist() == ["a", "b"]
+    np.testing.assert_array_equal(found["area"], cells.areas)
+    assert len(cells) == 2

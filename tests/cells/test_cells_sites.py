@@ -62,6 +62,9 @@ def test_geometries_are_points_of_one_system() -> None:
         liftmesh.voronoi(POINTS, domain=BOX).areas,
         atol=1e-15,
     )
+    of_array = liftmesh.voronoi(GEOMETRIC.geometry.array, domain=domain)
+    np.testing.assert_array_equal(of_array.points, POINTS)
+    assert of_array.crs == "EPSG:32633"
     with pytest.raises(liftmesh.InputError, match="the points are in 'WGS 84 / UTM zone 33N'"):
         liftmesh.voronoi(GEOMETRIC, domain=domain.to_crs("EPSG:4326"))
     cloud = liftmesh.Cloud(np.c_[POINTS, np.ones(20)], crs="EPSG:4326")

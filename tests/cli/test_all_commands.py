@@ -103,7 +103,11 @@ def test_python_options_in_messages_become_options_of_the_command(tmp_path):
     done = liftmesh("triangulate", tmp_path / "cloud.csv", tmp_path / "mesh.ply")
     failed(done, exit_codes.BAD_INPUT, "row 2", "--nonfinite skip")
     (tmp_path / "cloud").write_text("0 0 0\n")
-    failed(liftmesh("info", tmp_path / "cloud"), exit_codes.BAD_INPUT, "--input-format FORMAT")
+    failed(
+        liftmesh("info", tmp_path / "cloud"),
+        exit_codes.BAD_INPUT,
+        "give the format with --input-format",
+    )
 
 
 @pytest.mark.parametrize("place", ["first", "last"])

@@ -73,9 +73,9 @@ def test_the_whole_difference_in_json(far):
     assert told["verdict"] == "different"
     assert told["lost_rows"] == result.lost.tolist()
     for name in ("missing", "wrong", "lost"):
-        assert told[name] == len(getattr(result, name)) > 0
-    assert told["triangles"] == told["identical"] + told["cocircular"] + told["missing"]
-    assert told["lower_facets"] == told["identical"] + told["cocircular"] + told["wrong"]
+        assert told[f"n_{name}"] == len(getattr(result, name)) > 0
+    assert told["n_triangles"] == told["n_identical"] + told["n_cocircular"] + told["n_missing"]
+    assert told["n_lower_facets"] == told["n_identical"] + told["n_cocircular"] + told["n_wrong"]
     for proof, expected in zip(told["proofs"], result.proofs, strict=True):
         assert tuple(proof["rows"]) == expected.rows
         values = [(row, Fraction(value)) for row, value in proof["determinants"]]

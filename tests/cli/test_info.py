@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 import rasterio
 from commands import COMMAND, PLAIN, ROOT, TERRAIN, failed, liftmesh, process
-from lidar import records
+from files.las import records
 from scipy.spatial.distance import cdist
 
 import liftmesh as lm
 from liftmesh.cli import exit_codes
-from liftmesh.cli.summary import summarise
+from liftmesh.cli.info import summarise
 
 
 def summary_of(path):

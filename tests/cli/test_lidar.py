@@ -12,7 +12,7 @@ import laspy
 import numpy as np
 import pytest
 from commands import COMMAND, PLAIN, liftmesh, process
-from lidar import copc, encoded, patched, tile
+from files.las import copc, encoded, patched, tile
 
 import liftmesh as lm
 
@@ -154,12 +154,12 @@ def test_nothing_is_left_of_a_tile(folder: Path) -> None:
 
 
 WRONG = {
-    ("--classes", "trees"): "--classes 'trees' is unknown: give ground, or numbers as 2,9",
-    ("--classes", "all"): "--classes 'all' is --all-classes",
+    ("--classes", "trees"): "--classes is 'trees': give ground, or numbers as 2,9",
+    ("--classes", "all"): "--classes is 'all': give --all-classes",
     ("--classes", "300"): "--classes is [300]: give numbers from 0 to 255",
     ("--returns", "second"): "--returns 'second' is unknown: give first, last or only",
     ("--bounds", "1,2,3"): "--bounds is [1.0, 2.0, 3.0]: give xmin, ymin, xmax, ymax",
-    ("--bounds", "a,b"): "--bounds 'a,b' is no list of numbers",
+    ("--bounds", "a,b"): "--bounds is 'a': give a number",
     ("--z-range", "3,1"): "--z-range is [3.0, 1.0]: give z0, z1 with z0 <= z1",
     ("--every", "0"): "--every is 0: give a whole number from 1",
 }
@@ -238,7 +238,7 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
     done = liftmesh("info", "tile.laz", "--copc-resolution", "0", cwd=folder)
-    assert "--copc-resolution '0' is not a positive number" in done.stderr
+    assert "--copc-resolution is 0: give a positive number" in done.stderr
 
 
 @pytest.mark.parametrize(

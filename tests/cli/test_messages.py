@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from liftmesh import Cloud
-from liftmesh.cli import exit_codes, inputs, notes, outputs, places, terminal, wording
+from liftmesh.cli import exit_codes, inputs, notes, outputs, surfaces, terminal, wording
 from liftmesh.cli.info import _decimals
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.write import WriteResult
 
 
@@ -21,7 +21,7 @@ from liftmesh.io.write import WriteResult
         (RuntimeError("std::bad_alloc"), "not enough memory"),
         (SystemError("error return without exception set"), "not enough memory"),
         (OSError(28, "No space left", "a.ply"), "a.ply: No space left"),
-        (InputError("give unit="), "give --unit"),
+        (InputError(f"give {Option('unit', ...)}"), "give --unit"),
     ],
 )
 def test_errors_of_input(error: Exception, said: str) -> None:
@@ -36,11 +36,20 @@ def test_what_caused_an_error_decides() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "option"),
-    [("skip_rows", "--skip-rows"), ("src_crs", "--src-crs"), ("header", "--no-header")],
+    ("option", "said"),
+    [
+        (Option("skip_rows"), "--skip-rows"),
+        (Option("src_crs", ...), "--src-crs"),
+        (Option("header"), "--no-header"),
+        (Option("resume", False), "--restart"),
+        (Option("classes", "all"), "--all-classes"),
+        (Option("columns", "x y"), "--columns 'x y'"),
+        (Option("flat", True), "--flat"),
+    ],
 )
-def test_options_of_reading_have_names_of_their_own(name: str, option: str) -> None:
-    assert wording.of_reading(name) == option
+def test_options_of_the_library_are_told_as_those_of_commands(option: Option, said: str) -> None:
+    assert wording.spelled(option) == said
+    assert wording.worded(f"a: {option} is") == f"a: {said} is"
 
 
 def test_rows_of_several_files_are_counted_in_their_own() -> None:
@@ -49,7 +58,7 @@ def test_rows_of_several_files_are_counted_in_their_own() -> None:
     with pytest.raises(InputError, match=r"^a\.csv: row 3 is"), inputs.about(Path("a.csv")):
         raise InputError("row 3 is [nan, 0, 0]")
     with pytest.raises(InputError, match=r"^band is"), inputs.about(Path("a.csv")):
-        raise InputError("band is 3")
+        raise InputError(f"{Option('band')} is 3")
     with pytest.raises(InputError, match=r"^stdin: row 1"), inputs.about_rows([Path("-")], cloud):
         raise InputError("row 1 is no row")
 
@@ -65,9 +74,9 @@ def test_rows_of_several_files_are_counted_in_their_own() -> None:
     ],
 )
 def test_files_of_places(name: str, is_shapes: bool, is_table: bool | None) -> None:
-    assert places.is_shapes(Path(name)) == is_shapes
+    assert surfaces.is_shapes(Path(name)) == is_shapes
     if is_table is not None:
-        assert places.is_table(Path(name)) == is_table
+        assert surfaces.is_table(Path(name)) == is_table
 
 
 def test_rows_without_classes_have_none() -> None:

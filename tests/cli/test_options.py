@@ -5,11 +5,12 @@ from __future__ import annotations
 import inspect
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, TypeAlias
+from typing import Annotated, Any, TypeAlias, get_args
 
 import pytest
 
 from liftmesh.cli import options
+from liftmesh.errors import InputError
 
 
 @pytest.mark.parametrize(
@@ -25,7 +26,7 @@ from liftmesh.cli import options
         (options.ends, "-inf,10", [-math.inf, 10.0]),
         (options.classes, "2,9", [2, 9]),
         (options.metric, "2,0.5,1", ((2.0, 0.5), (0.5, 1.0))),
-        (options.vertex, "1.5,-2", (1.5, -2.0)),
+        (options.apex, "1.5,-2", (1.5, -2.0)),
         (options.box, "0,0,2,1", (0.0, 0.0, 2.0, 1.0)),
         (options.box, "city.geojson", None),
         (options.plane, "0,0,1", ((0.0, 0.0, 1.0), None)),
@@ -39,29 +40,32 @@ def test_values_are_parsed(parse: Callable[[str], Any], text: str, value: object
 @pytest.mark.parametrize(
     ("parse", "text", "reason"),
     [
-        (options.positive, "0", "'0' is not a positive number"),
-        (options.number, "inf", "'inf' is not a number"),
-        (options.distance, "nan", "'nan' is not a distance: 0, or more"),
-        (options.numbers, "1,x", "'x' is not a number"),
+        (options.positive, "0", "is 0: give a positive number"),
+        (options.number, "inf", "is inf: give a finite number"),
+        (options.distance, "nan", "is nan: give 0 or a positive number"),
+        (options.numbers, "1,x", "is 'x': give a finite number"),
+        (options.ends, "1,", "is '': give a number"),
         (options.whole(3), "2", "is 2: give a whole number from 3"),
         (options.whole(3), "2.5", "is '2.5': give a whole number from 3"),
         (options.threads, "0", "is 0: give a whole number from 1 to 1024"),
-        (options.metric, "1,5,1", "[[1.0, 5.0], [5.0, 1.0]] is not positive definite: "),
+        (options.metric, "1,5,1", "is [[1.0, 5.0], [5.0, 1.0]], which is not positive definite: "),
     ],
 )
 def test_what_is_wrong_follows_the_name_of_the_option(
     parse: Callable[[str], Any], text: str, reason: str
 ) -> None:
-    with pytest.raises(options.WrongValue) as raised:
+    with pytest.raises(InputError) as raised:
         parse(text)
-    assert raised.value.message.startswith(reason)
+    name, _, said = str(raised.value).partition(" ")
+    assert name == raised.value.option
+    assert said.startswith(reason)
 
 
 def test_one_way_to_lift_is_taken() -> None:
     metric = options.metric("2,0.5,1")
     assert options.lifting(None, None, metric) == {"metric": metric}
     assert options.lifting("w", None, None) == {"weights": "w"}
-    with pytest.raises(options.typer.BadParameter, match="--weights and --radii are given"):
+    with pytest.raises(options.click.BadParameter, match="--weights and --radii are given"):
         options.lifting("w", "r", None)
 
 
@@ -69,14 +73,18 @@ def test_given_keeps_zero() -> None:
     assert options.given(a=None, b=False, c=0, d=True) == {"c": 0, "d": True}
 
 
-def _inner(words: str = "", count: int = 0) -> dict[str, Any]:
+Words: TypeAlias = Annotated[str, options.option("WORDS", "Words.")]
+Count: TypeAlias = Annotated[int, options.option("N", "A count.", panel="Output")]
+
+
+def _inner(words: Words = "", count: Count = 0) -> dict[str, Any]:
     return {"words": words, "count": count}
 
 
-Inner: TypeAlias = Annotated[dict[str, Any], options.Group(_inner)]
+Inner: TypeAlias = Annotated[dict[str, Any], options.Group(_inner, "Input")]
 
 
-def _outer(size: int = 1, *, inner: Inner, last: bool = False) -> tuple[int, dict[str, Any], bool]:
+def _outer(size: Count = 1, *, inner: Inner, last: Count = 0) -> tuple[int, dict[str, Any], int]:
     return size, inner, last
 
 
@@ -84,24 +92,18 @@ Outer: TypeAlias = Annotated[Any, options.Group(_outer)]
 
 
 def test_options_of_groups_stand_where_the_group_stands() -> None:
-    def run(path: str, *, outer: Outer, json: bool = False) -> object:
+    def run(path: Words, *, outer: Outer, json: options.Json = False) -> object:
         return path, outer, json
 
     command = options.with_single_options(run)
-    names = [*inspect.signature(command).parameters]
-    assert names == ["path", "size", "words", "count", "last", "json"]
-    given = {"path": "a", "size": 3, "words": "w", "count": 2, "last": True, "json": True}
-    assert command(**given) == ("a", (3, {"words": "w", "count": 2}, True), True)
-
-
-def test_an_option_of_the_command_takes_the_place_of_one_of_a_group() -> None:
-    def run(count: str, *, outer: Outer) -> object:
-        return count, outer
-
-    command = options.with_single_options(run)
-    assert [*inspect.signature(command).parameters] == ["count", "size", "words", "last"]
-    made = command(count="own", size=1, words="w", last=False)
-    assert made == ("own", (1, {"words": "w", "count": 0}, False))
+    parameters = inspect.signature(command).parameters
+    panels = {name: get_args(each.annotation)[1].panel for name, each in parameters.items()}
+    assert panels == {
+        "path": "", "size": "Output", "words": "Input", "count": "Output", "last": "Output",
+        "json": "Output",
+    }  # fmt: skip
+    given = {"path": "a", "size": 3, "words": "w", "count": 2, "last": 1, "json": True}
+    assert command(**given) == ("a", (3, {"words": "w", "count": 2}, 1), True)
 
 
 def test_a_function_without_groups_stays_as_it_is() -> None:

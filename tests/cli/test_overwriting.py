@@ -14,7 +14,7 @@ import pytest
 from commands import COMMAND, failed, liftmesh as run
 
 import liftmesh
-from liftmesh.cli.application import COMMANDS, application
+from liftmesh.cli.application import COMMANDS, Command
 
 POINTS = np.random.default_rng(0).random((40, 3)) * 9
 LINE = ("--along", "98,98", "--along", "105,105")
@@ -66,9 +66,7 @@ def test_a_file_that_exists_is_replaced_if_asked_only(words: tuple[str, ...], fo
 
 
 def test_every_command_that_writes_a_file_has_the_option() -> None:
-    options = {
-        each.name: each.callback.__annotations__ for each in application(()).registered_commands
-    }
+    options = {name: {each.name for each in Command(name).params} for name in COMMANDS}
     assert {name for name in COMMANDS if "overwrite" not in options[name]} == {
         *("tile", "paper"),  # to folders, which have their own rules
         *("info", "volume"),  # nothing

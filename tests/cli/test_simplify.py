@@ -38,13 +38,13 @@ def test_a_report_for_people(tmp_path: Path) -> None:
     ("words", "message"),
     [
         ((), "give --max-error or --max-points"),
-        (("--max-error", "x"), "--max-error 'x' is not a distance"),
-        (("--max-error", "-1"), "is not a distance"),
-        (("--max-error", "nan"), "--max-error 'nan' is not a distance"),
+        (("--max-error", "x"), "--max-error is 'x': give 0 or"),
+        (("--max-error", "-1"), "give 0 or a positive number"),
+        (("--max-error", "nan"), "--max-error is nan: give 0 or"),
         (("--max-points", "2"), "--max-points"),
         (
             ("--max-error", "1", "--copc-resolution", "2,5"),
-            "--copc-resolution '2,5' is not a positive",
+            "--copc-resolution is '2,5': give a positive",
         ),
     ],
 )

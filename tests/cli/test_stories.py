@@ -20,8 +20,8 @@ import pytest
 import rasterio
 import trimesh
 from commands import liftmesh as run
-from geotiffs import elevation_model
-from lidar import encoded, records
+from files.geotiff import elevation_model
+from files.las import encoded, records
 from numpy.typing import NDArray
 
 import liftmesh

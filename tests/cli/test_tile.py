@@ -114,7 +114,7 @@ def test_progress_on_a_terminal(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["a.npy", "out", "--memory", "much"], 2, "--memory 'much' is not a size"),
+        (["a.npy", "out", "--memory", "much"], 2, "--memory is 'much': give a size"),
         (["a.npy", "out", "--tile-rows", "3"], 2, "--tile-rows"),
         (["a.npy", "out", "--shards", "obj"], 2, "--shards"),
         (["a.npy", "out", "--workers", "0"], 2, "--workers"),

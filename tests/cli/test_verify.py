@@ -157,7 +157,7 @@ def test_json_has_the_form_of_the_certificate(tmp_path: Path) -> None:
     assert found.stdout == (tmp_path / "mesh.json").read_text()
     values = json.loads(found.stdout)
     assert values["flaws"][0]["first"][0]["points"][1] == ["inf", 0.0]
-    assert values["counts"]["edges"] is None
+    assert values["counts"]["n_edges"] is None
     said = run("verify", path, *wanted, "--overwrite").stdout
     assert re.search("edges +not counted", said)
 

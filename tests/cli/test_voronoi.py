@@ -58,8 +58,8 @@ def test_power_cells_in_a_geopackage(table: Path, option: str) -> None:
     told = json.loads(done.stdout)
     box = (-1, -1, 11, 11)
     expected = liftmesh.power_diagram(POINTS, **{option: SIZES}, domain=box)
-    assert told["hidden"] == len(expected.hidden)
-    assert told["cells"] == 60 - len(expected.empty)
+    assert told["n_hidden"] == len(expected.hidden)
+    assert told["n_cells"] == 60 - len(expected.empty)
     assert told["domain"] == "the box (-1.0, -1.0, 11.0, 11.0)"
     frame = geopandas.read_file(table.parent / "out.gpkg")
     np.testing.assert_array_equal(frame["pupils"], np.arange(60))
@@ -162,7 +162,11 @@ def test_what_a_file_of_shapes_leaves_unclear_is_a_note(tmp_path: Path) -> None:
 
 WRONG = [
     (["out.obj"], 3, "cells are not written as '.obj': give one of .geojson"),
-    (["out", "--output-format", "tiff"], 3, "cells are not written as 'tiff': give one of geojson"),
+    (
+        ["out", "--output-format", "tiff"],
+        3,
+        "cells are not written as 'tiff': give one of",
+    ),
     (["-"], 2, "stdout has no suffix: give the format with --output-format geojson"),
     (["out.svg", "--domain", "none.geojson"], 2, "'none.geojson' is no file, and no box"),
     (["out.svg", "--domain", "0,0,1"], 2, "a box is XMIN,YMIN,XMAX,YMAX"),
@@ -174,7 +178,7 @@ WRONG = [
     (["out.svg", "--domain", "points.gpkg"], 3, "geometry 1 is Point"),
     (["out.svg", "--domain", "0,0,0,1"], 3, "which has no area"),
     (["out.svg", "--weights", "weight"], 3, "the points have no values of that name"),
-    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both weights and radii"),
+    (["out.svg", "--weights", "size", "--radii", "size"], 3, "both --weights and --radii"),
 ]
 
 
@@ -202,7 +206,7 @@ def test_cells_of_disks(table: Path) -> None:
     told = command("voronoi", table, "out.ply", *words, "--json", cwd=table.parent)
     default = liftmesh.apollonius_diagram(POINTS[:, :2], SIZES, domain=box)
     assert json.loads(told.stdout)["max_deviation"] == default.max_deviation
-    assert json.loads(told.stdout)["hidden"] == len(default.hidden)
+    assert json.loads(told.stdout)["n_hidden"] == len(default.hidden)
 
 
 @pytest.mark.parametrize(

@@ -58,14 +58,18 @@ def test_the_command_takes_a_metric(table: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "code", "said"),
     [
-        (["--weights", "w"], 3, "weights are 'w', and the points have no values of that name"),
+        (["--weights", "w"], 3, "--weights w, and the points have no values of that name"),
         (["--weights", "size", "--radii", "size"], 2, "--weights and --radii are given: give one"),
         (["--weights", "size", "--metric", "1,0,1"], 2, "--weights and --metric are given: give"),
-        (["--radii", "z"], 3, "radii are 'z', and the points have no values of that name"),
-        (["--metric", "1,0"], 2, "--metric '1,0' is not three numbers: give A,B,C"),
-        (["--metric", "1,2,1"], 2, "--metric [[1.0, 2.0], [2.0, 1.0]] is not positive definite"),
+        (["--radii", "z"], 3, "--radii z, and the points have no values of that name"),
+        (["--metric", "1,0"], 2, "--metric is '1,0': give three numbers A,B,C"),
+        (
+            ["--metric", "1,2,1"],
+            2,
+            "--metric is [[1.0, 2.0], [2.0, 1.0]], which is not positive definite",
+        ),
         (["--metric", "1,nan,1"], 2, "is not finite"),
-        (["--metric", "1,0,1", "--algorithm", "lf"], 3, "algorithm 'lf' has no metric"),
+        (["--metric", "1,0,1", "--algorithm", "lf"], 3, "--algorithm 'lf' has no --metric"),
     ],
 )
 def test_what_the_command_refuses(table: Path, words: list[str], code: int, said: str) -> None:
@@ -97,7 +101,7 @@ def test_values_that_a_file_lacks_are_named_with_it(table: Path) -> None:
     assert done.returncode == 3
     assert "mesh.obj: the mesh says that it was triangulated by the radii 'size'" in done.stderr
     done = command("triangulate", table, "mesh.ply", "--radii", "length", cwd=table.parent)
-    assert f"{table.name}: radii are 'length', and the points have no values" in done.stderr
+    assert f"{table.name}: --radii length, and the points have no values" in done.stderr
 
 
 def test_verify_takes_what_a_mesh_does_not_say(tmp_path: Path) -> None:
@@ -110,7 +114,7 @@ def test_verify_takes_what_a_mesh_does_not_say(tmp_path: Path) -> None:
         (["--weights", "size"], 1, "Not valid"),
         (["--metric", "2,0.5,1.25"], 1, "Not valid"),
         (["--metric", "2,0.5,1.25", "--radii", "size"], 2, "--radii and --metric are given"),
-        (["--weights", "height"], 3, "mesh.ply: weights are 'height', and the points have no"),
+        (["--weights", "height"], 3, "mesh.ply: --weights height, and the points have no"),
     ):
         done = command("verify", "mesh.ply", *words, cwd=tmp_path)
         assert done.returncode == code, (words, done.stderr)

@@ -43,9 +43,9 @@ def unit_circle(n):
 
 def counted(result):
     """Counts that must hold whatever the points."""
-    assert result.triangles == result.identical + result.cocircular + len(result.missing)
-    assert len(result.lower) == result.identical + result.cocircular + len(result.wrong)
-    assert result.violations == 0
+    assert result.n_triangles == result.n_identical + result.n_cocircular + len(result.missing)
+    assert len(result.lower) == result.n_identical + result.n_cocircular + len(result.wrong)
+    assert result.n_violations == 0
     assert str(result)
     return result
 
@@ -62,7 +62,7 @@ def cells_of(points):
 def test_scattered_points_are_identical():
     result = counted(liftmesh.compare(uniform(3000)))
     assert result.verdict == "identical"
-    assert result.identical == result.triangles == len(result.lower)
+    assert result.n_identical == result.n_triangles == len(result.lower)
     assert result.agrees
     assert len(result.proofs) == len(result.lost) == 0
     assert set(result.seconds) == {"liftmesh", "trimesh"}
@@ -73,8 +73,8 @@ def test_scattered_points_are_identical():
 def test_a_lattice_differs_only_inside_cocircular_cells(apex):
     result = counted(liftmesh.compare(grid(25, 30), apex=apex))
     assert result.verdict == "cocircular"
-    assert result.cocircular == 2 * result.cells > 0
-    assert result.identical + result.cocircular == 2 * 24 * 29
+    assert result.n_cocircular == 2 * result.n_cells > 0
+    assert result.n_identical + result.n_cocircular == 2 * 24 * 29
     assert len(result.missing) == len(result.wrong) == len(result.lost) == 0
     assert result.agrees
     assert "cocircular cells" in result.conclusion()
@@ -86,7 +86,7 @@ def test_large_cells_are_cut_otherwise_too():
     )
     result = counted(liftmesh.compare(circle, apex=(0.0, 0.0)))
     assert result.verdict == "cocircular"
-    assert (result.cells, result.identical + result.cocircular) == (1, len(circle) - 2)
+    assert (result.n_cells, result.n_identical + result.n_cocircular) == (1, len(circle) - 2)
 
 
 def test_far_points_with_the_origin_as_vertex_lose_qhull_its_way():
@@ -131,7 +131,7 @@ def test_a_hull_that_fails_is_reported(points, words):
     assert words in result.conclusion()
     assert not result.agrees
     assert len(result.hull) == len(result.lower) == len(result.trimesh_hull().faces) == 0
-    assert len(result.missing) == result.triangles
+    assert len(result.missing) == result.n_triangles
     assert result.proofs == ()
     assert "\n" not in result.error
 
@@ -249,12 +249,12 @@ def test_a_wrong_triangulation_is_convicted_as_well():
         points=points,
         simplices=np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32),
         neighbors=np.array([[-1, 1, -1], [-1, -1, 0]], dtype=np.int32),
-        hull=np.arange(4, dtype=np.int32),
+        convex_hull=np.arange(4, dtype=np.int32),
         duplicates=np.empty((0, 2), dtype=np.int32),
         skipped=np.empty(0, dtype=np.int32),
     )
     result = liftmesh.compare(flipped)
-    assert (result.violations, result.verdict) == (1, "different")
+    assert (result.n_violations, result.verdict) == (1, "different")
     assert "liftmesh's triangulation is wrong" in result.conclusion()
     assert result.proofs[0].claim == "wrong triangle"
     assert result.proofs[0].determinants == ((3, determinant(points, 0, 1, 2, 3)),)
@@ -297,7 +297,7 @@ def test_lower_facets_are_chosen_by_the_exact_orientation():
     result = liftmesh.compare(points)
     n_z = liftmesh.orient2d(*points[result.hull.T])
     assert len(result.lower) == (n_z < 0).sum()
-    assert result.vertical == (n_z == 0).sum()
+    assert result.n_vertical == (n_z == 0).sum()
 
 
 def test_rows_that_centring_makes_equal_are_counted():
@@ -305,7 +305,7 @@ def test_rows_that_centring_makes_equal_are_counted():
         [uniform(20, size=1e6), [[1e-12, 0.0], [2e-12, 0.0]], uniform(20, size=1e6) + 1]
     )
     result = counted(liftmesh.compare(points))
-    assert result.coincident == 1
+    assert result.n_coincident == 1
     assert result.lost.tolist() == [21]
     assert "equal once lifted" in str(result)
 

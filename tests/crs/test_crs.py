@@ -12,7 +12,7 @@ import numpy as np
 import pyproj
 import pytest
 from commands import liftmesh
-from lidar import encoded, record, records, tile, with_records
+from files.las import encoded, record, records, tile, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, FormatError, InputError

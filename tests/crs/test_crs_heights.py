@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import rasterio
 from affine import Affine
-from lidar import encoded, geo_keys, record, records, with_records
+from files.las import encoded, geo_keys, record, records, with_records
 
 import liftmesh as lm
 from liftmesh import Cloud, DataWarning, InputError

@@ -12,7 +12,7 @@ import numpy as np
 import pyproj
 import pytest
 import rasterio
-from lidar import encoded, geo_keys, record, tile, with_records
+from files.las import encoded, geo_keys, record, tile, with_records
 from rasterio.transform import Affine
 
 import liftmesh as lm

@@ -66,8 +66,8 @@ def test_what_fits_together_is_right_only_of_its_own_disks(family: Any) -> None:
         graph = graph_of(disks)
         found = graph.verify()
         assert found.canonical, (found, disks.tolist())
-        assert found.vertices == len(disks) - len(graph.hidden) - len(graph.duplicates)
-        assert (found.hidden, found.duplicates) == (len(graph.hidden), len(graph.duplicates))
+        assert found.n_vertices == len(disks) - len(graph.hidden) - len(graph.duplicates)
+        assert (found.n_hidden, found.n_duplicates) == (len(graph.hidden), len(graph.duplicates))
         assert found.euler_characteristic == 1
         for _ in range(3):
             other = replace(graph_of(moved(rng, disks)), centers=disks[:, :2], radii=disks[:, 2])
@@ -310,13 +310,13 @@ def test_few_disks() -> None:
     for disks in ([], [[1, 2, 3]], [[1, 2, 3]] * 3, [[0, 0, 4], [1, 0, 1], [1, 0, 1]]):
         found = graph_of(np.array(disks, dtype=float).reshape(-1, 3)).verify()
         assert found.canonical, disks
-        assert found.vertices == min(1, len(disks))
+        assert found.n_vertices == min(1, len(disks))
     pair = graph_of(np.array([[0, 0, 1], [9, 0, 2], [9, 0, 2]], dtype=float))
     found = pair.verify()
     assert str(found) == (
         "valid: these 0 triangles are the canonical Delaunay graph of disks of 3 rows"
     )
-    assert (found.edges, found.hull_edges, found.euler_characteristic) == (1, 2, 1)
+    assert (found.n_edges, found.n_hull_edges, found.euler_characteristic) == (1, 2, 1)
     none = replace(pair, convex_hull=np.empty(0, dtype=int))
     assert kinds(none.verify()) == {"missing_vertices"}
     assert kinds(replace(pair, convex_hull=pair.convex_hull[:1]).verify()) >= {"wrong_hull"}
@@ -324,7 +324,7 @@ def test_few_disks() -> None:
 
 def test_a_disk_that_touches_one_around_it_from_inside_is_hidden_exactly() -> None:
     graph = liftmesh.apollonius([[0, 0], [3, 0], [20, 0], [0, 20]], [5, 2, 1, 1])
-    assert graph.verify().hidden == 1
+    assert graph.verify().n_hidden == 1
     less = replace(graph, radii=np.array([5, np.nextafter(2, 3), 1, 1]))
     assert kinds(less.verify()) == {"wrong_hidden"}
 
@@ -341,7 +341,7 @@ def test_skipped_rows_are_accounted_for() -> None:
     assert (graph.hidden.tolist(), graph.duplicates.tolist()) == ([6], [[7, 1]])
     found = graph.verify()
     assert found.canonical
-    assert (found.rows, found.skipped, found.vertices) == (8, 2, 4)
+    assert (found.n_rows, found.n_skipped, found.n_vertices) == (8, 2, 4)
     assert kinds(replace(graph, skipped=np.array([0])).verify()) == {"other_skipped"}
     (flaw,) = replace(graph, hidden=np.array([3, 6])).verify().flaws
     assert flaw.first[0].text == "hidden[0] refers to row 3, which is none, or not finite"
@@ -409,7 +409,7 @@ def test_the_certificate_names_its_disks() -> None:
     graph = graph_of(SQUARE)
     found = json.loads(verify(graph).to_json())
     assert (found["member"], found["format_version"]) == ("apollonius", 2)
-    assert found["counts"]["hidden"] == 1
+    assert found["counts"]["n_hidden"] == 1
     other = replace(graph, radii=graph.radii + 1)
     assert other.verify().values_sha256 != found["values_sha256"]
     assert other.verify().points_sha256 == found["points_sha256"]

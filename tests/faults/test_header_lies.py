@@ -8,17 +8,20 @@ from pathlib import Path
 
 import pytest
 from children import output
+from commands import ROOT
 from file_samples import loaded
+from files.gltf import glb
 from gltf_models import TRIANGLE
-from lies import all_lies, glb, gltf_tree, overlapping
+from lies import all_lies, gltf_tree, overlapping
 
 from liftmesh import FormatError
 
 MOST_MEMORY = 200_000_000
+PLACES = ":".join(str(ROOT / each) for each in ("tests/support", "scripts"))
 
 READ_ALL = """
     import io, json, sys, time, warnings
-    sys.path.insert(0, sys.argv[1])
+    sys.path[:0] = sys.argv[1].split(":")
     from lies import all_lies
     import laspy, lazrs, liftmesh, trimesh, scipy.spatial
     warnings.simplefilter("ignore")
@@ -44,8 +47,7 @@ READ_ALL = """
 @pytest.mark.slow
 def test_lies_of_headers_are_told_with_their_place_in_little_memory() -> None:
     lies = all_lies()
-    support = Path(__file__).resolve().parents[1] / "support"
-    *lines, grown = output(READ_ALL, support, MOST_MEMORY).splitlines()
+    *lines, grown = output(READ_ALL, PLACES, MOST_MEMORY).splitlines()
     assert len(lines) == len(lies) > 150
     wrong = []
     for (kind, data, cause), line in zip(lies, lines, strict=True):
@@ -117,18 +119,17 @@ LONG = {
 def test_no_file_takes_time_beyond_its_size(name: str) -> None:
     program = """
         import io, sys, time
-        sys.path[:0] = sys.argv[1:3]
+        sys.path[:0] = sys.argv[1].split(":")
         from test_header_lies import LONG
         import liftmesh
-        kind, data, _ = LONG[sys.argv[3]]
+        kind, data, _ = LONG[sys.argv[2]]
         begin = time.thread_time()
         try:
             liftmesh.read(io.BytesIO(data), format=kind)
         except liftmesh.FormatError as error:
             print(time.thread_time() - begin, error)
     """
-    support = Path(__file__).resolve().parents[1] / "support"
-    seconds, message = output(program, support, Path(__file__).parent, name).split(maxsplit=1)
+    seconds, message = output(program, f"{PLACES}:{Path(__file__).parent}", name).split(maxsplit=1)
     assert float(seconds) < 5
     assert re.search(LONG[name][2], message)
     assert len(message) < 1000

@@ -14,7 +14,9 @@ import numpy as np
 import pytest
 from commands import failed, liftmesh, on_terminal
 from file_samples import loaded, saved, small_mesh
-from lies import glb, gltf_tree, npy, zipped
+from files.archives import zipped
+from files.gltf import glb
+from lies import gltf_tree, npy
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError

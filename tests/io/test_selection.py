@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from file_samples import assert_same_bits, saved
-from lidar import COUNTS, RETURNS, UTM, encoded, records, tile
+from files.las import COUNTS, RETURNS, UTM, encoded, records, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError

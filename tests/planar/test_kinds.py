@@ -95,5 +95,5 @@ def test_there_is_one_weight_for_each_row() -> None:
 def test_names_of_values_must_be_there() -> None:
     cloud = Cloud(np.zeros((1, 3)), attributes={"size": np.ones(1)})
     assert named_values(cloud, "radii", "size").tolist() == [1]
-    with pytest.raises(InputError, match="radii are 'length', and the points have no values of"):
+    with pytest.raises(InputError, match="radii='length', and the points have no values of"):
         named_values(cloud, "radii", "length")

@@ -130,7 +130,7 @@ def test_copies_of_hidden_rows_are_hidden_wherever_what_hides_them_is(kind: str)
     certificate = found.verify()
     assert certificate.canonical
     assert found.hidden.tolist() == [3, 4, 5, 6]
-    assert (certificate.hidden, certificate.duplicates) == (4, len(found.duplicates)) == (4, 0)
+    assert (certificate.n_hidden, certificate.n_duplicates) == (4, len(found.duplicates)) == (4, 0)
 
 
 def test_equal_weights_give_delaunays_triangles() -> None:

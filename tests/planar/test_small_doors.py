@@ -25,7 +25,7 @@ def test_each_edge_stands_once(family: str) -> None:
     assert tri.edges.dtype == np.int32
     assert (tri.edges[:, 0] < tri.edges[:, 1]).all()
     assert np.array_equal(np.unique(tri.edges, axis=0), expected)
-    assert len(tri.edges) == len(expected) == tri.verify().edges
+    assert len(tri.edges) == len(expected) == tri.verify().n_edges
 
 
 def test_edges_cannot_be_changed_and_are_computed_once() -> None:

@@ -37,11 +37,11 @@ def test_what_delaunay_makes_is_valid_and_canonical(family: str) -> None:
     certificate = triangulation.verify()
     assert certificate
     assert certificate.canonical, str(certificate)
-    assert certificate.rows == len(points)
-    assert certificate.duplicates == len(triangulation.duplicates)
-    assert certificate.vertices == len(points) - len(triangulation.duplicates)
-    assert certificate.hull_edges == len(triangulation.convex_hull)
-    assert certificate.edges == certificate.vertices + certificate.triangles - 1
+    assert certificate.n_rows == len(points)
+    assert certificate.n_duplicates == len(triangulation.duplicates)
+    assert certificate.n_vertices == len(points) - len(triangulation.duplicates)
+    assert certificate.n_hull_edges == len(triangulation.convex_hull)
+    assert certificate.n_edges == certificate.n_vertices + certificate.n_triangles - 1
     assert certificate.euler_characteristic == 1
 
 
@@ -219,8 +219,8 @@ def test_a_mesh_whose_triangles_share_no_vertices() -> None:
     corners = POINTS[triangulation.simplices].reshape(-1, 2)
     certificate = liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
     assert certificate.canonical
-    assert certificate.vertices == len(POINTS)
-    assert certificate.merged == certificate.duplicates == len(corners) - len(POINTS)
+    assert certificate.n_vertices == len(POINTS)
+    assert certificate.n_merged == certificate.n_duplicates == len(corners) - len(POINTS)
     corners[5] += 1e-9
     assert not liftmesh.verify(corners, np.arange(len(corners)).reshape(-1, 3))
 
@@ -241,8 +241,8 @@ def test_triangles_apart_are_as_good_as_those_that_share_rows(family: str) -> No
     assert len(found) == 1
     certificate = liftmesh.verify(rows, own)
     assert certificate.canonical, str(certificate)
-    assert certificate.vertices == len(points) - len(shared.duplicates)
-    assert certificate.merged == 3 * len(simplices) - certificate.vertices
+    assert certificate.n_vertices == len(points) - len(shared.duplicates)
+    assert certificate.n_merged == 3 * len(simplices) - certificate.n_vertices
 
 
 @pytest.mark.parametrize(
@@ -273,13 +273,13 @@ def test_what_is_told_depends_on_no_order_and_on_no_naming(
     told += [liftmesh.verify(points, random.sample(simplices.tolist(), len(simplices)))]
     told += [liftmesh.verify(*apart(points, simplices))]
     assert len({tuple(kinds(each).items()) for each in told}) == 1
-    assert len({(each.vertices, each.edges, each.hull_edges) for each in told}) == 1
+    assert len({(each.n_vertices, each.n_edges, each.n_hull_edges) for each in told}) == 1
 
 
 def test_corners_beyond_one_for_each_position_are_counted() -> None:
     points = [[0, 0], [0, 0], [1, 0], [0, 1]]
-    assert liftmesh.verify(points, [[1, 2, 3]]).merged == 0
-    assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).merged == 1
+    assert liftmesh.verify(points, [[1, 2, 3]]).n_merged == 0
+    assert liftmesh.verify(points, [[1, 2, 3], [0, 2, 3]]).n_merged == 1
 
 
 def test_a_row_that_the_boundary_visits_often_is_named_once() -> None:
@@ -299,7 +299,7 @@ def test_rows_that_are_not_finite() -> None:
         liftmesh.verify(points, simplices)
     certificate = liftmesh.verify(points, simplices, nonfinite="skip")
     assert certificate.canonical
-    assert certificate.skipped == 2
+    assert certificate.n_skipped == 2
     assert liftmesh.delaunay(points, nonfinite="skip").verify().canonical
     spoilt = np.vstack((simplices, [[0, 1, 41]]))
     certificate = liftmesh.verify(points, spoilt, nonfinite="skip")
@@ -311,7 +311,7 @@ def test_rows_that_are_not_finite() -> None:
 def test_duplicates_need_no_vertex_of_their_own_and_others_do() -> None:
     points = np.vstack((POINTS, POINTS[:7], [[-0.0, 0.5], [0.0, 0.5]]))
     simplices = liftmesh.delaunay(points).simplices
-    assert liftmesh.verify(points, simplices).duplicates == 8
+    assert liftmesh.verify(points, simplices).n_duplicates == 8
     certificate = liftmesh.verify(np.vstack((points, [[0.5, 0.5]])), simplices)
     assert kinds(certificate) == {"missing_vertices": 1}
     assert certificate.flaws[0].first[0].rows == (49,)
@@ -441,5 +441,5 @@ def test_a_certificate_travels_as_json() -> None:
     values = json.loads(certificate.to_json())
     assert values == json.loads(json.dumps(certificate.as_dict()))
     assert values["valid"] is values["canonical"] is True
-    assert values["counts"]["triangles"] == certificate.triangles
+    assert values["counts"]["n_triangles"] == certificate.n_triangles
     assert values["liftmesh"] == liftmesh.__version__

@@ -81,7 +81,7 @@ def test_the_oracles_triangles_are_valid_and_canonical(family: Any, member: str)
         assert found.member == member
         vertices = {lifted[row] for triangle in expected for row in triangle}
         hidden = [row for row in left_out if lifted[row] not in vertices]
-        assert (found.hidden, found.duplicates) == (len(hidden), len(left_out) - len(hidden))
+        assert (found.n_hidden, found.n_duplicates) == (len(hidden), len(left_out) - len(hidden))
 
 
 @pytest.mark.parametrize("member", MEMBERS)
@@ -130,14 +130,14 @@ def test_a_row_below_the_triangles_is_named() -> None:
         assert f"its lift is {'below' if sign else 'on'} the plane of triangle 1" in violation.text
     found = verify(points, triangles, weights=[0, -6, 0, 0, -8])
     assert found.canonical
-    assert (found.hidden, found.duplicates, found.vertices) == (1, 0, 4)
+    assert (found.n_hidden, found.n_duplicates, found.n_vertices) == (1, 0, 4)
 
 
 def test_rows_at_one_position() -> None:
     points = np.array([(0, 0), (4, 0), (0, 4), (0, 0), (0, 0), (4, 0), (9, 9)], dtype=float)
     good = verify(points[:6], [[0, 1, 2]], weights=[1, 0, 0, 0, 1, 0])
     assert good.canonical
-    assert (good.hidden, good.duplicates) == (1, 2)
+    assert (good.n_hidden, good.n_duplicates) == (1, 2)
     heavier = verify(points[:6], [[0, 1, 2]], weights=[1, 0, 0, 3, 1, 0])
     assert [(flaw.kind, flaw.count) for flaw in heavier.flaws] == [("missing_vertices", 1)]
     assert heavier.flaws[0].first[0].rows[3] == 3
@@ -151,7 +151,7 @@ def test_corners_that_share_no_vertex_are_merged_if_they_weigh_the_same() -> Non
     soup = [[0, 1, 2], [3, 4, 5]]
     found = verify(points, soup, weights=[1, 0, 0, 1, 0, 0])
     assert found.valid
-    assert found.merged == 2
+    assert found.n_merged == 2
     assert not verify(points, soup, weights=[1, 0, 0, 0.5, 0, 0])
 
 
@@ -181,7 +181,7 @@ def test_rows_that_are_not_finite_and_bad_options() -> None:
     weights[[7, 30]] = np.nan, np.inf
     made = liftmesh.regular(points, weights=weights, nonfinite="skip")
     assert made.verify().canonical
-    assert made.verify().skipped == 2
+    assert made.verify().n_skipped == 2
     with pytest.raises(NonFiniteError, match="row 7 has the weight nan"):
         verify(points, made.simplices, weights=weights)
     triangle = [(0, 0), (1, 0), (0, 1)], [[0, 1, 2]]
@@ -206,11 +206,11 @@ def test_a_certificate_says_of_which_member_it_speaks() -> None:
     assert [(each["format_version"], each["member"]) for each in said] == [(2, m) for m in MEMBERS]
     assert said[2]["metric"] == FORM
     assert said[0]["values_sha256"] == said[1]["values_sha256"] != None  # noqa: E711
-    assert all(each["counts"]["hidden"] == 0 for each in said)
+    assert all(each["counts"]["n_hidden"] == 0 for each in said)
     plain = json.loads(verify(points, [[0, 1, 2]]).to_json())
     assert plain["format_version"] == 1
     assert not {"member", "metric", "values_sha256"} & plain.keys()
-    assert "hidden" not in plain["counts"]
+    assert "n_hidden" not in plain["counts"]
 
 
 def test_a_comparison_with_the_paraboloid_is_refused() -> None:

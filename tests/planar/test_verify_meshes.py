@@ -35,7 +35,7 @@ MESHES: dict[str, Any] = {
 def test_any_mesh_is_verified(what: str) -> None:
     certificate = liftmesh.verify(MESHES[what])
     assert certificate.valid
-    assert (certificate.rows, certificate.triangles) == (50, len(SURFACE.faces))
+    assert (certificate.n_rows, certificate.n_triangles) == (50, len(SURFACE.faces))
     if what != "scipy":
         assert certificate.simplices_sha256 == SURFACE.triangulation.verify().simplices_sha256
 
@@ -62,7 +62,7 @@ def test_a_surface_with_overhangs_and_skipped_rows_is_valid(policy: Any) -> None
     surface = liftmesh.triangulate(rows, on_duplicate=policy, nonfinite="skip")
     certificate = liftmesh.verify(surface)
     assert certificate.canonical
-    assert (certificate.skipped, certificate.duplicates) == (2, 9)
+    assert (certificate.n_skipped, certificate.n_duplicates) == (2, 9)
     assert liftmesh.verify(surface.triangulation).canonical
     with pytest.raises(NonFiniteError):
         liftmesh.verify(surface.to_cloud())

@@ -108,7 +108,7 @@ def test_one_of_the_two_is_given() -> None:
 
 def test_names_that_are_not_there_list_those_that_are() -> None:
     cloud = liftmesh.Cloud(np.c_[POINTS, FINE], attributes={"size": FINE, "class": FINE})
-    said = "weights are 'w', and the points have no values of that name: there are 'size', 'class'"
+    said = "weights='w', and the points have no values of that name: there are 'size', 'class'"
     with pytest.raises(InputError, match=said):
         liftmesh.regular(cloud, weights="w")  # type: ignore[arg-type]
     with pytest.raises(InputError, match="they have none; give an array"):

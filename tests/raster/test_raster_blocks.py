@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import rasterio
 from file_samples import assert_same_bits
-from geotiffs import geotiff, read
+from files.geotiff import geotiff, read
 
 from liftmesh import Cloud, FormatError
 

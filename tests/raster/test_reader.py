@@ -14,7 +14,7 @@ import pytest
 import rasterio
 from commands import liftmesh
 from file_samples import assert_same_bits
-from geotiffs import HEIGHTS, NORTH_UP, geotiff, read
+from files.geotiff import HEIGHTS, NORTH_UP, geotiff, read
 from rasterio.transform import Affine
 
 import liftmesh as lm

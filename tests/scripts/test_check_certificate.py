@@ -90,7 +90,7 @@ def test_a_boundary_that_visits_a_point_twice_is_seen(
     for hull in range(3, 10):
         lie = copy.deepcopy(honest) | {"valid": True, "canonical": canonical, "flaws": []}
         edges = (3 * len(triangles) + hull) // 2
-        lie["counts"] |= {"vertices": len(points), "hull_edges": hull, "edges": edges}
+        lie["counts"] |= {"n_vertices": len(points), "n_hull_edges": hull, "n_edges": edges}
         lie["euler_characteristic"] = len(points) - edges + len(triangles)
         capsys.readouterr()
         assert hold(lie, points, triangles) == 1
@@ -113,7 +113,7 @@ LIES = [
 @pytest.mark.parametrize(("key", "value"), LIES)
 def test_a_lie_of_a_canonical_mesh_is_found(key: str, value: Any) -> None:
     honest = said_of(SQUARE, FAN)
-    assert (honest["counts"]["duplicates"], honest["counts"]["skipped"]) == (1, 1)
+    assert (honest["counts"]["n_duplicates"], honest["counts"]["n_skipped"]) == (1, 1)
     assert hold(honest, SQUARE, FAN) == 0
     assert hold(honest | {key: value}, SQUARE, FAN) == 1
 
@@ -149,7 +149,7 @@ def test_lies_of_a_mesh_that_is_not_valid_are_found() -> None:
     assert honest["valid"] is False
     only = [{"kind": "not_canonical", "count": 1}]
     lies = [{"valid": v} for v in (True, 0, None)] + [{"flaws": v} for v in ([], only, None)]
-    lies += [{"counts": honest["counts"] | {n: 99}} for n in ("rows", "triangles", "skipped")]
+    lies += [{"counts": honest["counts"] | {n: 99}} for n in ("n_rows", "n_triangles", "n_skipped")]
     for lie in lies:
         assert hold(honest | lie, SQUARE, FAN[1:]) == 1, lie
 
@@ -210,7 +210,7 @@ def test_triangles_that_share_no_rows() -> None:
     corners = [SQUARE[row] for triangle in FAN for row in triangle]
     triangles = [(row, row + 1, row + 2) for row in range(0, 12, 3)]
     honest = said_of(corners, triangles)
-    assert (honest["canonical"], honest["counts"]["merged"]) == (True, 7)
+    assert (honest["canonical"], honest["counts"]["n_merged"]) == (True, 7)
     assert hold(honest, corners, triangles) == 0
 
 

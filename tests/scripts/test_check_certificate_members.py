@@ -78,7 +78,7 @@ def test_it_finds_false_certificates(member: str) -> None:
     said = liftmesh.verify(points, simplices, **options(values, member)).as_dict()
     for lie in (
         {"canonical": False},
-        {"counts": said["counts"] | {"hidden": said["counts"]["hidden"] + 1}},
+        {"counts": said["counts"] | {"n_hidden": said["counts"]["n_hidden"] + 1}},
         {"valid": False},
     ):
         assert held(said | lie, points, simplices, values) == 1, lie

@@ -18,7 +18,7 @@ from worst_points import SCALES, insertion_order
 import liftmesh
 from liftmesh import _kernel
 from liftmesh.base.options import VARIABLE
-from liftmesh.cli.summary import summarise
+from liftmesh.cli.info import summarise
 
 MANY = 10_000  # queries
 

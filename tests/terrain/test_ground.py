@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from lidar import encoded, records
+from files.las import encoded, records
 
 import liftmesh
 from liftmesh import Cloud, InputError, MissingDependencyError

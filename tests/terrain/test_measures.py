@@ -155,7 +155,7 @@ class TestCommand:
         ("words", "code", "said"),
         [
             (("volume", "none.ply"), 3, "No such file"),
-            (("volume", "heap.ply", "--level", "high"), 2, "'high' is not a number"),
+            (("volume", "heap.ply", "--level", "high"), 2, "is 'high': give a finite number"),
             (("volume", "heap.ply", "--max-edge", "1"), 3, "no face is left"),
             (("volume", "heap.ply", "--boundary-only"), 2, "needs --max-edge"),
         ],

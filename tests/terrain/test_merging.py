@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from commands import liftmesh as command
-from lidar import encoded, geo_keys, record, records, with_records
+from files.las import encoded, geo_keys, record, records, with_records
 
 import liftmesh
 from liftmesh import Cloud, DataWarning, InputError

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rasterio
-from geotiffs import elevation_model
+from files.geotiff import elevation_model
 
 import liftmesh
 

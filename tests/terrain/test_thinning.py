@@ -150,8 +150,8 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
 @pytest.mark.parametrize(
     ("words", "cause"),
     [
-        (("--cell", "0"), "--cell '0' is not a positive number"),
-        (("--min-distance", "near"), "--min-distance 'near' is not a positive number"),
+        (("--cell", "0"), "--cell is 0: give a positive number"),
+        (("--min-distance", "near"), "--min-distance is 'near': give a positive number"),
         (("--random", "0"), "--random is 0"),
         (("--keep", "lowest"), "--keep is of --cell only: give both, or neither"),
         (("--random", "3", "--keep", "lowest"), "--keep is of --cell only"),

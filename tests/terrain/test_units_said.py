@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import rasterio
 from commands import liftmesh as command
-from lidar import encoded, records
+from files.las import encoded, records
 
 import liftmesh as lm
 from liftmesh import Cloud, InputError

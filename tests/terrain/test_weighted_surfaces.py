@@ -158,7 +158,7 @@ def test_rows_that_are_not_finite_by_weight_are_skipped() -> None:
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"weights": "w"}, "weights are 'w', .* no values of that name: there are 'size', 'class'"),
+        ({"weights": "w"}, "weights='w', .* no values of that name: there are 'size', 'class'"),
         ({"weights": "size", "radii": "size"}, "both weights and radii are given"),
         ({"weights": "size", "metric": FORM}, "both weights and a metric are given"),
         ({"radii": "size", "algorithm": "lf"}, "algorithm 'lf' takes no radii"),

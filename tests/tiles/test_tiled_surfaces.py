@@ -401,7 +401,7 @@ def test_heights_and_values_are_proved_against_the_source(policy: Any, tmp_path:
     found = liftmesh.tile_surface(CLOUD, tmp_path, on_duplicate=policy, tile_rows=150)
     certificate = found.verify(CLOUD)
     assert certificate.canonical
-    assert (certificate.rows, certificate.duplicates) == (1_200, len(found.duplicates))
+    assert (certificate.n_rows, certificate.n_duplicates) == (1_200, len(found.duplicates))
 
     def lower(vertices: Any) -> None:
         vertices["z"][3] -= 0.125

@@ -21,7 +21,7 @@ from liftmesh._typing import Rows
 from liftmesh.base.arrays import pair_keys, used_rows
 from liftmesh.base.options import Unit3MF as Unit, check_option
 from liftmesh.crs.units import band_unit, length_unit
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.format import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows
 
@@ -106,7 +106,9 @@ def _unit_of(cloud: Cloud) -> Unit:
     if name is None:
         return "millimeter"
     if name not in _UNITS:
-        raise FormatError(f"the unit is {name}, but 3MF has {', '.join(_UNITS)}: give unit=")
+        raise FormatError(
+            f"the unit is {name}, but 3MF has {', '.join(_UNITS)}: give {Option('unit', ...)}"
+        )
     return _UNITS[name]
 
 

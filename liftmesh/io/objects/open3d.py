@@ -22,7 +22,7 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, is_opaque
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import faces_of, narrowed
 from liftmesh.io.format import needed_origin
@@ -157,7 +157,7 @@ def _precision(dtype: object) -> np.dtype[Any]:
         precision: np.dtype[Any] = np.dtype(name)  # type: ignore[call-overload]
         if precision in (np.float32, np.float64):
             return precision
-    raise InputError(f"dtype is {shown(dtype)}: give 'float32' or 'float64'")
+    raise refused("dtype", dtype, "give 'float32' or 'float64'")
 
 
 def _positions(cloud: Cloud, precision: np.dtype[Any], origin: ArrayLike | None) -> Floats:
@@ -188,7 +188,7 @@ def _origin(origin: ArrayLike) -> Floats:
         values = arrays.as_reals(origin)
         if values.shape == (3,) and np.isfinite(values).all():
             return values
-    raise InputError(f"origin is {shown(origin)}: give three finite numbers x, y, z")
+    raise refused("origin", origin, "give three finite numbers x, y, z")
 
 
 def _named_columns(cloud: Cloud, precision: np.dtype[Any]) -> dict[str, Array]:

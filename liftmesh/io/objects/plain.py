@@ -14,7 +14,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 
 AS_TABLE = "give what its get_coordinates(include_z=True) returns, and other columns beside"
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
@@ -85,8 +85,8 @@ def from_array(source: Any) -> Cloud:
     if len(shape) == 2 and shape[1] > 3 and shape[0] > 3:  # else perhaps the transpose
         raise InputError(
             f"points of shape {shape} have more than three columns: name them, as "
-            "columns='x,y,z,red,green,blue', or give only those that are x, y and z; heights of a "
-            "grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
+            f"{Option('columns', 'x,y,z,red,green,blue')}, or give only those that are x, y and z; "
+            "heights of a grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
         )
     if hasattr(type(source), "get_coordinates"):  # of geopandas, which has no rows of numbers
         raise InputError(f"points are a {type(source).__name__}: {AS_TABLE}")

@@ -20,7 +20,7 @@ from liftmesh.base.arrays import is_masked_array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.errors import FormatError, InputError, UnsupportedTypeError
+from liftmesh.errors import FormatError, InputError, Option, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
@@ -62,7 +62,11 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
         return _cloud(values, options, described)
     except FormatError as error:  # of the rooms for files
         is_geometric = hasattr(type(source), "get_coordinates") and "as WKT" in str(error)
-        said = f"{_WHERE}: its points are geometries: {AS_TABLE}" if is_geometric else str(error)
+        said = (
+            f"{_WHERE}: its points are geometries: {AS_TABLE}"
+            if is_geometric
+            else error.message.marked
+        )
         raise InputError(said) from error
 
 
@@ -70,10 +74,12 @@ def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
     """Convert a table or an array of rows, with the options of a caller."""
     unknown = [name for name in given if name not in _OPTIONS]
     if unknown:
-        raise InputError(f"{unknown[0]}= is for files: an object takes {', '.join(_OPTIONS)}")
+        raise InputError(
+            f"{Option(unknown[0], ...)} is for files: an object takes {', '.join(_OPTIONS)}"
+        )
     if not is_table(source) and not is_array(source):
         raise InputError(
-            f"{', '.join(f'{name}=' for name in given)} cannot be given: a "
+            f"{', '.join(f'{Option(name, ...)}' for name in given)} cannot be given: a "
             f"{qualified_name(source)} has no columns"
         )
     with preserve_signals():
@@ -103,7 +109,9 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
         return [(str(name), source.iloc[:, k]) for k, name in enumerate(source.columns)], {}
     rows = np.asanyarray(source)
     if rows.ndim != 2:
-        raise InputError(f"columns= names the columns of a table, not of the shape {rows.shape}")
+        raise InputError(
+            f"{Option('columns', ...)} names the columns of a table, not of the shape {rows.shape}"
+        )
     return [("", column) for column in rows.T], {}
 
 
@@ -193,7 +201,7 @@ def _no_numbers(part: str, name: str, values: Any) -> FormatError:
     example = "" if k is None else f" (row {k}: {shortened(repr([*values][k]))})"
     return FormatError(
         f"{_WHERE}: {part} is the column {name!r}, which holds no numbers{example}: convert it to "
-        f"numbers, or name another with columns='{part}=..'"
+        f"numbers, or name another with {Option('columns', f'{part}=..')}"
     )
 
 

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from beside import stream_of
+from files import stream_of
 from fuzz.round_trip import READ_BACK, FindError, demand, outcome
 from fuzz.structure.case import Case, in_order
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from beside.e57_files import Scan, e57, with_checksums
+from files.e57 import Scan, e57, with_checksums
 from fuzz.structure.case import Case, in_order, quarters
 from fuzz.structure.parts import Chance, Part
 

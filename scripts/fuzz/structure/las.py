@@ -7,6 +7,7 @@ import struct
 
 import laspy
 import numpy as np
+from files.las import encoded, records
 from fuzz.structure.case import Case, Points, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
 from growth.files.lidar import nodes_of_one_point
@@ -121,12 +122,6 @@ def copc(chance: Chance) -> Case:
 
 
 def _compressed(points: Points, point_format: int) -> bytes:
-    header = laspy.LasHeader(
-        point_format=point_format, version="1.4" if point_format > 5 else "1.3"
-    )
-    header.scales, header.offsets = np.full(3, _STEP), np.zeros(3)
-    made = laspy.LasData(header)
-    made.x, made.y, made.z = points.T
-    stream = io.BytesIO()
-    made.write(stream, do_compress=True, laz_backend=laspy.LazBackend.Lazrs)
-    return stream.getvalue()
+    version = "1.4" if point_format > 5 else "1.3"
+    tile = records(points, point_format, version=version, scale=_STEP, offset=np.zeros(3))
+    return encoded(tile, compressed=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 
 import numpy as np
-from beside import PLACE
+from files import PLACE
 from fuzz.structure.case import Case, in_order, quarters, told
 from fuzz.structure.parts import Chance, Part
 from fuzz.structure.text import line

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 import rasterio
+from files.geotiff import geotiff as made
 from fuzz.structure.case import Case, Points, in_order, told
 from fuzz.structure.parts import Chance, Part
 from fuzz.structure.text import line
@@ -51,14 +50,8 @@ def geotiff(chance: Chance) -> Case:
 def _written(heights: Points, chance: Chance) -> bytes:
     options = chance.choice(({}, {"compress": "deflate"}, {"compress": "lzw"}, {"nodata": -9999}))
     transform = rasterio.Affine(1, 0, 0, 0, -1, len(heights))
-    with rasterio.MemoryFile() as memory, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        with memory.open(
-            driver="GTiff", count=1, height=heights.shape[0], width=heights.shape[1],
-            dtype=chance.choice(("float32", "float64")), transform=transform, **options,
-        ) as file:  # fmt: skip
-            file.write(heights, 1)
-        return bytes(memory.getbuffer())
+    kind = chance.choice(("float32", "float64"))
+    return made(heights.astype(kind), transform=transform, **options)
 
 
 def grid(chance: Chance) -> Case:

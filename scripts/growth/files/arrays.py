@@ -12,6 +12,7 @@ import zipfile
 from functools import cache
 
 import numpy as np
+from files.archives import zipped
 from growth.families import named, random
 
 
@@ -88,12 +89,8 @@ NPY = named(
 
 
 def npz(members: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> bytes:
-    """Write an archive."""
-    stream = io.BytesIO()
-    with zipfile.ZipFile(stream, "w", method) as archive:
-        for name, content in members.items():
-            archive.writestr(f"{name}.npy", content)
-    return stream.getvalue()
+    """Write an archive of arrays."""
+    return zipped({f"{name}.npy": content for name, content in members.items()}, method)
 
 
 def mesh(n: int) -> dict[str, bytes]:

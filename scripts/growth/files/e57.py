@@ -6,7 +6,7 @@ Work grows where scans are many and empty, and memory where values take no bits.
 from __future__ import annotations
 
 import numpy as np
-from beside.e57_files import Scan, e57
+from files.e57 import Scan, e57
 from growth.families import named, random
 from growth.files.points import Compressed
 

@@ -6,12 +6,11 @@ deep, where each part is looked for among all others, and where one mesh stands 
 
 from __future__ import annotations
 
-import base64
-import json
-import struct
 from collections.abc import Callable
 from typing import Any, TypeAlias
 
+import numpy as np
+from files.gltf import Model, address, glb, gltf
 from growth.families import Families, Family, random
 
 Tree: TypeAlias = tuple[dict[str, Any], bytes]
@@ -52,23 +51,13 @@ def soup(n: int) -> Tree:
 
 def indexed(n: int) -> Tree:
     """The ordinary mesh, with colours and indices."""
-    rows = triangles(n)
-    count = 3 * n
-    order = random().permutation(count).astype("<u4").tobytes()
-    colors = bytes(4 * count)
-    views, accessors, start = [], [], 0
-    parts = (rows, 5126, "VEC3"), (order, 5125, "SCALAR"), (colors, 5121, "VEC4")
-    for data, kind, shape in parts:
-        views.append({"buffer": 0, "byteOffset": start, "byteLength": len(data)})
-        accessors.append(
-            {"bufferView": len(accessors), "componentType": kind, "count": count, "type": shape}
-        )
-        start += len(data)
-    accessors[2]["normalized"] = True
-    primitive = {"attributes": {"POSITION": 0, "COLOR_0": 2}, "indices": 1}
-    tree, _ = scene(rows, meshes=[{"primitives": [primitive]}], bufferViews=views)
-    tree |= {"accessors": accessors, "buffers": [{"byteLength": start}]}
-    return tree, rows + order + colors
+    model, count = Model(), 3 * n
+    points = model.accessor(random().random((count, 3)).astype("<f4"))
+    order = model.accessor(random().permutation(count).astype("<u4"))
+    colors = model.accessor(np.zeros((count, 4), np.uint8), normalized=True)
+    attributes = {"POSITION": points, "COLOR_0": colors}
+    model.node(mesh=model.mesh({"attributes": attributes, "indices": order}))
+    return model.tree | {"buffers": [{"byteLength": len(model.data)}]}, model.data
 
 
 def chain(n: int) -> Tree:
@@ -169,19 +158,12 @@ def flat_json(n: int) -> Tree:
 
 def named_values(n: int) -> Tree:
     """Eight named values for every point."""
-    rows = triangles(n)
-    count = 3 * n
-    values = random().random((8, count)).astype("<f4").tobytes()
-    tree, _ = scene(rows + values)
-    tree["accessors"][0]["count"] = count
-    views = [{"buffer": 0, "byteLength": len(rows)}]
-    for k in range(8):
-        start = len(rows) + 4 * count * k
-        views.append({"buffer": 0, "byteOffset": start, "byteLength": 4 * count})
-        value = {"bufferView": k + 1, "componentType": 5126, "count": count, "type": "SCALAR"}
-        tree["accessors"].append(value)
-        tree["meshes"][0]["primitives"][0]["attributes"][f"_V{k}"] = k + 1
-    return tree | {"bufferViews": views}, rows + values
+    model, count = Model(), 3 * n
+    attributes = {"POSITION": model.accessor(random().random((count, 3)).astype("<f4"))}
+    for k, values in enumerate(random().random((8, count)).astype("<f4")):
+        attributes[f"_V{k}"] = model.accessor(values)
+    model.node(mesh=model.mesh({"attributes": attributes}))
+    return model.tree | {"buffers": [{"byteLength": len(model.data)}]}, model.data
 
 
 def shared_values(n: int) -> Tree:
@@ -200,28 +182,6 @@ TREES = (
 )  # fmt: skip
 HEAVY = ("moved chain", "meshes", "primitives", "one name", "instances", "one address")
 """Each part of these costs thousands of instructions: they are counted at fewer parts."""
-
-
-def glb(tree: dict[str, Any], rows: bytes) -> bytes:
-    """Write a scene as GLB."""
-    text = json.dumps(tree).encode()
-    text += b" " * (-len(text) % 4)
-    rows += bytes(-len(rows) % 4)
-    parts = struct.pack("<I4s", len(text), b"JSON") + text
-    parts += struct.pack("<I4s", len(rows), b"BIN\0") + rows
-    return struct.pack("<4sII", b"glTF", 2, 12 + len(parts)) + parts
-
-
-def gltf(tree: dict[str, Any], rows: bytes) -> bytes:
-    """Write a scene as JSON."""
-    if "uri" not in tree["buffers"][0]:
-        tree = tree | {"buffers": [{"byteLength": len(rows), "uri": address(rows)}]}
-    return json.dumps(tree).encode()
-
-
-def address(rows: bytes) -> str:
-    """Write bytes as an address."""
-    return "data:application/octet-stream;base64," + base64.b64encode(rows).decode()
 
 
 def written(make: Callable[[int], Tree], form: Callable[..., bytes]) -> Family:

@@ -12,6 +12,7 @@ import struct
 import laspy
 import lazrs
 import numpy as np
+from files.las import encoded, records
 from growth.families import families_in, random
 from growth.files.points import Compressed
 
@@ -22,22 +23,16 @@ _AT_LONG_RECORDS = 235
 
 
 def _tile(n: int, point_format: int = 3, version: str = "1.2") -> laspy.LasData:
-    header = laspy.LasHeader(point_format=point_format, version=version)
-    header.scales, header.offsets = np.full(3, 0.01), np.zeros(3)
-    tile = laspy.LasData(header)
-    tile.x, tile.y, tile.z = random().random((n, 3)).T * 1000
-    tile.intensity = random().integers(0, 65535, n).astype(np.uint16)
-    tile.classification = np.full(n, 2, np.uint8)
-    return tile
+    values = {
+        "intensity": random().integers(0, 65535, n).astype(np.uint16),
+        "classification": np.full(n, 2, np.uint8),
+    }
+    places = random().random((n, 3)) * 1000
+    return records(places, point_format, version=version, offset=np.zeros(3), **values)
 
 
 def _written(tile: laspy.LasData, *, compressed: bool = False) -> bytes:
-    stream = io.BytesIO()
-    backend = laspy.LazBackend.Lazrs if compressed else None
-    tile.write(stream, do_compress=compressed, laz_backend=backend)
-    if not compressed:
-        return stream.getvalue()
-    made = Compressed(stream.getvalue())
+    made = Compressed(encoded(tile, compressed=compressed))
     made.content = max(len(made), len(tile.points) * tile.point_format.size)
     return made
 

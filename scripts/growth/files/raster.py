@@ -5,11 +5,11 @@ Work grows where blocks are many and small, and memory where they compress to no
 
 from __future__ import annotations
 
-import warnings
 from typing import Any
 
 import numpy as np
 import rasterio
+from files.geotiff import geotiff
 from growth.families import families_in, random
 from growth.files.points import Compressed
 
@@ -19,15 +19,7 @@ _ROW = 24  # bytes of three doubles
 
 def _written(values: Any, **options: Any) -> bytes:
     transform = rasterio.Affine(1, 0, 0, 0, -1, 0)
-    with rasterio.MemoryFile() as memory:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            with memory.open(
-                driver="GTiff", count=1, height=len(values), width=values.shape[1],
-                dtype=values.dtype, transform=transform, **options,
-            ) as file:  # fmt: skip
-                file.write(values, 1)
-        made = Compressed(memory.getbuffer())
+    made = Compressed(geotiff(values, transform=transform, **options))
     made.content = max(len(made), _ROW * values.size)
     return made
 

@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 from file_samples import assert_same_bits
-from lidar import copc, encoded, patched, tile
+from files.las import copc, encoded, patched, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from beside.e57_files import PAGE, Scan, e57, with_checksums, with_xml
 from commands import liftmesh
 from file_samples import assert_same_bits
+from files.e57 import PAGE, Scan, e57, with_checksums, with_xml
 
 import liftmesh as lm
 from liftmesh import Cloud, FormatError

@@ -15,7 +15,7 @@ import pytest
 from commands import process
 from failing_stream import Failing
 from file_samples import assert_same_bits, assert_same_mesh
-from lidar import UTM, copc, encoded, geo_keys, patched, record, records, tile, with_records
+from files.las import UTM, copc, encoded, geo_keys, patched, record, records, tile, with_records
 
 import liftmesh
 from liftmesh import Cloud, FormatError

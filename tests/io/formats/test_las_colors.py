@@ -10,7 +10,7 @@ import laspy
 import numpy as np
 import pytest
 from commands import liftmesh
-from lidar import encoded, tile
+from files.las import encoded, tile
 
 import liftmesh as lm
 from liftmesh import Cloud

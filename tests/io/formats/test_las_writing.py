@@ -13,7 +13,7 @@ import numpy as np
 import pyproj
 import pytest
 from file_samples import assert_same_bits
-from lidar import encoded, geo_keys, patched, record, tile, with_records
+from files.las import encoded, geo_keys, patched, record, tile, with_records
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError

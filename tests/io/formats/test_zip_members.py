@@ -15,8 +15,8 @@ import pytest
 from children import output
 from failing_stream import Failing
 from file_samples import loaded
+from files.archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed
 from growth.resident import forked
-from zip_archives import BZIP2, DEFLATED, LZMA, METHODS, STORED, archive, packed
 
 import liftmesh
 from liftmesh import FormatError

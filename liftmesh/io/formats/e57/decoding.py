@@ -17,7 +17,7 @@ from typing import IO, Any, BinaryIO
 import numpy as np
 
 from liftmesh._typing import Array
-from liftmesh.errors import FormatError, MissingDependencyError
+from liftmesh.errors import FormatError, MissingDependencyError, Option
 from liftmesh.io.formats.e57.program import PROGRAM
 from liftmesh.optional import python_command
 
@@ -109,7 +109,8 @@ class Decoder:
         if last.startswith(_MEMORY):
             return FormatError(
                 f"{self._name}: libE57 needs more than {self._limits.memory:,} bytes to decode it, "
-                "the limit for this file: if you trust it, raise it with max_bytes="
+                "the limit for this file: if you trust it, raise it with "
+                f"{Option('max_bytes', ...)}"
             )
         if code == -getattr(signal, "SIGXCPU", 0) != 0:
             return FormatError(

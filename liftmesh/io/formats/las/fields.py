@@ -21,7 +21,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, check_colors, stated_depth
 from liftmesh.base.options import shown
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
 from liftmesh.io.format import dropped_values
 from liftmesh.io.formats.las.header import DEPTH
@@ -257,7 +257,7 @@ class _Standard:
         what = what if row is None else f"{shown(values[row].item())} in row {row}"
         return FormatError(
             f"{name} is {what}, but point format {self._point_format} of LAS holds {wanted}: give "
-            "it another name or point_format=, or write PLY or NPZ"
+            f"it another name or {Option('point_format', ...)}, or write PLY or NPZ"
         )
 
 

@@ -20,10 +20,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_positive
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_positive, refused
 from liftmesh.crs.description import as_wkt
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.formats.las.fields import (
     Extra,
     Fields,
@@ -103,11 +102,10 @@ def layout_of(cloud: Cloud, scale: float | None, point_format: int | None) -> La
 def _point_format(cloud: Cloud, said: Mapping[str, Any], given: int | None) -> int:
     if given is not None:
         if not isinstance(given, int) or not 0 <= given < len(POINT_SIZES):
-            raise InputError(f"point_format is {shown(given)}: give a whole number from 0 to 10")
+            raise refused("point_format", given, "give a whole number from 0 to 10")
         if with_colors(given, cloud) != given:
-            raise InputError(
-                f"point_format is {given}, which has no colours: give {with_colors(given, cloud)}"
-            )
+            reason = f"which has no colours: give {with_colors(given, cloud)}"
+            raise refused("point_format", given, reason, mark=", ")
         return given
     stated = said.get("point_format")
     is_known = isinstance(stated, int) and 0 <= stated < len(POINT_SIZES)
@@ -169,7 +167,7 @@ def _rounding(values: Any, scale: float) -> ScaleOffset:
     if not (abs(steps.numbers(values)) <= _MOST).all():
         raise FormatError(
             f"coordinates from {low:.10g} to {high:.10g} have more than 32 bits in steps of "
-            f"scale={scale:g}: give a larger one"
+            f"{Option('scale', scale)}: give a larger one"
         )
     return steps
 

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.options import MOST_LISTED, Outliers, spelled
 
@@ -61,21 +61,21 @@ class ColumnAmbiguity:
             raise FormatError(
                 f"{self._name}: there is no header, and the first column holds {self._ids}, x or "
                 f"an id: if an id, {named_points(self._width)}, if x, with "
-                f"columns='{_names(POSITION, self._width)}'"
+                f"{Option('columns', _names(POSITION, self._width))}"
             )
         if self._heights is not None and self._heights.suspect:
             raise FormatError(
                 f"{self._name}: there is no header, and the third column holds {self._heights}, z "
                 "or an id: if an id, and there are no heights, read it with "
-                f"columns='{_names(('x', 'y', 'id'), self._width)}', if z, with "
-                f"columns='{_names(POSITION, self._width)}'"
+                f"{Option('columns', _names(('x', 'y', 'id'), self._width))}, if z, with "
+                f"{Option('columns', _names(POSITION, self._width))}"
             )
 
 
 def named_points(width: int) -> str:
     """Say how to read a table whose first column is an id."""
     usual, swapped = (_names(("id", *order), width) for order in ("xyz", "yxz"))
-    return f"read it with columns='{usual}' (or '{swapped}' if northing comes first)"
+    return f"read it with {Option('columns', usual)} (or '{swapped}' if northing comes first)"
 
 
 def _names(first: Sequence[str], width: int) -> str:
@@ -90,10 +90,11 @@ def check_count(first: str, second: str, where: str, header: Sequence[str] = ())
     """Raise if the first line is a number by itself, as a count of rows is, before longer lines."""
     if first.isdecimal() and second and not second.isdecimal():
         line = where.rpartition(" ")[2]
-        names = f" and {spelled(header) or 'columns= with the names above it'}" if header else ""
+        columns = spelled(header) or f"{Option('columns', ...)} with the names above it"
+        names = f" and {columns}" if header else ""
         raise FormatError(
             f"{where} is the number {first[:20]} by itself, a count of rows or a broken row: if it "
-            f"is no row, read it with skip_rows={line}{names}"
+            f"is no row, read it with {Option('skip_rows', int(line))}{names}"
         )
 
 

@@ -21,18 +21,18 @@ from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from liftmesh.errors import DataWarning, FormatError
+from liftmesh.errors import DataWarning, FormatError, Message, Option
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, PARTS, POSITION
 from liftmesh.io.options import LEFT_OUT, TableOptions, is_plain
 
 _GROUPS = ((*COLOR, ALPHA), NORMAL)  # of which the first three belong together
 
 _GEOMETRY = {"wkt", "wkt_geom", "geometry", "geom", "the_geom"}
-DEGREES = (  # holds until they are transformed
+DEGREES = Message(  # holds until they are transformed
     "x and y are degrees: lengths and triangles are distorted, and heights have another unit: "
-    "transform them with src_crs= and dst_crs="
+    f"transform them with {Option('src_crs', ...)} and {Option('dst_crs', ...)}"
 )
-_CHOOSE = "columns='x=..,y=..,z=..'"
+_CHOOSE = f"{Option('columns', 'x=..,y=..,z=..')}"
 _LONGEST = 40  # characters of a name in a message
 
 
@@ -71,7 +71,7 @@ class Columns:
             raise FormatError(
                 f"{where}: no column of {shown(self.given)} is known as the height z, and "
                 f"{shown(others, 4)} {'holds' if len(others) == 1 else 'hold'} numbers: read it "
-                f"with {_CHOOSE}, or with flat=True if heights do not matter"
+                f"with {_CHOOSE}, or with {Option('flat', True)} if heights do not matter"
             )
 
 
@@ -137,8 +137,8 @@ def understood(given: Sequence[str], options: TableOptions, where: str) -> Colum
 def _renamed(given: Sequence[str], names: Sequence[str], where: str) -> tuple[str, ...]:
     if len(names) != len(given):
         raise FormatError(
-            f"{where}: columns= names {len(names)} columns, and the table has {len(given)}: "
-            f"{shown(given)}"
+            f"{where}: {Option('columns', ...)} names {len(names)} columns, and the table has "
+            f"{len(given)}: {shown(given)}"
         )
     return tuple(names)
 
@@ -157,13 +157,16 @@ class _Choice:
         k, sign = self._found(source)
         if k in self._parts:
             raise FormatError(
-                f"{self._where}: columns= takes {self._given[k]!r} for {self._parts[k]!r} and for "
-                f"{part!r}: give two columns"
+                f"{self._where}: {Option('columns', ...)} takes {self._given[k]!r} for "
+                f"{self._parts[k]!r} and for {part!r}: give two columns"
             )
         if part == "z" and not sign and meaning(self._given[k]).part == "depth":
             raise self._unsigned(k)
         if sign and part != "z":
-            raise FormatError(f"{self._where}: columns= gives {part!r} a sign: only z can have one")
+            raise FormatError(
+                f"{self._where}: {Option('columns', ...)} gives {part!r} a sign: only z can have "
+                "one"
+            )
         self._parts[k] = part
         self.negated = k if sign == "-" else self.negated
 
@@ -184,8 +187,8 @@ class _Choice:
         missing = [each for each in ("x", "y") if each not in names]
         if missing and list(named) != list(self._given):
             raise FormatError(
-                f"{self._where}: columns= renames the columns to {shown(named)}, and none of these "
-                f"is {' or '.join(missing)}: name x and y among them"
+                f"{self._where}: {Option('columns', ...)} renames the columns to {shown(named)}, "
+                f"and none of these is {' or '.join(missing)}: name x and y among them"
             )
         if missing:
             raise FormatError(
@@ -200,7 +203,11 @@ class _Choice:
         """Say how to read a table whose names do not tell the coordinates."""
         if {each.casefold() for each in self._given} & _GEOMETRY:
             return "points as WKT are not read: save x, y and z as columns (QGIS: GEOMETRY=AS_XYZ)"
-        skip = ", or if it is no header, with skip_rows=1" if ": line " in self._where else ""
+        skip = (
+            f", or if it is no header, with {Option('skip_rows', 1)}"
+            if ": line " in self._where
+            else ""
+        )
         return f"read it with {_CHOOSE}{skip}"
 
     def _found(self, source: str) -> tuple[int, str]:
@@ -215,8 +222,8 @@ class _Choice:
                 if name.isdecimal() and 0 < int(name[:9]) <= len(self._given):
                     return int(name[:9]) - 1, sign
         raise FormatError(
-            f"{self._where}: columns= names {_quoted(source)}, which is not one of the columns "
-            f"{shown(self._given)}"
+            f"{self._where}: {Option('columns', ...)} names {_quoted(source)}, which is not one of "
+            f"the columns {shown(self._given)}"
         )
 
     def _unsigned(self, k: int) -> FormatError:
@@ -224,8 +231,8 @@ class _Choice:
         typed = name if is_plain(name) else f"{k + 1}"
         return FormatError(
             f"{self._where}: {_quoted(name)} may count downwards or upwards: read it with "
-            f"columns='z=-{typed}' if heights are negative depths, or with columns='z=+{typed}' if "
-            "they are heights already"
+            f"{Option('columns', f'z=-{typed}')} if heights are negative depths, or with "
+            f"{Option('columns', f'z=+{typed}')} if they are heights already"
         )
 
 
@@ -252,7 +259,11 @@ def _check_once(names: Sequence[str], given: Sequence[str], where: str) -> None:
     twice = next((name for name, count in Counter(names).items() if count > 1), None)
     if twice is not None:
         those = [each for name, each in zip(names, given, strict=True) if name == twice]
-        how = _CHOOSE if twice in POSITION else "columns='..,..,..', the names of all columns"
+        how = (
+            _CHOOSE
+            if twice in POSITION
+            else f"{Option('columns', '..,..,..')}, the names of all columns"
+        )
         raise FormatError(
             f"{where}: the header has {len(those)} columns for {_quoted(twice)}, {shown(those)}: "
             f"read it with {how}"
@@ -267,9 +278,9 @@ def _turned(names: Sequence[str], given: Sequence[str], options: TableOptions) -
         return
     if places[0] > 0 and names[places[0] - 1] == "z":
         return
-    yield (
+    yield Message(
         "'Y' stands before 'X', as in surveys where X is northing: if it is here, all is mirrored: "
-        "read it with columns='x=Y,y=X'"
+        f"read it with {Option('columns', 'x=Y,y=X')}"
     )
 
 

@@ -16,7 +16,7 @@ import re
 from dataclasses import dataclass
 from typing import BinaryIO
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.formats.text.columns import known_header
 from liftmesh.io.options import TableOptions, check_columns, most_columns
 from liftmesh.io.text_tables import is_number, values_at_most
@@ -82,7 +82,8 @@ def skip_lines(stream: BinaryIO, count: int, name: str) -> None:
         data = stream.read(_BYTES)
         if not data:
             raise FormatError(
-                f"{name}: the file has {count - left:,} lines, and skip_rows={count} skips more"
+                f"{name}: the file has {count - left:,} lines, and {Option('skip_rows', count)} "
+                "skips more"
             )
         if data.endswith(b"\r") and stream.read(1) == b"\n":  # the other half of a line end
             data += b"\n"
@@ -191,7 +192,7 @@ def _check_kind(word: str, where: str) -> None:
         name = where.rpartition(": ")[0]
         raise FormatError(
             f"{name}: this is an Arc/Info ASCII grid, not a list of points: read it with "
-            "format='raster'"
+            f"{Option('format', 'raster')}"
         )
 
 

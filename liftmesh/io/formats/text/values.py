@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.formats.text.column_ambiguity import named_points
 from liftmesh.io.formats.text.layout import may_be_grouped, split, with_point, without_remark
@@ -86,7 +86,7 @@ class TableValues:
             raise FormatError(
                 f"{self._name}: line {line}: {quoted(value)} is {with_point(value)} with a decimal "
                 f"comma, or {value.replace(',', '')} with one between thousands: read it with "
-                "decimal=',', or save it without such commas"
+                f"{Option('decimal', ',')}, or save it without such commas"
             )
 
     def _numbers(self, block: Block) -> Floats:
@@ -221,7 +221,8 @@ class TableValues:
         if self._decimal is None and self._delimiter is None:
             raise FormatError(
                 f"{self._name}: line {word.line}: {quoted(value)} is a number with a decimal "
-                "comma, or two numbers: read it with decimal=',', or with delimiter=','"
+                f"comma, or two numbers: read it with {Option('decimal', ',')}, or with "
+                f"{Option('delimiter', ',')}"
             )
         if self._decimal is None and self._point is not None:
             raise self._mixed(word, self._point)
@@ -243,7 +244,8 @@ class TableValues:
         return FormatError(
             f"{self._name}: line {comma.line} has a comma in the number {quoted(comma.value)}, and "
             f"line {point.line} a point, {quoted(point.value)}: one of them separates thousands, "
-            "or a text was taken for a number: read it with decimal=',' or with decimal='.'"
+            f"or a text was taken for a number: read it with {Option('decimal', ',')} or with "
+            f"{Option('decimal', '.')}"
         )
 
     def _not_a_number(self, k: int, word: Found) -> FormatError:
@@ -256,7 +258,7 @@ class TableValues:
     def _hint(self, k: int, word: Found) -> str:
         """Say what a coordinate that is text may be, and how to read the table then."""
         if word.value.lower() in _MISSING:
-            return f"if it stands for a missing value, read it with nodata='{word.value}'"
+            return f"if it stands for a missing value, read it with {Option('nodata', word.value)}"
         if _GROUPED.fullmatch(word.value):
             return "save it without the marks between thousands"
         names = spelled(self._columns.given)
@@ -267,7 +269,10 @@ class TableValues:
             return ""
         if k == 0:
             return f"if it names the points, {named_points(self._width)}"
-        return "there is no header: name the columns, as with columns='id,-,x,y,z'" * is_first
+        return (
+            f"there is no header: name the columns, as with {Option('columns', 'id,-,x,y,z')}"
+            * is_first
+        )
 
 
 def _bytes_of(block: Block) -> bytes:

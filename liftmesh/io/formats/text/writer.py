@@ -17,7 +17,8 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits, recognized
-from liftmesh.errors import FormatError, InputError
+from liftmesh.base.options import refused
+from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import DOUBLE, fits_whole
 from liftmesh.io.formats.text import reader
@@ -35,9 +36,7 @@ _DELIMITERS = (" ", ",", ";", "\t")
 def write_text(stream: BinaryIO, cloud: Cloud, *, delimiter: str = " ") -> None:
     """Write the points of a cloud as text, one per line."""
     if delimiter not in _DELIMITERS:
-        raise InputError(
-            f"delimiter is {delimiter!r}: known are {', '.join(map(repr, _DELIMITERS))}"
-        )
+        raise refused("delimiter", delimiter, f"known are {', '.join(map(repr, _DELIMITERS))}")
     columns, attributes = _columns(cloud)
     is_wide = len(columns) + len(attributes) > len(POSITION)
     if delimiter != " " or is_wide or _could_be_ids(cloud.points):

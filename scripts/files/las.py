@@ -1,4 +1,4 @@
-"""Files of lidar for the tests, made by laspy, and damaged by hand."""
+"""LAS and LAZ files, made by laspy, and damaged by hand."""
 
 from __future__ import annotations
 

@@ -1,8 +1,9 @@
-"""GeoTIFF files that tests make in memory."""
+"""GeoTIFF files, made in memory by rasterio."""
 
 from __future__ import annotations
 
 import io
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,8 @@ def geotiff(
     bands = np.atleast_3d(np.asarray(values).T).T
     count, height, width = bands.shape
     setter = {key: more.pop(key) for key in ("scales", "offsets", "units", "mask") if key in more}
-    with rasterio.MemoryFile() as memory:
+    with rasterio.MemoryFile() as memory, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
         with memory.open(
             driver="GTiff", count=count, height=height, width=width, dtype=bands.dtype,
             transform=transform, **more,

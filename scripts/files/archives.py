@@ -1,8 +1,9 @@
-"""Archives whose directory and data disagree, made byte by byte."""
+"""Archives: as zipfile writes them, and made byte by byte, so that directory and data disagree."""
 
 from __future__ import annotations
 
 import bz2
+import io
 import lzma
 import struct
 import zipfile
@@ -55,3 +56,12 @@ def archive(
     body = head + name + extra + data
     end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 1, 1, len(entry + name), len(body), 0)
     return body + entry + name + end
+
+
+def zipped(members: dict[str, bytes], method: int = DEFLATED) -> bytes:
+    """Write an archive of members by their names."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w", method) as archive:
+        for name, content in members.items():
+            archive.writestr(name, content)
+    return stream.getvalue()
