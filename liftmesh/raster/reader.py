@@ -10,29 +10,22 @@ has the size 1, and the first row is the northern one.
 A GeoTIFF is handed over in memory, to the driver of its format alone: so no other file is opened,
 such as those beside it or those that it names. What is read of it is compared with the limit before
 it is decoded.
-
-What a raster does not say itself may stand beside it, under its name with another suffix: a world
-file has six numbers, of which the last two are the centre of the first pixel; a .prj file has the
-text of a coordinate system.
 """
 
 from __future__ import annotations
 
-import math
 import re
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any, BinaryIO, NamedTuple
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.options import as_count, refused
-from liftmesh.crs.description import parse_crs
 from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION, CloudBuilder
@@ -50,6 +43,7 @@ from liftmesh.raster.blocks import (
     window_of,
     without_warnings,
 )
+from liftmesh.raster.pixels import Affine, system_of, world_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
@@ -156,11 +150,11 @@ class _OpenRaster:
         return bool(self._transform.is_identity)
 
     @property
-    def _placed(self) -> Transform:
+    def _placed(self) -> Affine:
         """The transform; without one the first row is the northern one."""
         if self._is_plain:
-            return Transform(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
-        return Transform(*[*self._transform][:6])
+            return Affine(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
+        return Affine(*[*self._transform][:6])
 
     def cloud(self, selection: Selection | None, data: bytes, max_bytes: int | None) -> Cloud:
         """Read the samples that are selected, a few rows at a time."""
@@ -299,62 +293,3 @@ class _OpenRaster:
 
 def _without_steps(selection: Selection) -> Selection:
     return replace(selection, every=1)
-
-
-_WORLDS = (".tfw", ".tifw", ".tiffw", ".wld", ".TFW", ".TIFW", ".WLD")
-_MOST = 1 << 16  # bytes
-
-
-class Transform(NamedTuple):
-    """From column and row to x and y, as that of rasterio: ``x = a * column + b * row + c``."""
-
-    a: float
-    b: float
-    c: float
-    d: float
-    e: float
-    f: float
-
-    @property
-    def is_identity(self) -> bool:
-        """Whether it says nothing."""
-        return self == (1, 0, 0, 0, 1, 0)
-
-
-def world_of(name: str) -> tuple[Transform, str] | None:
-    """Read the world file beside a raster."""
-    path = _beside(name, _WORLDS)
-    if path is None:
-        return None
-    words = _text(path).split()
-    try:
-        a, d, b, e, x, y = map(float, words)
-    except ValueError:
-        a, d, b, e, x, y = [math.nan] * 6
-    if not all(map(math.isfinite, (a, d, b, e, x, y))) or a * e == b * d:
-        raise FormatError(f"{path}: a world file has six numbers that place a raster")
-    return Transform(a, b, x - a / 2 - b / 2, d, e, y - d / 2 - e / 2), path.name
-
-
-def system_of(name: str) -> str | None:
-    """Read the coordinate system beside a raster; None if there is none, or in another language."""
-    text = text_beside(name, ".prj")
-    return text if is_crs(text) and parse_crs(text) else None
-
-
-def text_beside(name: str, suffix: str) -> str | None:
-    """Read at most 64 KiB of a file that has the name of another, and a suffix in either case."""
-    path = _beside(name, (suffix, suffix.upper()))
-    return None if path is None else _text(path).strip("\0\ufeff \r\n\t")
-
-
-def _beside(name: str, suffixes: tuple[str, ...]) -> Path | None:
-    path = Path(name)
-    if not path.suffix or "\0" in name:
-        return None
-    return next((each for each in map(path.with_suffix, suffixes) if each.is_file()), None)
-
-
-def _text(path: Path) -> str:
-    with path.open("rb") as stream:
-        return stream.read(_MOST).decode("utf-8", "replace")

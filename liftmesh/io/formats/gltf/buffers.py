@@ -24,8 +24,7 @@ from pathlib import Path
 from typing import BinaryIO
 from urllib.parse import unquote
 
-from liftmesh.errors import FormatError, LiftmeshError
-from liftmesh.io.formats.gltf.validation import Document
+from liftmesh.errors import FormatError
 from liftmesh.io.streams import read_exactly, read_most
 
 _PACKED = ";base64,"
@@ -191,20 +190,3 @@ def _unbroken(text: str) -> str:
     if not any(mark in text for mark in _BREAKS):
         return text
     return text.translate(dict.fromkeys(map(ord, _BREAKS)))
-
-
-def named_in(path: Path) -> list[Path]:
-    """List the files that a glTF file is read with, or shown with."""
-    try:
-        with path.open("rb") as stream:
-            tree = Document(stream, str(path), path.suffix.lower().removeprefix("."), None).tree
-    except (LiftmeshError, OSError):
-        return []  # which the command that reads it says
-    listed = (tree.get(key) for key in ("buffers", "images"))
-    parts = [part for each in listed if isinstance(each, list) for part in each]
-    names = [part.get("uri") for part in parts if isinstance(part, dict)]
-    return [
-        path.absolute().parent / unquote(each)
-        for each in names
-        if isinstance(each, str) and not each.startswith("data:")
-    ]

@@ -10,9 +10,11 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, BinaryIO
+from urllib.parse import unquote
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, StatedBuffer
 from liftmesh.io.markup import (
     bytes_of_text,
@@ -298,3 +300,20 @@ def _binary_chunk(stream: BinaryIO, name: str, begin: int) -> Chunk | None:
             return Chunk(stream, at, size)
         stream.seek(at + size)
     return None
+
+
+def named_in(path: Path) -> list[Path]:
+    """List the files that a glTF file is read with, or shown with."""
+    try:
+        with path.open("rb") as stream:
+            tree = Document(stream, str(path), path.suffix.lower().removeprefix("."), None).tree
+    except (LiftmeshError, OSError):
+        return []  # which the command that reads it says
+    listed = (tree.get(key) for key in ("buffers", "images"))
+    parts = [part for each in listed if isinstance(each, list) for part in each]
+    names = [part.get("uri") for part in parts if isinstance(part, dict)]
+    return [
+        path.absolute().parent / unquote(each)
+        for each in names
+        if isinstance(each, str) and not each.startswith("data:")
+    ]
