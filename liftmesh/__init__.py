@@ -17,11 +17,12 @@ from liftmesh.base.interruption import defer_signals
 
 _load, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
 __all__ += ["__version__"]
+__all__.remove("scipy")  # a star import would hide SciPy itself
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name on first access."""
-    if name not in __all__:
+    if name not in __all__ and name != "scipy":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     if name != "__version__":
         with defer_signals():  # NumPy cannot be imported again where Ctrl-C broke its import off
@@ -33,4 +34,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted(__all__)
+    return sorted([*__all__, "scipy"])

@@ -1,3 +1,4 @@
+from . import scipy as scipy
 from .base.cloud import Cloud as Cloud
 from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
@@ -51,7 +52,6 @@ from .planar.lifting import (
     project as project,
 )
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
-from .planar.scipy_classes import Delaunay as Delaunay, Voronoi as Voronoi
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d

@@ -93,9 +93,9 @@ def _parts(text: str) -> Iterator[str | Option]:
         option, _, rest = each.partition(_CLOSE)
         name, _, value = option.partition("=")
         try:
-            yield Option(name, json.loads(value) if value else ...)
-        except ValueError:  # marks that are not ours
-            yield option
+            yield Option(name, json.loads(value))
+        except ValueError:
+            yield Option(name, ...) if option.endswith("=") else option  # not marked by us
         yield rest
 
 

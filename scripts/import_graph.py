@@ -5,8 +5,8 @@
 
 A room of the package is a direct child of it: a subpackage, a module, or a compiled module, which
 has only a stub. An arrow means that a module of one room imports a module of the other, also inside
-a function or for type checkers only. A room of the kernel is a folder of `liftmesh/_core`; the
-files directly in it are the room `core`. An arrow means an `#include`.
+a function or for type checkers only. A room of the kernel is a folder of `liftmesh/_core`. An
+arrow means an `#include`.
 
 Each graph is drawn as its transitive reduction: an arrow is left out where a path of other arrows
 leads to the same room. On the page it is Mermaid text between two marker comments.
@@ -26,7 +26,6 @@ import grimp
 ROOT = Path(__file__).resolve().parent.parent
 PAGE = ROOT / "ARCHITECTURE.md"
 PACKAGE = ROOT / "liftmesh"
-CORE = "core"
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 
 Graph = dict[str, set[str]]  # each room, and the rooms that it needs
@@ -91,9 +90,9 @@ def included(name: str, folder: Path, kernel: Path) -> Path:
 
 
 def room_of_file(path: Path, kernel: Path) -> str:
-    """Return the folder of the kernel that a file is in."""
+    """Return the folder of the kernel that a file is in; nothing for files that are in none."""
     parts = path.relative_to(kernel).parts
-    return parts[0] if len(parts) > 1 else CORE
+    return parts[0] if len(parts) > 1 else ""
 
 
 # --- the graph ----------------------------------------------------------------------------------

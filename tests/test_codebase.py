@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import operator
 import re
 import textwrap
 from functools import cached_property
@@ -13,6 +14,8 @@ from pathlib import Path
 import pytest
 from counts import code_lines
 from public_names import EXCEPTIONS, METHODS, NAMES
+
+import liftmesh
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "liftmesh"
@@ -59,6 +62,22 @@ def test_parameters_and_results_are_described(name: str) -> None:
 def test_documented_errors_exist(name: str) -> None:
     raised = entries(sections({**NAMES, **METHODS}[name]).get("Raises", ""))
     assert set(raised) <= EXCEPTIONS
+
+
+def is_there(path: str) -> bool:
+    try:
+        operator.attrgetter(path)(liftmesh)
+    except AttributeError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("name", [*NAMES, *METHODS])
+def test_what_else_to_see_is_there(name: str) -> None:
+    """By its name, or beside a method by that in the class alone."""
+    kind = name.rpartition(".")[0]
+    for other in entries(sections({**NAMES, **METHODS}[name]).get("See Also", "")):
+        assert is_there(other.removeprefix("liftmesh.")) or is_there(f"{kind}.{other}"), other
 
 
 @pytest.mark.parametrize("name", CALLABLES)
@@ -121,13 +140,6 @@ def test_what_no_test_reaches_says_why() -> None:
     assert [p for p in sources if re.search(pattern, p.read_text("utf-8"))] == []
 
 
-def test_every_kernel_source_is_compiled() -> None:
-    core = PACKAGE / "_core"
-    listed = (core / "CMakeLists.txt").read_text("utf-8")
-    sources = [p.relative_to(core).as_posix() for p in core.rglob("*.cpp")]
-    assert [s for s in sources if s not in listed] == []
-
-
 KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "base": set(),
     "predicates": {"base"},
@@ -150,16 +162,9 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
 
 def test_kernel_sources_include_what_is_below_them_by_room() -> None:
     core = PACKAGE / "_core"
-    assert {p.parent.name for p in core.glob("*/*.[ch]pp")} == KERNEL_ROOMS.keys()
-    names = {p.name for p in core.glob("*.[ch]pp")}
-    assert names == {
-        *("bindings.cpp", "bindings_anisotropic.cpp", "bindings_apollonius.cpp"),
-        *("bindings_cells.cpp", "bindings_dynamic.cpp", "bindings_lifted.cpp"),
-        *("bindings_surface.cpp", "bindings_text.cpp", "bindings_tiles.cpp"),
-        *("bindings_verify.cpp", "bindings.hpp", "bindings_flaws.hpp", "bindings_locate.hpp"),
-        "bindings_runs.hpp",
-    }
-    for room, below in KERNEL_ROOMS.items():
+    rooms = {**KERNEL_ROOMS, "bindings": KERNEL_ROOMS.keys()}
+    assert {p.parent for p in core.rglob("*.[ch]pp")} == {core / room for room in rooms}
+    for room, below in rooms.items():
         for source in (core / room).glob("*.[ch]pp"):
             included = re.findall(r'#include "([^"]+)"', source.read_text("utf-8"))
             assert [name for name in included if not (core / name).is_file()] == [], source

@@ -45,7 +45,7 @@ def test_exceptions(again: Callable[[Any], Any]) -> None:
 
 
 ARRAYS = ("points", "simplices", "neighbors", "duplicates", "skipped")
-MADE = [liftmesh.delaunay, liftmesh.Delaunay]
+MADE = [liftmesh.delaunay, liftmesh.scipy.Delaunay]
 
 
 @pytest.mark.parametrize("again", [lambda it: it, *WAYS.args[1]])
@@ -152,7 +152,7 @@ def test_damaged_offsets_of_cells_are_refused(
 
 
 @pytest.mark.parametrize(("name", "number"), [*DAMAGE, ("simplex_to_vertex", -1)])
-@pytest.mark.parametrize("make", [*CELLS[:2], lambda: liftmesh.Voronoi(CLOUD[:, :2])])
+@pytest.mark.parametrize("make", [*CELLS[:2], lambda: liftmesh.scipy.Voronoi(CLOUD[:, :2])])
 def test_damaged_triangles_of_diagrams_are_refused(
     make: Callable[[], Any], name: str, number: int
 ) -> None:
@@ -167,7 +167,7 @@ def test_damaged_triangles_of_diagrams_are_refused(
         object.__new__(type(made)).__setstate__(state)
 
 
-@pytest.mark.parametrize("make", [CELLS[0], lambda: liftmesh.Voronoi(CLOUD[:, :2])])
+@pytest.mark.parametrize("make", [CELLS[0], lambda: liftmesh.scipy.Voronoi(CLOUD[:, :2])])
 def test_neighbors_that_share_no_side_are_refused(make: Callable[[], Any]) -> None:
     made = make()
     state = dict(made.__dict__)

@@ -22,8 +22,8 @@ MODULES = {
     "walls.py": "from house import (\n    ground,\n    _engine,\n)\n",
     "ground.py": "import json\n",
     "attic.py": "",
-    "_core/main.cpp": '#include <vector>\n#include "lines/cut.hpp"\n  #  include "point.hpp"\n',
-    "_core/point.hpp": "",
+    "_core/top/main.cpp": '#include <vector>\n#include "lines/cut.hpp"\n  #  include "point.hpp"\n',
+    "_core/top/point.hpp": "",
     "_core/lines/cut.hpp": '#include "side.hpp"\n#include "planes/plane.hpp"\n',
     "_core/lines/side.hpp": "",
     "_core/planes/plane.hpp": '#include "../lines/side.hpp"\n// #include "none.hpp"\n',
@@ -36,7 +36,7 @@ IMPORTS: Graph = {
     "ground": set(),
     "attic": set(),
 }
-INCLUDES: Graph = {"core": {"lines"}, "lines": {"planes"}, "planes": {"lines"}}
+INCLUDES: Graph = {"top": {"lines"}, "lines": {"planes"}, "planes": {"lines"}}
 PAGE = """\
 # A house
 <!-- imports: begin -->
@@ -125,7 +125,7 @@ def test_the_page_is_written_and_checked(
     text = page.read_text()
     parts = ["# A house\n<!-- imports: begin -->\n```mermaid\n", "    roof --> walls\n",
              "```\n<!-- imports: end -->\nBetween them.\n<!-- includes: begin -->\n```mermaid\n",
-             "    core --> lines\n", "```\n<!-- includes: end -->\n"]  # fmt: skip
+             "    top --> lines\n", "```\n<!-- includes: end -->\n"]  # fmt: skip
     assert all(text.index(a) < text.index(b) for a, b in pairwise(parts))
     assert "old" not in text
     (house / "attic.py").write_text("import house.ground")
@@ -147,7 +147,7 @@ def test_the_graphs_of_the_architecture_are_up_to_date() -> None:
 COUNTED = {
     "house/roof/chimney.py": '"""Two lines\nof prose."""\n\nimport house.attic  # why\n# one\n',
     "house/attic.py": "import typing\nif typing.TYPE_CHECKING:\n    import house.roof.chimney\n",
-    "house/_core/main.cpp": "/* two\nlines */\nint main() {}  // why\n\n// alone\n",
+    "house/_core/top/main.cpp": "/* two\nlines */\nint main() {}  // why\n\n// alone\n",
     "tests/test_house.py": "def test() -> None:\n    '''Prose.'''\n    assert True\n",
     "scripts/count.py": "",
 }

@@ -121,7 +121,7 @@ def test_the_stub_names_what_is_there() -> None:
     stated = [
         (node.module, alias.name)
         for node in tree.body
-        if isinstance(node, ast.ImportFrom)
+        if isinstance(node, ast.ImportFrom) and node.module
         for alias in node.names
     ]
     assert {name for _, name in stated} | {"__version__"} == set(liftmesh.__all__)
@@ -131,8 +131,15 @@ def test_the_stub_names_what_is_there() -> None:
 
 
 def test_public_names_are_listed_and_unique() -> None:
-    assert dir(liftmesh) == sorted(liftmesh.__all__)
+    assert dir(liftmesh) == sorted([*liftmesh.__all__, "scipy"])
     assert len(set(liftmesh.__all__)) == len(liftmesh.__all__)
+
+
+def test_classes_for_scipy_are_reached_by_attribute(tmp_path: Path) -> None:
+    code = "import liftmesh; print(liftmesh.scipy.Delaunay([[0, 0], [1, 0], [0, 1]]).nsimplex)"
+    assert python(code, tmp_path).strip() == "1"
+    found = python("from liftmesh import *; import scipy; print(scipy.__name__)", tmp_path)
+    assert found.strip() == "scipy"
 
 
 def test_star_import_brings_the_public_names(tmp_path: Path) -> None:

@@ -194,7 +194,8 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     What a command reads by are options of `liftmesh.read`, here and below.
     """
     if is_stream(path) and "format" not in reading:
-        raise click.BadParameter("stdin has no suffix: give its format with --input-format")
+        given = Option("format", ...)
+        raise click.BadParameter(Message(f"stdin has no suffix: give its format with {given}"))
     name = "stdin" if is_stream(path) else path
     _check_file(path)
     from liftmesh.io.streams import progress

@@ -14,7 +14,7 @@ from liftmesh.cli.options import option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.profile import Draped
+    from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Write the heights of a mesh or cloud along lines."
@@ -76,7 +76,7 @@ def run(
         with terminal.stage(f"writing {target.path.name}"):
             written = draped.save(target.path).path
     else:
-        name = target.write(draped.as_cloud()).path
+        name = target.write(draped.to_cloud()).path
         written = None if name is None else Path(name)
     with outputs.report_after(target.path):
         _say(written, draped, lines, surface, as_json=json)
@@ -129,7 +129,7 @@ def _lines(
     return [cloud.points[:, :2]]
 
 
-def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Draped:
+def _draped(surface: Surface, lines: list[Any], along: list[str]) -> Profile:
     from liftmesh.terrain.profile import drape
 
     try:
@@ -146,10 +146,10 @@ def _length(lines: list[Any]) -> float:
 
 
 def _say(
-    path: Path | None, draped: Draped, given: list[Any], surface: Surface, *, as_json: bool
+    path: Path | None, draped: Profile, given: list[Any], surface: Surface, *, as_json: bool
 ) -> None:
     """Print how long the lines are and which heights they have, with the units."""
-    from liftmesh.terrain.units import unit_names
+    from liftmesh.terrain.surface_data import unit_names
 
     plane, upright = unit_names(surface)
     length, heights = float(draped.lengths.sum()), draped.points[:, 2]

@@ -111,7 +111,7 @@ def _check(
     """Raise before the work starts if the options make no raster."""
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
-    from liftmesh.terrain.raster import check_interpolation
+    from liftmesh.terrain.sampling import check_interpolation
 
     with options.as_usage():
         steps_of(steps)

@@ -182,7 +182,7 @@ def _sides(points: Array, faces: Array) -> Array:
 
 def note_units(source: Path, surface: Surface | TiledSurface, factor: float | None) -> None:
     """Say on stderr that heights are taken to be in the unit of x and y, but refuse degrees."""
-    from liftmesh.terrain.units import metres_of, steepness
+    from liftmesh.terrain.surface_data import metres_of, steepness
 
     steepness(surface, factor)
     if factor is None and metres_of(surface) is None:
@@ -225,12 +225,18 @@ class Places:
         except (FormatError, InputError) as error:
             error.args = (error.message.renamed(_own_names(self.option)),)
             raise
+        except click.BadParameter as error:
+            raise _renamed(error, self.option) from error
         if are_different(crs, cloud.crs):
             there, here = shown(cloud.crs), shown(crs)
             raise InputError(
                 f"{path} is in {there}, {source} in {here}: transform the points first"
             )
         return cloud
+
+
+def _renamed(error: click.BadParameter, option_name: str) -> click.BadParameter:
+    return click.BadParameter(Message(error.message).renamed(_own_names(option_name)))
 
 
 def _own_names(option_name: str) -> dict[str, str]:
@@ -253,8 +259,7 @@ def places(option_name: str) -> options.Group:
         try:
             return Places(option_name, file_format, inputs.table(**plain))
         except click.BadParameter as error:
-            message = Message(error.message).renamed(_own_names(option_name))
-            raise click.BadParameter(message) from error
+            raise _renamed(error, option_name) from error
 
     text = f"Format of --{option_name}, instead of its suffix."
     parameters = [

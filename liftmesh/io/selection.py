@@ -142,8 +142,9 @@ class Selector:
         # has_levels: of COPC, whose reader has chosen the resolution
         if selection.copc_resolution is not None and not has_levels:
             raise FormatError(
-                f"{name}: rows cannot be selected by {Option('resolution')}, for which the file "
-                "has no index (COPC), or is read in chunks: take every k-th row, or thin the cloud"
+                f"{name}: rows cannot be selected by {Option('copc_resolution')}, for which the "
+                "file has no index (COPC), or is read in chunks: take every k-th row, or thin the "
+                "cloud"
             )
         self._selection = selection
         self._name = name

@@ -78,8 +78,8 @@ def verify(  # noqa: PLR0913 - options are keywords
         As for `delaunay`: the triangles are to be the Delaunay triangulation in this metric.
     furthest_site : bool, default False
         Whether the triangles are to be the farthest-point Delaunay triangulation, as of
-        `Delaunay`. Without any of these options, a `Triangulation`, a `Surface` or a file that
-        liftmesh wrote says itself which member it is.
+        `scipy.Delaunay`. Without any of these options, a `Triangulation`, a `Surface` or a file
+        that liftmesh wrote says itself which member it is.
 
     Returns
     -------
@@ -98,6 +98,12 @@ def verify(  # noqa: PLR0913 - options are keywords
         The object is no mesh.
     FormatError
         The file cannot be read.
+
+    See Also
+    --------
+    Triangulation.verify : The check of one's own triangles.
+    Tiled.verify : The check of more triangles than memory holds.
+    compare : Where trimesh's hull differs.
 
     Notes
     -----

@@ -24,8 +24,7 @@ from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.lifting import HIDDEN
-from liftmesh.terrain.surface_data import as_cloud
+from liftmesh.terrain.surface_data import HIDDEN, as_cloud
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

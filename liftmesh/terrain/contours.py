@@ -26,7 +26,7 @@ from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.vector.files import write_lines
+from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -226,8 +226,7 @@ def length_of(length: Any) -> float:
 
 def check_name(path: Path) -> None:
     """Raise if contours cannot be written to a file of this name."""
-    kinds = (".geojson", ".json", ".gpkg")
-    check_suffix(path, kinds, "contours are written as GeoJSON or GeoPackage (.gpkg)")
+    check_suffix(path, LINE_SUFFIXES, "contours are written as GeoJSON or GeoPackage (.gpkg)")
     if path.suffix.lower() == ".gpkg":
         load("geopandas", extra="shapes")
 

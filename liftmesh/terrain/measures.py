@@ -33,8 +33,14 @@ from liftmesh.io.read import check_grounds
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.predicates import orient2d
-from liftmesh.terrain.surface_data import SurfaceData, corner_order, kernel_surface, plane_system
-from liftmesh.terrain.units import metres_of, slope_scale
+from liftmesh.terrain.surface_data import (
+    SurfaceData,
+    corner_order,
+    kernel_surface,
+    metres_of,
+    plane_system,
+    slope_scale,
+)
 from liftmesh.vector.polygons import polygons_in, regions_in
 
 if TYPE_CHECKING:

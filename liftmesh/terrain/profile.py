@@ -11,11 +11,12 @@ first: no bit depends on the order of the rows.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,13 +27,11 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
+from liftmesh.io.write import WriteResult, write
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
-from liftmesh.vector.files import write_lines
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
+from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]
@@ -41,7 +40,7 @@ Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale the
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Profile(FrozenResult):
-    """A line draped over a surface, as `Surface.profile` returns it; read-only.
+    """Lines draped over a surface, as `Surface.profile` returns them; read-only.
 
     Parameters
     ----------
@@ -53,6 +52,14 @@ class Profile(FrozenResult):
     starts : (k + 1,) ndarray of int64
         Where each part begins in ``points``, and where the last ends: a line that leaves the faces
         has several, or none.
+    lines : (k,) ndarray of int64
+        The line that each part is of, from 0.
+    crs : str, optional
+        The coordinate reference system.
+
+    See Also
+    --------
+    Surface.profile, Contours
 
     Examples
     --------
@@ -66,9 +73,95 @@ class Profile(FrozenResult):
     points: Floats
     distances: Floats
     starts: Array
+    lines: Array
+    crs: str | None = None
 
     def __repr__(self) -> str:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
+
+    @property
+    def lengths(self) -> Floats:
+        """The length of each part in the plane, (k,) float64."""
+        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
+        return lengths
+
+    def to_cloud(self) -> Cloud:
+        """Convert the profile to points with named values.
+
+        Returns
+        -------
+        Cloud
+            The points, with the values ``distance``, ``line`` and ``part``: where along the line
+            each is, and the numbers of its line and of its part.
+
+        See Also
+        --------
+        save
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+        >>> slope.profile([[0, 1], [2, 1]]).to_cloud().attributes["distance"]
+        array([0., 2.])
+        """
+        counts = np.diff(self.starts)
+        values = {
+            "distance": self.distances,
+            "line": np.repeat(self.lines, counts),
+            "part": np.repeat(np.arange(len(counts)), counts),
+        }
+        return Cloud(self.points, attributes=values, crs=self.crs)
+
+    def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
+        """Write the parts as lines in space, or their points.
+
+        Parameters
+        ----------
+        path : path or binary file
+            Where to write. GeoJSON and GeoPackage (.geojson, .json, .gpkg) have a line for each
+            part, with the number of its line, where along it it begins, and its length, as
+            ``line``, ``start`` and ``length``; other formats have the points of `to_cloud`.
+        **options
+            Of points, as for `write`; lines have none.
+
+        Returns
+        -------
+        WriteResult
+            What was written.
+
+        Raises
+        ------
+        FormatError
+            The format or an option is unknown.
+        InputError
+            The coordinate system is unknown to GeoPackage.
+        MissingDependencyError
+            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
+        OSError
+            The file cannot be written.
+
+        See Also
+        --------
+        to_cloud, write
+
+        Examples
+        --------
+        >>> import liftmesh, tempfile
+        >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+        >>> found = slope.profile([[0, 1], [2, 1]])
+        >>> found.save(Path(tempfile.mkdtemp()) / "line.geojson").format
+        'geojson'
+        """
+        target = Path(path) if isinstance(path, str | os.PathLike) else Path()
+        if options or target.suffix.lower() not in LINE_SUFFIXES:
+            return write(path, self.to_cloud(), **options)
+        columns = {
+            "line": self.lines,
+            "start": self.distances[self.starts[:-1]],
+            "length": self.lengths,
+        }
+        return write_lines(target, self.points, self.starts, columns, self.crs, "profiles")
 
 
 def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
@@ -79,7 +172,7 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
     points = np.concatenate(pieces)
     piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
     points[:, 3] += before[piece]
-    return _parts(points, _are_joined(surface, points, piece))
+    return _parts(points, _are_joined(surface, points, piece), plane_system(surface))
 
 
 def _corners(line: Any) -> Floats:
@@ -109,7 +202,7 @@ def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
     return joined
 
 
-def _parts(points: Floats, joined: Mask) -> Profile:
+def _parts(points: Floats, joined: Mask, crs: str | None) -> Profile:
     """Make a profile of the parts that are more than a point."""
     part = np.concatenate([[0], np.cumsum(~joined)])[: len(points)]
     fresh = starts_of_runs(points[:, :2])
@@ -117,46 +210,11 @@ def _parts(points: Floats, joined: Mask) -> Profile:
     counts = np.bincount(part[fresh])
     kept = fresh & (counts > 1)[part]
     starts = np.concatenate([[0], np.cumsum(counts[counts > 1])])
-    return Profile(points[kept, :3], points[kept, 3], starts)
+    lines = np.zeros(len(starts) - 1, np.int64)
+    return Profile(points[kept, :3], points[kept, 3], starts, lines, crs)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Draped:
-    """Lines over a surface, in parts where they leave its faces."""
-
-    points: Floats  # (n, 3), one part after the other
-    distances: Floats  # along their line
-    starts: Array  # where each part begins, and where the last ends
-    lines: Array  # the line that each part is of, from 0
-    crs: str | None
-
-    @property
-    def lengths(self) -> Floats:
-        """The length of each part in the plane."""
-        lengths: Floats = self.distances[self.starts[1:] - 1] - self.distances[self.starts[:-1]]
-        return lengths
-
-    def as_cloud(self) -> Cloud:
-        """Return the points with their distance, line and part."""
-        counts = np.diff(self.starts)
-        values = {
-            "distance": self.distances,
-            "line": np.repeat(self.lines, counts),
-            "part": np.repeat(np.arange(len(counts)), counts),
-        }
-        return Cloud(self.points, attributes=values, crs=self.crs)
-
-    def save(self, path: Path) -> WriteResult:
-        """Write the parts as lines in space, with their line, its stretch and their length."""
-        columns = {
-            "line": self.lines,
-            "start": self.distances[self.starts[:-1]],
-            "length": self.lengths,
-        }
-        return write_lines(path, self.points, self.starts, columns, self.crs, "profiles")
-
-
-def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
+def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Profile:
     """Drape lines over the faces of a surface."""
     profiles = [profile_along(surface, line) for line in lines]
     counts = [len(each.starts) - 1 for each in profiles]
@@ -165,7 +223,7 @@ def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Draped:
             raise InputError("all corners of a line are at one position: it has no length")
         raise InputError("no part of a line is over faces: are both in the same system?")
     sizes = np.concatenate([np.diff(each.starts) for each in profiles])
-    return Draped(
+    return Profile(
         np.concatenate([each.points for each in profiles]),
         np.concatenate([each.distances for each in profiles]),
         np.concatenate([[0], np.cumsum(sizes)]),

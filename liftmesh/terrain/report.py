@@ -13,6 +13,7 @@ from liftmesh.crs.transformation import transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import classes_of
+from liftmesh.io.selection import selection_sentence
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -59,6 +60,9 @@ class Report(FrozenResult):
         Rows in no face of the mesh that `as_surface` was given.
     classes : mapping of int to int
         Rows by class, as lidar has them; empty if the cloud has no classes.
+    selection : mapping of str to int
+        Of the files, how many rows were selected, and how many were left out by which condition, as
+        in ``metadata["selection"]``; empty if all were taken.
     transformation : mapping
         How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
@@ -89,6 +93,7 @@ class Report(FrozenResult):
     n_hidden: int = 0
     n_unused: int = 0
     classes: Mapping[int, int] = field(default_factory=dict, repr=False)
+    selection: Mapping[str, int] = field(default_factory=dict, repr=False)
     transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     def __str__(self) -> str:
@@ -107,7 +112,8 @@ class Report(FrozenResult):
 
     def _classes(self) -> str:
         said = ", ".join(f"{key} ({count:,})" for key, count in self.classes.items())
-        return f"Rows by class: {said}. " if said else ""
+        chosen = f"Read: {selection_sentence(self.selection)}. " if self.selection else ""
+        return chosen + (f"Rows by class: {said}. " if said else "")
 
     def _change(self) -> str:
         said = transformation_text(self.transformation) if self.transformation else ""
@@ -138,6 +144,7 @@ def report_on(cloud: Cloud, **fields: Any) -> Report:
         "n_rows": len(cloud),
         "color_depth": cloud.color_depth,
         "classes": classes_of(cloud.attributes),
+        "selection": Provenance(cloud.metadata).selection,
         "transformation": Provenance(cloud.metadata).transformation,
     }
     return Report(**{**known, **fields})

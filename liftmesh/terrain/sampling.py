@@ -1,21 +1,49 @@
-"""Heights and slopes of a surface at points of its plane.
+"""Heights, slopes, aspects and shades of a surface: at points of its plane, and of rasters.
 
 The kernel locates each point and interpolates in its face, or between the ends of an edge, by rules
 that name coordinates only: no bit of a height depends on the order of the rows or of the points, on
 the triangle by which an edge was reached, or on threads (`_core/surface/facet.hpp`).
+
+The centre of a pixel is the point that the transform gives for it, in doubles (`pixels.py`), and
+its value is that of the surface there: the kernel scans the faces, row by row, and gives every
+centre to one of them (`_core/surface/scan.hpp`). So the heights are bit for bit those of
+`Surface.sample`. Other quantities follow from the gradients of faces.
 """
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import ArrayLike
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypedDict
 
-from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_pairs
-from liftmesh.base.options import Interpolation, as_threads, check_option
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from liftmesh._typing import Array, Floats
+from liftmesh.base.arrays import as_pairs, planar_bounds
+from liftmesh.base.options import (
+    Interpolation,
+    RasterQuantity,
+    as_threads,
+    check_option,
+    refused,
+)
 from liftmesh.errors import InputError, Option
-from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
-from liftmesh.terrain.units import steepness
+from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.raster.raster import Raster
+from liftmesh.terrain.surface_data import (
+    OverPlane,
+    SurfaceData,
+    kernel_surface,
+    plane_system,
+    slope_scale,
+    steepness,
+    unit_names,
+)
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 def heights_at(
@@ -89,3 +117,210 @@ def aspect_degrees(gradients: Floats) -> Floats:
     is_level = (east == 0) & (north == 0)
     aspects: Floats = np.where(is_level, np.nan, np.where(turned == 360, 0.0, turned))
     return aspects[()]
+
+
+_UNITS = {"slope": "degree", "aspect": "degree"}
+_TOGETHER = 1 << 22  # pixels whose gradients are held at a time
+_TYPES = (np.dtype(np.float64), np.dtype(np.float32))
+_STEEP, _SCALE = 2.0**500, 2.0**-600
+
+
+class RasterOptions(TypedDict, total=False):
+    """The options of `Surface.raster`, which also describes those of tiles."""
+
+    bounds: Sequence[float] | None
+    transform: Sequence[float] | None
+    shape: Sequence[int] | None
+    quantity: RasterQuantity
+    interpolation: Interpolation
+    light: tuple[float, float]
+    z_factor: float | None
+    dtype: DTypeLike
+    threads: int | None
+
+
+_DEFAULTS: RasterOptions = {
+    "bounds": None,
+    "transform": None,
+    "shape": None,
+    "quantity": "height",
+    "interpolation": "linear",
+    "light": (315.0, 45.0),
+    "z_factor": None,
+    "dtype": np.float64,
+    "threads": None,
+}
+
+
+def rasterize(
+    surface: SurfaceData,
+    resolution: float | Sequence[float] | None = None,
+    **options: Unpack[RasterOptions],
+) -> Raster:
+    """Compute heights, or what follows from them, at the centres of pixels."""
+    plan = RasterPlan.of(surface, resolution, lambda: bounds_of_faces(surface), options)
+    values = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
+    scan = scanner(surface, plan.layout, plan.threads)
+    if plan.quantity == "height":
+        _check_range(surface, plan)
+    if plan.quantity == "height" and plan.interpolation == "linear":
+        scan(values[:, :, None], 0)
+    elif plan.quantity == "height":
+        for first, block in _blocks_of_rows(values):
+            rows = range(first, first + len(block))
+            centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
+            block[...] = heights_at(surface, centers, plan.interpolation, threads=plan.threads)
+    else:
+        for first, block in _blocks_of_rows(values):
+            gradients = np.empty((*block.shape, 2))
+            scan(gradients, first)
+            block[...] = plan.of_gradients(gradients)
+    plan.finish(values)
+    return plan.raster(values, plane_system(surface))
+
+
+def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
+    """Return xmin, ymin, xmax and ymax of the faces."""
+    solved = surface.triangulation
+    corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
+    return planar_bounds(solved.points[corners])
+
+
+def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:
+    """Raise if a height of a face is beyond the type; others than those of faces may be."""
+    heights = surface.frame.heights(surface.vertices)
+    if not np.fmax.reduce(np.abs(heights)) <= np.finfo(plan.kind).max:
+        plan.check_range(heights[surface.faces])
+
+
+def _blocks_of_rows(values: Array) -> Iterator[tuple[int, Array]]:
+    """Yield the rows of a raster, some at a time, and the number of the first."""
+    count = max(_TOGETHER // values.shape[1], 1)
+    for first in range(0, len(values), count):
+        yield first, values[first : first + count]
+
+
+def scanner(
+    surface: SurfaceData, layout: Layout, threads: int | None
+) -> Callable[[Array, int], None]:
+    """Return the kernel's scan of a surface, which fills pixels from a row of the raster on.
+
+    Pixels are (rows, columns, k): heights if k is 1, gradients if it is 2, and integers get faces.
+    """
+    limit = as_threads(threads, layout.rows * layout.columns)
+    locator = surface.triangulation._locator  # noqa: SLF001 - as in `heights_at`
+    relief = kernel_surface(surface)
+
+    def scan(pixels: Array, first_row: int) -> None:
+        relief.scan(locator, layout.transform, first_row, pixels, *limit)
+
+    return scan
+
+
+@dataclass(frozen=True)
+class RasterPlan:
+    """Where the pixels of a raster are, and which values they are asked to hold, checked."""
+
+    layout: Layout
+    quantity: str
+    interpolation: Interpolation
+    kind: np.dtype[Any]
+    light: Floats  # the unit vector towards it
+    rise: tuple[float, float]  # what gradients are multiplied by
+    unit: str | None
+    threads: int | None
+
+    @classmethod
+    def of(
+        cls,
+        surface: OverPlane,
+        resolution: float | Sequence[float] | None,
+        extent: Callable[[], Sequence[float]],
+        options: RasterOptions,
+    ) -> RasterPlan:
+        """Check the options."""
+        for name in options.keys() - _DEFAULTS.keys():
+            raise TypeError(f"a raster has no option {name!r}: give some of {', '.join(_DEFAULTS)}")
+        all_of = _DEFAULTS | options
+        quantity, interpolation = all_of["quantity"], all_of["interpolation"]
+        layout = layout_of(
+            resolution, all_of["bounds"], all_of["transform"], all_of["shape"], extent
+        )
+        check_option("quantity", quantity, RasterQuantity)
+        check_option("interpolation", interpolation, Interpolation)
+        check_interpolation(quantity, interpolation)
+        rise = (slope_scale if quantity == "height" else steepness)(surface, all_of["z_factor"])
+        unit = unit_names(surface)[1] if quantity == "height" else _UNITS.get(quantity)
+        kind, light = _checked_type(all_of["dtype"]), _light_of(all_of["light"])
+        return cls(layout, quantity, interpolation, kind, light, rise, unit, all_of["threads"])
+
+    def raster(self, values: Array, crs: str | None) -> Raster:
+        """Put values where they belong."""
+        return Raster(values, self.layout.transform, crs, self.quantity, self.unit)
+
+    def check_range(self, heights: Floats) -> None:
+        """Raise if one of some heights, or of their bounds, is finite but beyond the type."""
+        farthest = float(heights.ravel()[np.argmax(np.abs(heights))])
+        with np.errstate(over="ignore"):
+            is_beyond = math.isfinite(farthest) and np.isinf(self.kind.type(farthest))
+        if is_beyond:
+            raise InputError(
+                f"the height {farthest} is beyond {self.kind.name}: give "
+                f"{Option('dtype', 'float64')}"
+            )
+
+    def of_gradients(self, gradients: Floats) -> Floats:
+        """Compute slopes, aspects or shades."""
+        return _OF_GRADIENTS[self.quantity](gradients * self.rise, self.light)
+
+    def finish(self, values: Array) -> None:
+        """Change in place what is another value once it is rounded to the type."""
+        if self.quantity == "aspect":
+            values[values == 360] = 0  # which is north, too
+
+
+def check_interpolation(quantity: RasterQuantity, interpolation: Interpolation) -> None:
+    """Raise unless a quantity has an interpolation."""
+    if quantity != "height" and interpolation != "linear":
+        raise InputError(
+            f"{quantity} is that of faces: leave out {Option('interpolation', interpolation)}"
+        )
+
+
+def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:
+    try:
+        kind = np.dtype(dtype)
+    except (TypeError, ValueError, KeyError, AttributeError, OverflowError):
+        kind = np.dtype(np.void)
+    if kind not in _TYPES:
+        raise refused("dtype", dtype, "give 'float64' or 'float32'")
+    return kind
+
+
+def _light_of(light: tuple[float, float]) -> Floats:
+    """Convert azimuth and altitude to the direction towards the light."""
+    try:
+        azimuth, altitude = (math.radians(float(each)) for each in light)
+    except (TypeError, ValueError) as error:
+        raise refused("light", light, "give azimuth and altitude, in degrees") from error
+    if not (math.isfinite(azimuth) and 0 <= altitude <= math.pi / 2):
+        raise refused("light", light, "give an altitude from 0 to 90 degrees")
+    level = math.cos(altitude)
+    return np.array([math.sin(azimuth) * level, math.cos(azimuth) * level, math.sin(altitude)])
+
+
+def shade_of(gradients: Floats, light: Floats) -> Floats:
+    """Compute how bright faces are under a distant light: 0 in the shade, 255 facing it."""
+    steep = np.abs(gradients).max(axis=-1, initial=0) > _STEEP
+    scale = np.where(steep, _SCALE, 1.0)  # of the normal, so that its square is a double
+    x, y = gradients[..., 0] * scale, gradients[..., 1] * scale
+    facing = light[2] * scale - light[0] * x - light[1] * y
+    shades: Floats = 255 * np.maximum(facing, 0) / np.sqrt(scale * scale + x * x + y * y)
+    return shades
+
+
+_OF_GRADIENTS: dict[str, Callable[[Floats, Floats], Floats]] = {
+    "slope": lambda gradients, _: slope_degrees(gradients),
+    "aspect": lambda gradients, _: aspect_degrees(gradients),
+    "hillshade": shade_of,
+}

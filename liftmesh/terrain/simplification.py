@@ -47,6 +47,7 @@ from liftmesh.base.options import (
     as_distance,
     as_switch,
     check_progress,
+    part_of,
     refused,
 )
 from liftmesh.errors import InputError, Option
@@ -61,8 +62,10 @@ from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.selection import ClassChoice
+    from liftmesh.io.options import ReadOptions
     from liftmesh.planar.triangulation import Triangulation
 
 _WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
@@ -83,8 +86,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
-    classes: ClassChoice = None,
+    threads: int | None = None,
     progress: Progress | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Surface:
     """Approximate a terrain by few triangles, within a vertical distance of every point.
 
@@ -102,10 +106,15 @@ def simplify(  # noqa: PLR0913 - options are keywords
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
-    plane, on_duplicate, nonfinite, classes
+    plane, on_duplicate, nonfinite
         As for `triangulate`; not for a `Surface`, which has them already.
+    threads : int, optional
+        Of the triangulations, as for `triangulate`; vertices are chosen on one. The surface is the
+        same for any number.
     progress : callable, optional
         As for `triangulate`.
+    **options
+        As for `triangulate`: those of `read`, of a file.
 
     Returns
     -------
@@ -154,19 +163,19 @@ def simplify(  # noqa: PLR0913 - options are keywords
     prunes = as_switch("prune", prune)
     check_progress(progress)
     start = time.perf_counter()
-    stages = _scaled(progress)
     given: Any = {"plane": plane, "on_duplicate": on_duplicate, "nonfinite": nonfinite}
-    whole = _whole(cloud, classes, given, stages(0.0, _DONE_AFTER["triangulate"]))
+    given["threads"] = threads
+    whole = _whole(cloud, options, given, part_of(progress, 0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
     used, positions, hull = positions_of(whole)
-    between = stages(_DONE_AFTER["triangulate"], _DONE_AFTER["choose"])
+    between = part_of(progress, _DONE_AFTER["triangulate"], _DONE_AFTER["choose"])
     altitudes = np.ascontiguousarray(heights[used], np.float64) + 0.0
     chosen = _kernel.simplify(positions, altitudes, hull, bound, most, prunes, between)
     kept, is_within = np.sort(used[chosen[0]]), chosen[1]
     _check_count(len(kept), most)
-    simplified = _surface(whole, kept, start)
-    rest = stages(_DONE_AFTER["choose"], _DONE_AFTER["check"])
+    simplified = _surface(whole, kept, start, threads)
+    rest = part_of(progress, _DONE_AFTER["choose"], _DONE_AFTER["check"])
     checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
     summary = {
@@ -195,14 +204,14 @@ def _limits(max_error: object, max_points: object) -> tuple[float, int]:
 
 
 def _whole(
-    cloud: object, classes: ClassChoice, given: dict[str, Any], progress: Progress | None
+    cloud: object, options: ReadOptions, given: dict[str, Any], progress: Progress | None
 ) -> Surface:
     """Return the surface that is to be simplified; raise if it does not cover its hull."""
-    if isinstance(cloud, Surface) and classes is None:
+    if isinstance(cloud, Surface) and all(each is None for each in options.values()):
         if cloud.mask is not None:
             raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
-    source = read_rows(cloud, classes=classes)
+    source = read_rows(cloud, **options)
     whole = triangulate(source, **given, progress=progress)
     if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
         _check_faces(source, given["plane"])
@@ -235,27 +244,16 @@ def _check_bound(checked: Deviation, bound: float, is_within: bool) -> None:
         raise AssertionError(f"{checked.beyond} positions are beyond {bound}: a bug of liftmesh")
 
 
-def _scaled(progress: Progress | None) -> Any:
-    """Make callbacks that scale a stage's progress to the whole run."""
-
-    def stage(first: float, last: float) -> Progress | None:
-        if progress is None:
-            return None
-        return lambda done: progress(first + done * (last - first))
-
-    return stage
-
-
 def _check_count(corners: int, most: int) -> None:
     if most and corners > most:
         reason = f"and the hull has {corners} corners: give more"
         raise refused("max_points", most, reason, mark=", ")
 
 
-def _surface(whole: Surface, kept: Rows, start: float) -> Surface:
+def _surface(whole: Surface, kept: Rows, start: float, threads: int | None) -> Surface:
     """Triangulate the rows that stay; their order and their coordinates are those of the whole."""
     cloud = whole.to_cloud().select(kept)
-    triangulation = triangulation_of(solve(whole.triangulation.points[kept]))
+    triangulation = triangulation_of(solve(whole.triangulation.points[kept], threads=threads))
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,

@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.options import Interpolation, Pinched, RasterQuantity, counted
+from liftmesh.base.options import Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import changes, contours, measures, profile, raster, sampling, solid, trimming
+from liftmesh.terrain import boundary, changes, contours, measures, profile, sampling
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -28,13 +27,16 @@ if TYPE_CHECKING:
     import matplotlib.tri as matplotlib_tri
     import open3d as o3d
     import trimesh as trimesh_package
+    from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import WriteResult
+    from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
+    from liftmesh.terrain.sampling import RasterOptions
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -80,6 +82,11 @@ class Surface(SurfaceData):
     def __repr__(self) -> str:
         triangles = counted(len(self.faces), "triangle")
         return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
+        return sampling.bounds_of_faces(self)
 
     def replace(
         self,
@@ -363,19 +370,10 @@ class Surface(SurfaceData):
         """
         return profile.profile_along(self, line)
 
-    def raster(  # noqa: PLR0913 - options are keywords
+    def raster(
         self,
         resolution: float | Sequence[float] | None = None,
-        *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        interpolation: Interpolation = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float64,
-        threads: int | None = None,
+        **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute heights, or what follows from them, at the centres of pixels.
 
@@ -384,27 +382,21 @@ class Surface(SurfaceData):
         resolution : float or pair of float, optional
             Width and height of a pixel. The edges of pixels are multiples of it, so that rasters of
             neighbouring surfaces fit together; row 0 is the one with the largest y.
-        bounds : sequence of float, optional
-            xmin, ymin, xmax and ymax to cover; by default those of the faces.
-        transform : sequence of float, optional
-            a, b, c, d, e and f of a `Raster`, in place of the resolution: any affine transform, as
-            that of another raster.
-        shape : pair of int, optional
-            Rows and columns, with a transform.
-        quantity : {"height", "slope", "aspect", "hillshade"}
-            Heights above the plane; or what the face that owns the centre has: degrees as of
-            `Surface.slope` and `Surface.aspect`, or brightness from 0 to 255.
-        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
-            How heights are interpolated, as for `Surface.sample`.
-        light : pair of float, default (315, 45)
-            Azimuth of the light, in degrees clockwise from the direction of y, and altitude above
-            the plane, for "hillshade".
-        z_factor : float, optional
-            As for `Surface.slope`; other than 1, it exaggerates shades.
-        dtype : {"float64", "float32"}
-            Type of the values; heights are rounded once.
-        threads : int, optional
-            As for `delaunay`.
+        **options
+            What else is asked for:
+
+            - ``bounds``: xmin, ymin, xmax and ymax to cover; by default those of the faces.
+            - ``transform`` and ``shape``, in place of the resolution: a, b, c, d, e and f of a
+              `Raster`, any affine transform, as that of another raster; rows and columns.
+            - ``quantity``: "height", above the plane; or what the face that owns the centre has:
+              "slope" or "aspect", in degrees as of `Surface.slope` and `Surface.aspect`, or
+              "hillshade", brightness from 0 to 255.
+            - ``interpolation``: of heights, as for `Surface.sample`.
+            - ``light``, default (315, 45): azimuth of the light, in degrees clockwise from the
+              direction of y, and altitude above the plane, for "hillshade".
+            - ``z_factor``: as for `Surface.slope`; other than 1, it exaggerates shades.
+            - ``dtype``: "float64", or "float32"; heights are rounded once.
+            - ``threads``: as for `delaunay`.
 
         Returns
         -------
@@ -430,19 +422,7 @@ class Surface(SurfaceData):
         >>> surface.raster((4, 2), quantity="aspect").values.ravel()
         array([270., 270.])
         """
-        return raster.rasterize(
-            self,
-            resolution,
-            bounds=bounds,
-            transform=transform,
-            shape=shape,
-            quantity=quantity,
-            interpolation=interpolation,
-            light=light,
-            z_factor=z_factor,
-            dtype=dtype,
-            threads=threads,
-        )
+        return sampling.rasterize(self, resolution, **options)
 
     def contours(
         self,
@@ -747,7 +727,7 @@ class Surface(SurfaceData):
         >>> block.points.shape, block.faces.shape
         ((9, 3), (14, 3))
         """
-        return solid.closed_solid(
+        return boundary.closed_solid(
             self,
             base_height,
             thickness=thickness,
@@ -809,7 +789,7 @@ class Surface(SurfaceData):
         >>> surface.trim(max_edge=2), surface.trim(max_radius=1).mask.tolist()
         (<Surface of 2 triangles over 5 vertices>, [False, False, True, True])
         """
-        return trimming.trim(
+        return boundary.trim(
             self,
             max_edge=max_edge,
             boundary_only=boundary_only,
@@ -834,7 +814,33 @@ class Surface(SurfaceData):
         >>> liftmesh.triangulate([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]).boundary()
         [array([0, 1, 3, 2], dtype=int32)]
         """
-        return trimming.boundary(self)
+        return boundary.boundary(self)
+
+    def verify(self, *, threads: int | None = None) -> Certificate:
+        """Verify the triangulation from scratch, as `Triangulation.verify`.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `delaunay`.
+
+        Returns
+        -------
+        Certificate
+            Of all triangles, those that `trim` leaves out among them.
+
+        Raises
+        ------
+        InputError
+            `threads` is not a valid number.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> bool(liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).verify())
+        True
+        """
+        return self.triangulation.verify(threads=threads)
 
     def to_cloud(self) -> Cloud:
         """Convert the surface to a cloud with faces.

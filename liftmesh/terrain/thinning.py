@@ -24,9 +24,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Rows
+from liftmesh._typing import Array, Floats, Progress, Rows
 from liftmesh.base.arrays import check_finite, starts_of_runs
-from liftmesh.base.options import CellRow, as_count, as_positive, check_option, refused
+from liftmesh.base.options import (
+    CellRow,
+    as_count,
+    as_positive,
+    check_option,
+    check_progress,
+    part_of,
+    refused,
+)
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
@@ -42,9 +50,10 @@ _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells
 # at the corners by no more than rounding.
 _NEAR = [(i, j) for i in range(-2, 3) for j in range(-2, 3) if i or j]
 _SEEDS = 2**63
+_TRIANGULATED = 0.1  # of adaptive thinning
 
 
-def thin(
+def thin(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
     every: int | None = None,
@@ -54,6 +63,7 @@ def thin(
     keep: CellRow | None = None,
     min_distance: float | None = None,
     adaptive: int | None = None,
+    progress: Progress | None = None,
 ) -> Cloud:
     """Thin a cloud by one of five ways.
 
@@ -80,6 +90,9 @@ def thin(
         the vertical distances of all that are gone grow least; of several, as on level ground, one
         that a hash of the coordinates chooses. Corners of the hull stay; of rows at one planar
         position the first counts, and each row must be finite.
+
+    progress : callable, optional
+        As for `triangulate`; of `every`, `random` and `cell` it hears of the end alone.
 
     Returns
     -------
@@ -112,6 +125,7 @@ def thin(
     seed = 0 if seed is None else as_count("seed", seed, 0)
     keep = "lowest" if keep is None else keep
     check_option("keep", keep, CellRow)
+    check_progress(progress)
     source = read_cloud(cloud)
     how: dict[str, object] = {way: value}
     rows: Array
@@ -124,9 +138,11 @@ def thin(
         rows = _of_cells(source.points, as_positive("cell", value, _LENGTH), keep)
         how["keep"] = keep
     elif way == "adaptive":
-        rows = _most_significant(source, as_count("adaptive", value, 3))
+        rows = _most_significant(source, as_count("adaptive", value, 3), progress)
     else:
-        rows = _apart(source.points, as_positive("min_distance", value, _LENGTH))
+        rows = _apart(source.points, as_positive("min_distance", value, _LENGTH), progress)
+    if progress is not None:
+        progress(1.0)
     counts = {"rows": len(source), "kept": len(rows), **how}
     return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
 
@@ -140,13 +156,14 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     return next(iter(ways.items()))
 
 
-def _most_significant(cloud: Cloud, wanted: int) -> Rows:
+def _most_significant(cloud: Cloud, wanted: int, progress: Progress | None) -> Rows:
     """Choose the rows that adaptive thinning keeps."""
     check_finite(cloud.points, skippable=False)
-    surface = triangulate(cloud)
+    surface = triangulate(cloud, progress=part_of(progress, 0.0, _TRIANGULATED))
     used, plane, hull = positions_of(surface)
     heights = np.ascontiguousarray(surface.vertices[used, 2], np.float64) + 0.0
-    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), None)
+    rest = part_of(progress, _TRIANGULATED, 1.0)
+    rows, _, _ = _kernel.thin(plane, heights, hull, min(wanted, _kernel.MOST_ROWS), rest)
     if len(rows) > wanted:
         raise refused("adaptive", wanted, f"the hull alone has {len(rows)} corners, which stay")
     return np.sort(used[rows])
@@ -184,7 +201,7 @@ def _of_cells(points: Floats, size: float, keep: CellRow) -> Array:
     return np.sort(np.concatenate([rows[order[is_first]], np.flatnonzero(~is_finite)]))
 
 
-def _apart(points: Floats, distance: float) -> Array:
+def _apart(points: Floats, distance: float, progress: Progress | None) -> Array:
     """Keep rows that are a distance apart, and as many that no other fits between."""
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
@@ -193,7 +210,7 @@ def _apart(points: Floats, distance: float) -> Array:
     grid = _Grid(cells)
     bits = plane.view(np.uint64)
     order = _mixed(bits[:, 0] ^ _mixed(bits[:, 1], 1), 0)
-    kept = _Rounds(plane, order, grid, distance).kept()
+    kept = _Rounds(plane, order, grid, distance).kept(progress)
     return np.sort(np.concatenate([rows[kept], np.flatnonzero(~is_finite)]))
 
 
@@ -253,7 +270,7 @@ class _Rounds:
         self._rank = np.empty(len(plane), np.int64)
         self._rank[self._sorted] = np.arange(len(plane))
 
-    def kept(self) -> Array:
+    def kept(self, progress: Progress | None) -> Array:
         """Return the points that stay."""
         count = self._grid.count
         chosen = np.full(count, -1)  # the point that stays in a cell: no two have room in one
@@ -264,6 +281,8 @@ class _Rounds:
             new = self._first_around(first)
             chosen[self._grid.of_point[new]] = new
             left = left[~self._is_near(left, chosen)]
+            if progress is not None:
+                progress(1 - len(left) / len(self._sorted))
         return chosen[chosen >= 0]
 
     def _first_around(self, first: Array) -> Array:

@@ -4,6 +4,12 @@ The input is converted to a `Cloud`; its rows are projected to planar coordinate
 planar points are triangulated, exactly; if several rows share a planar position, a policy selects
 the row that is used as the vertex. The surface's vertices are all of the caller's rows, in their
 order: the selection concerns the faces only.
+
+Weights and radii, by which points may be lifted, are named values of the cloud, so they go where
+the surface goes, radii as radii. A surface with weights also has the named values ``hidden``: 1 for
+rows that are in no face because they are strictly above the lower hull. Its metadata say which
+values were taken, and so do files that keep metadata. A surface that is triangulated again has what
+the new run says.
 """
 
 from __future__ import annotations
@@ -11,34 +17,52 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Literal, TypedDict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Apex, Floats, Progress, Rows
+from liftmesh._typing import Apex, Floats, Mask, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
-from liftmesh.base.options import Algorithm, NonFinite, OnDuplicate, check_option, check_progress
+from liftmesh.base.options import (
+    Algorithm,
+    NonFinite,
+    OnDuplicate,
+    check_option,
+    check_progress,
+    part_of,
+)
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
-from liftmesh.io.metadata import Provenance
+from liftmesh.io.metadata import LIFTED, Provenance
 from liftmesh.io.read import read_rows
+from liftmesh.planar import delaunay, regular
+from liftmesh.planar.delaunay import Solution, triangulation_of
+from liftmesh.planar.kinds import (
+    TriangulationKind,
+    as_metric,
+    as_weights,
+    named_values,
+    weights_or_radii,
+)
+from liftmesh.planar.regular import regular_triangulation_of
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.lifting import Lifting, lifting_of
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
+from liftmesh.terrain.surface_data import HIDDEN
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.options import ColumnChoice
-    from liftmesh.io.selection import ClassChoice
+    from liftmesh.io.options import ReadOptions
     from liftmesh.planar.delaunay import Solution
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
-
 
 # Fraction of the whole work that is done at the end of each stage.
 DONE_AFTER = {"read": 0.04, "plane": 0.05, "triangulation": 0.95, "heights": 0.99}
@@ -59,12 +83,10 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     apex: Apex = "median",
     threads: int | None = None,
     progress: Progress | None = None,
-    columns: ColumnChoice = None,
-    flat: bool = False,
-    classes: ClassChoice = None,
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     metric: ArrayLike | None = None,
+    **options: Unpack[ReadOptions],
 ) -> Surface:
     """Triangulate a point cloud over a plane.
 
@@ -112,16 +134,6 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         each stage, at most about twenty times a second during divide and conquer, and with 1.0 at
         the end. It is called in the thread that called `triangulate`. An exception that it raises
         aborts the run and propagates unchanged; the cloud stays as it was, and no result remains.
-    columns : str, mapping or sequence, optional
-        Of a table, the names of its columns, as for `read`; of an array of more than three columns,
-        the name of each, as ``"x,y,z,red,green,blue"``.
-    flat : bool, default False
-        Whether the heights of a table do not matter, as for `read`.
-    classes : int, iterable of int, "ground" or "all", optional
-        Of a file, the classes of the rows to read, as for `read`. Of LAS, LAZ and COPC by default
-        "ground": class 2 if any row has it, else all rows; rows that the file flags as withheld are
-        left out whatever the classes. Of a `Cloud` or another object all rows count, as they are.
-        The report says which classes were taken.
     weights, radii : (n,) array_like or str, optional
         The faces are those of the regular triangulation, as from `regular`, of the planar points
         with these weights, or radii: numbers, or the name of values of the cloud, such as a column
@@ -129,6 +141,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         these.
     metric : (2, 2) array_like, optional
         The metric of the planar coordinates, as for `delaunay`.
+    **options
+        Of a file all options of `read`, such as `bounds`, `src_crs` or `columns`; of an array or a
+        table in memory ``columns``, ``flat`` and ``nodata``, as for `as_cloud`. The default of
+        `classes` is another than that of `read`: of LAS, LAZ and COPC "ground", which is class 2 if
+        any row has it, else all rows, and rows that the file flags as withheld are left out
+        whatever the classes. ``classes="all"`` takes all. Of a `Cloud` or another object all rows
+        count, as they are. ``Surface.report.classes`` says which classes were taken.
 
     Returns
     -------
@@ -185,7 +204,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
-    source = with_parts(read_rows(cloud, classes=classes, columns=columns, flat=flat), given)
+    source = with_parts(read_rows(cloud, **options), given)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -195,13 +214,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     frame = resolve_plane(plane, source.points)
     planar, heights = frame.planar(source.points), frame.heights(source.points)
     stages.finish("plane")
-    options: _Options = {
+    engine: _Options = {
         "nonfinite": nonfinite,
         "algorithm": algorithm,
         "apex": apex,
         "threads": threads,
     }
-    solution = _solve(lifting, planar, heights, options, stages.within("triangulation"))
+    solution = _solve(lifting, planar, heights, engine, stages.within("triangulation"))
     stages.finish("triangulation")
     choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
     triangulation = lifting.triangulation(_chosen(solution, choice))
@@ -268,18 +287,14 @@ class _Stages:
 
     def within(self, stage: str) -> Progress | None:
         """Return a callback that scales a stage's own progress, from 0 to 1, to the whole run."""
-        if self._progress is None:
-            return None
-        start, size = self._done, DONE_AFTER[stage] - self._done
-        return lambda fraction: self._report(start + fraction * size)
+        return part_of(self._progress, self._done, DONE_AFTER[stage])
 
     def end(self) -> None:
         """Report the end of the run."""
         self._report(1.0)
 
     def _report(self, done: float) -> None:
-        # Rounding may put the scaled end of a stage an ulp beyond its nominal end.
-        self._done = max(self._done, done)
+        self._done = done
         if self._progress is not None:
             self._progress(self._done)
 
@@ -383,4 +398,111 @@ def _report(
         representatives=representatives[order],
         columns=Provenance(cloud.metadata).columns,
         n_hidden=len(hidden),
+    )
+
+
+_DIVIDING = ("auto", "divide-and-conquer")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Lifting:
+    """What the planar points of a cloud are lifted by."""
+
+    cloud: Cloud  # has weights or radii among its named values
+    weights: TriangulationKind | None = None
+    metric: Floats | None = None
+
+    def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
+        """Return the arguments of the triangulation of planar points."""
+        if self.weights is None:
+            return delaunay.solve(planar, **options, metric=self.metric)
+        shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
+        return regular.solve(planar, self.weights.name, self.weights.values, **shared)
+
+    def triangulation(self, solution: Solution) -> Triangulation:
+        """Make the triangulation of a solution."""
+        make = triangulation_of if self.weights is None else regular_triangulation_of
+        return make(solution)
+
+    def is_weighable(self, rows: Rows) -> Mask:
+        """Tell which rows are not skipped because of their weight."""
+        if self.weights is None:
+            return np.ones(len(rows), dtype=np.bool_)
+        return np.isfinite(self.weights.values[rows])
+
+    def with_hidden(self, rows: Rows) -> dict[str, Any]:
+        """Return the named values of the surface."""
+        named = dict(self.cloud.attributes)
+        if self.weights is not None:
+            named[HIDDEN] = np.zeros(len(self.cloud), dtype=np.uint8)
+            named[HIDDEN][rows] = 1
+        return named
+
+
+def lifting_of(
+    cloud: Cloud,
+    weights: ArrayLike | str | None,
+    radii: ArrayLike | str | None,
+    metric: ArrayLike | None,
+    algorithm: Algorithm,
+) -> Lifting:
+    """Convert the options to what the points are lifted by."""
+    cloud = _without_former(cloud)
+    if weights is None and radii is None:
+        if metric is None:
+            return Lifting(cloud)
+        form = as_metric(metric)
+        return Lifting(_with_entry(cloud, {"metric": form.tolist()}), metric=form)
+    kind, given = weights_or_radii(weights, radii)
+    if metric is not None:
+        raise InputError(f"both {kind} and a metric are given: give one of them")
+    if algorithm not in _DIVIDING:
+        raise InputError(
+            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
+        )
+    _check_hidden(cloud, kind)
+    if isinstance(given, str):
+        values = as_weights(kind, named_values(cloud, kind, given), len(cloud))
+        return Lifting(_with_entry(cloud, {kind: given}), values)
+    values = as_weights(kind, given, len(cloud))
+    array = given if type(given) is np.ndarray and given.ndim == 1 else values.values
+    named = replace(cloud, attributes={**cloud.attributes, kind: array})
+    return Lifting(_with_entry(named, {kind: kind}), values)
+
+
+def _check_hidden(cloud: Cloud, kind: str) -> None:
+    """Raise for values that would be replaced, or warn if they are 0 and 1."""
+    if HIDDEN not in cloud.attributes:
+        return
+    if not np.isin(cloud.attributes[HIDDEN], (0, 1)).all():
+        raise InputError(
+            f"the points have values named {HIDDEN!r}, the name of those that say by 0 or 1 which "
+            f"rows the {kind} hide: rename them, or leave them out"
+        )
+    warnings.warn(replaced_flags(cloud), DataWarning, stacklevel=5)
+
+
+def replaced_flags(cloud: Cloud) -> str:
+    """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
+    former = Provenance(cloud.metadata).lifted_by
+    if HIDDEN not in cloud.attributes or (former and "metric" not in former):
+        return ""
+    ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
+    return f"the values {HIDDEN!r} of the points, {ones}, are replaced by those of this run"
+
+
+def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
+    return replace(cloud, metadata={**cloud.metadata, LIFTED: entry})
+
+
+def _without_former(cloud: Cloud) -> Cloud:
+    """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
+    former = Provenance(cloud.metadata).lifted_by
+    if not former:
+        return cloud
+    noted = () if "metric" in former else (HIDDEN,)
+    return replace(
+        cloud,
+        attributes={name: each for name, each in cloud.attributes.items() if name not in noted},
+        metadata={name: each for name, each in cloud.metadata.items() if name != LIFTED},
     )

@@ -466,8 +466,9 @@ class Run:
 
     def _check_same(self, what: str, name: str, before: object, now: object) -> None:
         if before != now:
+            told = name if name == "version" else f"{Option(name)}"
             raise InputError(
-                f"{self.context.out} holds {what} with {name} {shown(before)}, not {shown(now)}: "
+                f"{self.context.out} holds {what} with {told} {shown(before)}, not {shown(now)}: "
                 f"use the same, or begin anew with {Option('resume', False)}"
             )
 

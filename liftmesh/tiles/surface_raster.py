@@ -21,21 +21,20 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
-from liftmesh.base.options import Interpolation, RasterQuantity, as_switch, check_progress
+from liftmesh.base.options import as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
-from liftmesh.raster.pixels import Layout, centres_of, layout_of
+from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.raster import Wanted, unit_of
 from liftmesh.terrain.report import Report
+from liftmesh.terrain.sampling import RasterOptions, RasterPlan
 from liftmesh.terrain.surface import Surface
 from liftmesh.tiles.tiled_data import TiledSurfaceData, shard_faces, shard_vertices
 
@@ -49,113 +48,70 @@ _BLOCK = 1 << 19  # triangles that are looked at at once
 _CIRCLES = 1 << 15  # faces that have one box around their circles
 
 
-def rasterize(  # noqa: PLR0913 - options are keywords
+def rasterize(
     tiled: TiledSurfaceData,
     resolution: float | Sequence[float] | None,
-    *,
-    bounds: Sequence[float] | None,
-    transform: Sequence[float] | None,
-    shape: Sequence[int] | None,
-    quantity: RasterQuantity,
-    interpolation: Interpolation,
-    light: tuple[float, float],
-    z_factor: float | None,
-    dtype: DTypeLike,
-    threads: int | None,
     progress: Progress | None,
+    options: RasterOptions,
 ) -> Raster:
     """Compute a raster in memory."""
     check_progress(progress)
-    layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(
-        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
-    )
-    values = np.empty((layout.rows, layout.columns), wanted.kind)
+    windows = _Windows(tiled, _plan(tiled, resolution, options))
+    plan = windows.plan
+    values = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
     for (down, across), block in windows.values(progress):
         values[down.start : down.stop, across.start : across.stop] = block
-    return Raster(values, layout.transform, tiled.crs, quantity, unit_of(tiled, quantity))
+    return plan.raster(values, tiled.crs)
 
 
-def save_raster(  # noqa: PLR0913 - options are keywords
+def save_raster(
     tiled: TiledSurfaceData,
     path: str | os.PathLike[str],
     resolution: float | Sequence[float] | None,
+    progress: Progress | None,
+    options: RasterOptions,
     *,
-    bounds: Sequence[float] | None,
-    transform: Sequence[float] | None,
-    shape: Sequence[int] | None,
-    quantity: RasterQuantity,
-    interpolation: Interpolation,
-    light: tuple[float, float],
-    z_factor: float | None,
-    dtype: DTypeLike,
     cog: bool,
     compress: str | None,
-    threads: int | None,
-    progress: Progress | None,
 ) -> WriteResult:
     """Write a raster as GeoTIFF, window by window."""
     check_progress(progress)
     target = Path(path)
     check_name(target)
     is_cog = as_switch("cog", cog)
-    layout = _layout(tiled, resolution, bounds, transform, shape)
-    windows, wanted = _windows(
-        tiled, layout, quantity, interpolation, dtype, light, z_factor, threads
-    )
+    windows = _Windows(tiled, _plan(tiled, resolution, {"dtype": np.float32, **options}))
+    plan = windows.plan
     writer.write_windows(
         target,
-        (layout.rows, layout.columns),
-        wanted.kind,
+        (plan.layout.rows, plan.layout.columns),
+        plan.kind,
         windows.values(progress),
-        layout.transform,
-        written_system(tiled.crs, quantity),
-        unit=unit_of(tiled, quantity),
+        plan.layout.transform,
+        written_system(tiled.crs, plan.quantity),
+        unit=plan.unit,
         cog=is_cog,
         compress=compress,
     )
     return written_file(target, "geotiff")
 
 
-def _layout(
-    tiled: TiledSurfaceData, resolution: Any, bounds: Any, transform: Any, shape: Any
-) -> Layout:
-    return layout_of(resolution, bounds, transform, shape, lambda: tiled.bounds)
-
-
-def _windows(
-    tiled: TiledSurfaceData,
-    layout: Layout,
-    quantity: RasterQuantity,
-    interpolation: Interpolation,
-    dtype: DTypeLike,
-    light: tuple[float, float],
-    z_factor: float | None,
-    threads: int | None,
-) -> tuple[_Windows, Wanted]:
-    wanted = Wanted.validated(tiled, quantity, interpolation, dtype, light, z_factor)
-    if quantity == "height":
-        wanted.check_range(np.array(tiled.box)[[2, 5]])
-    return _Windows(tiled, layout, wanted, interpolation, threads), wanted
+def _plan(
+    tiled: TiledSurfaceData, resolution: float | Sequence[float] | None, options: RasterOptions
+) -> RasterPlan:
+    west, south, low, east, north, high = tiled.box
+    plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
+    if plan.quantity == "height":
+        plan.check_range(np.array([low, high]))
+    return plan
 
 
 class _Windows:
     """Computes the values of a raster, some pixels at a time."""
 
-    def __init__(
-        self,
-        tiled: TiledSurfaceData,
-        layout: Layout,
-        wanted: Wanted,
-        interpolation: Interpolation,
-        threads: int | None,
-    ) -> None:
+    def __init__(self, tiled: TiledSurfaceData, plan: RasterPlan) -> None:
+        self.plan = plan
         self._tiled = tiled
-        self._layout = layout
-        self._wanted = wanted
-        self._interpolation: Interpolation = interpolation
-        self._threads = threads
-        is_linear = interpolation == "linear"
+        is_linear = plan.interpolation == "linear"
         self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
         self._fewest = 1 if is_linear else _FEWEST
         largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
@@ -163,7 +119,7 @@ class _Windows:
 
     def values(self, progress: Progress | None) -> Iterator[tuple[Window, Array]]:
         """Yield windows, block of rows by block of rows, and their values."""
-        rows, columns = self._layout.rows, self._layout.columns
+        rows, columns = self.plan.layout.rows, self.plan.layout.columns
         done = 0
         for top in range(0, rows, _SIDE):
             for left in range(0, columns, _SIDE):
@@ -175,10 +131,10 @@ class _Windows:
                     progress(done / (rows * columns))
 
     def _of(self, down: range, across: range) -> Array:
-        centres = centres_of(self._layout.transform, down, across)
+        centres = centres_of(self.plan.layout.transform, down, across)
         low, high = centres.min(axis=(0, 1)).tolist(), centres.max(axis=(0, 1)).tolist()
         most = self._most if centres.size > 2 * self._fewest else 1 << 31
-        surface = part_of(self._tiled, self._near((*low, *high)), most, self._threads)
+        surface = part_of(self._tiled, self._near((*low, *high)), most, self.plan.threads)
         if not isinstance(surface, int):
             return self._at(centres, surface)
         if surface == 0:
@@ -189,17 +145,18 @@ class _Windows:
 
     def _at(self, centres: Floats, surface: Surface | None) -> Array:
         """Compute the values at centres; without a face, these are NaN."""
-        values = np.empty(centres.shape[:2], self._wanted.kind)
-        if self._wanted.quantity == "height":
+        plan = self.plan
+        values = np.empty(centres.shape[:2], plan.kind)
+        if plan.quantity == "height":
             values[...] = np.nan
             if surface is not None:
-                values[...] = surface.sample(centres, self._interpolation, threads=self._threads)
+                values[...] = surface.sample(centres, plan.interpolation, threads=plan.threads)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
-                gradients = surface.gradient(centres, threads=self._threads)
-            values[...] = self._wanted.of_gradients(gradients)
-        self._wanted.finish(values)
+                gradients = surface.gradient(centres, threads=plan.threads)
+            values[...] = plan.of_gradients(gradients)
+        plan.finish(values)
         return values
 
 

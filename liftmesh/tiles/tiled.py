@@ -7,23 +7,25 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Integers, Progress, Rows
-from liftmesh.base.options import Interpolation, RasterQuantity, as_folder
+from liftmesh.base.options import as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
 from liftmesh.tiles.store import manifest_of
 from liftmesh.tiles.tiled_data import TiledData, TiledSurfaceData
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.report import Report
+    from liftmesh.terrain.sampling import RasterOptions
 
 
 class Tiled(TiledData):
@@ -44,6 +46,7 @@ class Tiled(TiledData):
     --------
     >>> import tempfile
     >>> import liftmesh
+    >>> import numpy as np
     >>> points = np.random.default_rng(0).random((1000, 2))
     >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
     >>> len(tiled.shards) > 1, tiled.to_array().shape == liftmesh.delaunay(points).simplices.shape
@@ -320,6 +323,7 @@ class Tiled(TiledData):
         --------
         >>> import tempfile
         >>> import liftmesh
+        >>> import numpy as np
         >>> points = np.random.default_rng(0).random((1000, 2))
         >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
         >>> print(tiled.verify(points))
@@ -346,6 +350,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
     --------
     >>> import tempfile
     >>> import liftmesh
+    >>> import numpy as np
     >>> points = np.random.default_rng(0).random((1000, 3))
     >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp(), tile_rows=300)
     >>> tiled
@@ -443,20 +448,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
         """
         return tiled_data.meshes_of(self)
 
-    def raster(  # noqa: PLR0913 - options are keywords
+    def raster(
         self,
         resolution: float | Sequence[float] | None = None,
         *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        interpolation: Interpolation = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float64,
-        threads: int | None = None,
         progress: Progress | None = None,
+        **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute a raster in memory, reading the faces window by window.
 
@@ -464,12 +461,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor, dtype
-            As for `Surface.raster`.
-        threads : int, optional
+        resolution : float or pair of float, optional
             As for `Surface.raster`.
         progress : callable, optional
             Called with the fraction of the pixels done.
+        **options
+            As for `Surface.raster`.
 
         Returns
         -------
@@ -494,38 +491,17 @@ class TiledSurface(TiledSurfaceData, Tiled):
         array([[2., 6.],
                [2., 6.]])
         """
-        return surface_raster.rasterize(
-            self,
-            resolution,
-            bounds=bounds,
-            transform=transform,
-            shape=shape,
-            quantity=quantity,
-            interpolation=interpolation,
-            light=light,
-            z_factor=z_factor,
-            dtype=dtype,
-            threads=threads,
-            progress=progress,
-        )
+        return surface_raster.rasterize(self, resolution, progress, options)
 
-    def save_raster(  # noqa: PLR0913 - options are keywords
+    def save_raster(
         self,
         path: str | os.PathLike[str],
         resolution: float | Sequence[float] | None = None,
         *,
-        bounds: Sequence[float] | None = None,
-        transform: Sequence[float] | None = None,
-        shape: Sequence[int] | None = None,
-        quantity: RasterQuantity = "height",
-        interpolation: Interpolation = "linear",
-        light: tuple[float, float] = (315.0, 45.0),
-        z_factor: float | None = None,
-        dtype: DTypeLike = np.float32,
         cog: bool = False,
         compress: str | None = "deflate",
-        threads: int | None = None,
         progress: Progress | None = None,
+        **options: Unpack[RasterOptions],
     ) -> WriteResult:
         """Write a raster as GeoTIFF, window by window: no more than a window is in memory.
 
@@ -533,23 +509,21 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ----------
         path : path
             Where to write; written whole or not at all.
-        resolution, bounds, transform, shape, quantity, interpolation, light, z_factor
+        resolution : float or pair of float, optional
             As for `Surface.raster`.
-        dtype : {"float32", "float64"}
-            Type of the values; heights are rounded once.
         cog : bool, default False
             Write a cloud optimised GeoTIFF, by way of a plain one beside it.
         compress : str, optional
             As for `Raster.save`.
-        threads : int, optional
-            As for `delaunay`.
         progress : callable, optional
             Called with the fraction of the pixels done.
+        **options
+            As for `Surface.raster`; `dtype` is float32 by default.
 
         Returns
         -------
-        pathlib.Path
-            The file; its values are those of `Surface.raster`, bit for bit.
+        WriteResult
+            Of the file; its values are those of `Surface.raster`, bit for bit.
 
         Raises
         ------
@@ -572,21 +546,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         'geotiff'
         """
         return surface_raster.save_raster(
-            self,
-            path,
-            resolution,
-            bounds=bounds,
-            transform=transform,
-            shape=shape,
-            quantity=quantity,
-            interpolation=interpolation,
-            light=light,
-            z_factor=z_factor,
-            dtype=dtype,
-            cog=cog,
-            compress=compress,
-            threads=threads,
-            progress=progress,
+            self, path, resolution, progress, options, cog=cog, compress=compress
         )
 
     def contours(

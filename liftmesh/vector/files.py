@@ -49,6 +49,8 @@ _MOST_DEGREES = np.array([360.0, 180.0])  # twice those of x and y
 _TEXT = {".geojson", ".json", ""}
 _MARK = b"\xef\xbb\xbf"
 
+LINE_SUFFIXES = (".geojson", ".json", ".gpkg")
+
 
 def read_features(path: Path, what: str) -> dict[str, Any]:
     """Read the geometries of a file, and the values that they have."""

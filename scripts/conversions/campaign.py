@@ -7,14 +7,14 @@ from collections.abc import Callable, Iterator
 from functools import partial
 
 import hypothesis
-from hypothesis import HealthCheck, Phase, given, settings, strategies as st
-
 from conversions.checking import check_chunks, check_pairs, went_through
 from conversions.drawn import clouds
 from conversions.objects import objects
 from conversions.passages import files
 from conversions.read_only import read_only
 from conversions.write_only import READERS
+from hypothesis import HealthCheck, Phase, given, settings, strategies as st
+
 from liftmesh import Cloud
 
 WAYS = (*files(), *read_only(), *objects())

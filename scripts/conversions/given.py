@@ -12,6 +12,7 @@ from conversions.checking import went_through
 from conversions.comparing import ChangedError
 from conversions.passages import OF_FILES, Arrival, Passage, files
 from conversions.probing import kept_by
+
 from liftmesh import Cloud, LiftmeshError, read, triangulate
 from liftmesh.io.registry import FORMATS
 

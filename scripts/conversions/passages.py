@@ -19,8 +19,8 @@ from itertools import product
 from typing import Any, Literal, get_args, get_origin
 
 import laspy
-
 from conversions.write_only import READERS
+
 from liftmesh import Cloud, Format, FormatError, read, read_chunks, write
 from liftmesh.io.registry import FORMATS
 

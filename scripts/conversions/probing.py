@@ -9,8 +9,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-
 from conversions.comparing import ALPHA, CRS, DEEP, FACES, ORDER, PRECISION, ROWS, losses
+
 from liftmesh import Cloud, LiftmeshError
 
 if TYPE_CHECKING:

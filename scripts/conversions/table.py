@@ -12,6 +12,7 @@ from conversions.objects import objects
 from conversions.passages import Passage, files
 from conversions.probing import BY_VALUE, COLORS, NAMES, OWN, ROUNDED_TYPE, Kept, kept_by
 from conversions.read_only import read_only
+
 from liftmesh.io.registry import FORMATS
 
 PAGE = Path(__file__).resolve().parents[2] / "FORMATS.md"

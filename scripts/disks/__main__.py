@@ -23,10 +23,10 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from benchmark.cgal.beside import built, clocked, columns, conclude, in_turn, parser_of
-
-import liftmesh
 from disks.families import FAMILIES, TIED, Disks
 from disks.peer import build, by_cgal
+
+import liftmesh
 
 SEED = 19
 

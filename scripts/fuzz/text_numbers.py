@@ -17,9 +17,9 @@ from decimal import Context, Decimal
 from itertools import product
 
 import numpy as np
+from fuzz.round_trip import demand
 from numpy.typing import NDArray
 
-from fuzz.round_trip import demand
 from liftmesh import _kernel
 
 DELIMITERS = ("", ",", ";", "\t")

@@ -24,14 +24,14 @@ VORONOI = ("regions", "ridge_vertices", "ridge_dict", "ridge_points", "ridge_end
            "region_vertices")  # fmt: skip
 
 
-on_diagram = on(liftmesh.Voronoi, fresh=True)
+on_diagram = on(liftmesh.scipy.Voronoi, fresh=True)
 """Prepare a call on a fresh diagram of SciPy's class."""
 
 
 def grown_by_half(points: Points) -> Work:
     """Prepare the addition of the second half of the points to the first."""
     half = len(points) // 2
-    found = liftmesh.Voronoi(points[:half], incremental=True)
+    found = liftmesh.scipy.Voronoi(points[:half], incremental=True)
     return Work(lambda: copy.copy(found).add_points(points[half:]), len(points))
 
 
@@ -117,13 +117,18 @@ on_cells = on(clipped, fresh=True)
 
 def diagram_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families of what makes and shows diagrams."""
-    farthest = on_points(lambda points: liftmesh.Voronoi(points, furthest_site=True))
-    yield "Voronoi", PLANAR, on_points(liftmesh.Voronoi), (*PLAIN, *EXACT)
-    yield "Voronoi of the farthest site", PLANAR, farthest, ("uniform", "parabola")
+    farthest = on_points(lambda points: liftmesh.scipy.Voronoi(points, furthest_site=True))
+    yield "scipy.Voronoi", PLANAR, on_points(liftmesh.scipy.Voronoi), (*PLAIN, *EXACT)
+    yield "scipy.Voronoi of the farthest site", PLANAR, farthest, ("uniform", "parabola")
     for name in VORONOI:
-        yield f"Voronoi.{name}", PLANAR, on_diagram(lambda v, name=name: getattr(v, name)), PLAIN
-    yield "Voronoi.add_points", PLANAR, grown_by_half, ("uniform",)
-    yield "Voronoi.close", PLANAR, on_diagram(liftmesh.Voronoi.close), ()
+        yield (
+            f"scipy.Voronoi.{name}",
+            PLANAR,
+            on_diagram(lambda v, name=name: getattr(v, name)),
+            PLAIN,
+        )
+    yield "scipy.Voronoi.add_points", PLANAR, grown_by_half, ("uniform",)
+    yield "scipy.Voronoi.close", PLANAR, on_diagram(liftmesh.scipy.Voronoi.close), ()
     yield "voronoi", PLANAR, on_points(clipped), (*PLAIN, "tilted lattice")
     yield "power_diagram", PLANAR, by_weight, ("uniform", "lattice")
     yield "voronoi in lakes", PLANAR, in_lakes, ("uniform",)

@@ -53,14 +53,14 @@ on_triangulation = on(lambda points: liftmesh.delaunay(points, threads=1))
 """Prepare a call on the triangulation of points."""
 
 
-on_scipys = on(liftmesh.Delaunay, fresh=True)
+on_scipys = on(liftmesh.scipy.Delaunay, fresh=True)
 """Prepare a call on a fresh triangulation of SciPy's class."""
 
 
 def sorted_first(name: str) -> Prepare:
     """Prepare an attribute that is asked for after the caller has sorted the corners."""
 
-    def asked(found: liftmesh.Delaunay) -> object:
+    def asked(found: liftmesh.scipy.Delaunay) -> object:
         found.simplices = np.sort(found.simplices)
         return getattr(found, name)
 
@@ -70,7 +70,7 @@ def sorted_first(name: str) -> Prepare:
 def grown_by_half(points: Points) -> Work:
     """Prepare the addition of the second half of the points to the first."""
     half = len(points) // 2
-    found = liftmesh.Delaunay(points[:half], incremental=True)
+    found = liftmesh.scipy.Delaunay(points[:half], incremental=True)
     return Work(lambda: copy.copy(found).add_points(points[half:]), len(points))
 
 
@@ -261,16 +261,21 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "delaunay with rows left out", PLANAR, delaunay(nonfinite="skip"), ("few positions",)
     for method in ("lf", "lfres", "lfres-indexed"):
         yield f"delaunay by {method}", PLANAR, delaunay(algorithm=method), ("uniform",), 8
-    yield "Delaunay", PLANAR, on_points(liftmesh.Delaunay), PLAIN
+    yield "scipy.Delaunay", PLANAR, on_points(liftmesh.scipy.Delaunay), PLAIN
     for name in ("coplanar", "edges", "equations", "good", "vertex_neighbor_vertices"):
-        yield f"Delaunay.{name}", PLANAR, on_scipys(lambda tri, name=name: getattr(tri, name)), ()
+        yield (
+            f"scipy.Delaunay.{name}",
+            PLANAR,
+            on_scipys(lambda tri, name=name: getattr(tri, name)),
+            (),
+        )
     for name in ("edges", "vertex_neighbor_vertices"):
-        yield f"Delaunay.{name} of sorted corners", PLANAR, sorted_first(name), PLAIN
-    farthest = on_points(lambda points: liftmesh.Delaunay(points, furthest_site=True))
-    yield "Delaunay of the farthest site", PLANAR, farthest, ("uniform", "parabola")
-    yield "Delaunay.lifted", PLANAR, on_scipys(lambda tri: tri.lifted("median")), ()
-    yield "Delaunay.add_points", PLANAR, grown_by_half, PLAIN
-    yield "Delaunay.close", PLANAR, on_scipys(liftmesh.Delaunay.close), ()
+        yield f"scipy.Delaunay.{name} of sorted corners", PLANAR, sorted_first(name), PLAIN
+    farthest = on_points(lambda points: liftmesh.scipy.Delaunay(points, furthest_site=True))
+    yield "scipy.Delaunay of the farthest site", PLANAR, farthest, ("uniform", "parabola")
+    yield "scipy.Delaunay.lifted", PLANAR, on_scipys(lambda tri: tri.lifted("median")), ()
+    yield "scipy.Delaunay.add_points", PLANAR, grown_by_half, PLAIN
+    yield "scipy.Delaunay.close", PLANAR, on_scipys(liftmesh.scipy.Delaunay.close), ()
     yield "verify", PLANAR, verified(lambda *given: given), (*FANS, *EXACT)
     for way in (shuffled, unshared, wrong):
         yield f"verify {way.__name__}", PLANAR, verified(way), (*PLAIN, "polar scan")

@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from growth.counting import Count, Work, count
 
 import liftmesh
-from growth.counting import Count, Work, count
 
 CHUNKS = 8
 POLYGONS = ("quads.ply", "quads_ascii.ply", "quads.off", "quads.obj")

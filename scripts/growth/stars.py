@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 from distributions import Points
-
-import liftmesh
 from growth.counting import Work, on
 from growth.families import FEW
 from growth.planar import PLANAR
+
+import liftmesh
 
 SPREAD = {name: PLANAR[name] for name in ("uniform", "gaussian", "kuzmin", "clusters", "lattice")}
 """Where a star takes few steps. On convex curves it takes all rows: the ellipses inside follow the

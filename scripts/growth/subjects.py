@@ -115,7 +115,7 @@ WITHOUT_DATA = {
     "Counters": "a result, made by delaunay",
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
     "CutFillResult": "a result, made by Surface.cut_and_fill",
-    "Profile": "a result, made by Surface.profile",
+    "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",

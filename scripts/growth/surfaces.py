@@ -147,6 +147,16 @@ def saved_lines(found: liftmesh.Contours) -> object:
     return found.save("/dev/null")
 
 
+def profiled(call: Callable[[liftmesh.Profile], object]) -> Prepare:
+    """Prepare a call on a line across the faces."""
+    return on(lambda points: surface_over(points).profile([[0, 0], [1, 1], [0, 1]]))(call)
+
+
+def saved_points(found: liftmesh.Profile) -> object:
+    """Write the points of a line as text."""
+    return found.save("/dev/null", format="csv")
+
+
 def surface_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation, counted families and least size."""
     for name in ("sample", "gradient"):
@@ -154,9 +164,9 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Surface.{name} near the middle", PLANAR, middle, HARD_TO_WALK, LEAST
         yield f"Surface.{name} of rows", PLANAR, rows, FANS[:2], LEAST
     for method in ("nearest", "laplace", "sibson"):
-        label, by = f"Surface.sample by {method}", asked("sample", near_the_middle, method=method)
+        by = asked("sample", near_the_middle, interpolation=method)
         hard = ("circle and centre", "parabola") if method == "nearest" else ()
-        yield label, PLANAR, by, ("uniform", "lattice", *hard), LEAST
+        yield f"Surface.sample by {method}", PLANAR, by, ("uniform", "lattice", *hard), LEAST
     for name in ("slope", "aspect"):
         yield f"Surface.{name}", PLANAR, asked(name, near_the_middle), ("uniform",), LEAST
     yield "Surface.trim", PLANAR, on_surface(trimmed_inwards), FANS, LEAST
@@ -174,6 +184,9 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST
     line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
     yield "Surface.profile", PLANAR, line, ("uniform", "lattice")
+    yield "Profile.to_cloud", PLANAR, profiled(liftmesh.Profile.to_cloud), ("uniform",)
+    yield "Profile.save", PLANAR, profiled(saved_points), ()
+    yield "Surface.verify", PLANAR, on_surface(lambda found: found.verify(threads=1)), ()
     yield "Surface.cut_and_fill", PLANAR, compared, ("uniform", "lattice")
     yield "Surface.cut_and_fill beside", PLANAR, compared_beside, ("circle and centre",)
     yield "Surface.cut_and_fill_by_polygon", PLANAR, compared_within, (), LEAST

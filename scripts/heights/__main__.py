@@ -24,10 +24,10 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
 from benchmark.cgal.beside import built, clocked, columns, conclude, in_turn, parser_of
-
-import liftmesh
 from heights.families import FAMILIES, Planar, inside, terrain
 from heights.peers import CgalHeights, Method
+
+import liftmesh
 
 ALLOWED = 1e-11  # of the range of heights
 METHODS: tuple[Method, ...] = ("linear", "sibson")

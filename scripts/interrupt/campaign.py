@@ -21,10 +21,9 @@ from pathlib import Path
 from typing import Any
 
 from campaign import without_figures
+from interrupt.jobs import UNFINISHED
 from jobs import LONG_COMMANDS
 from process_state import MEGA, RETURNING, State, halted
-
-from interrupt.jobs import UNFINISHED
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run

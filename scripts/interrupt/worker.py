@@ -16,11 +16,11 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from interrupt.jobs import action_of
 from jobs import Action
 from process_state import State
 
 import liftmesh
-from interrupt.jobs import action_of
 
 PACKAGE = Path(liftmesh.__file__).parent
 # The kernel's stage, by the last share of progress that it reported (see `work` in its sources).

@@ -67,7 +67,7 @@ class Program:
         """List its own sources, and the kernel's but for the bindings."""
         own = [*sorted(self.folder.glob("*.cpp")), *self.others]
         replaced = {source.name for source in own}
-        kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.parent != KERNEL]
+        kernel = [p for p in sorted(KERNEL.rglob("*.cpp")) if p.parent.name != "bindings"]
         return [*own, *(p for p in kernel if p.name not in replaced)]
 
 

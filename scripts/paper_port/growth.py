@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import nnls
-
-from liftmesh.paper.printed import TABLES
 from paper_port.build import Counts, build, run
 from paper_port.inputs import TABLE_OF_CASE, uniform, vertex, write
 from paper_port.slowdown import printed_seconds
+from scipy.optimize import nnls
+
+from liftmesh.paper.printed import TABLES
 
 
 @dataclass(frozen=True)

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import Delaunay
-
 from paper_port.build import PROCEDURES, Counts, Run, build, canonical, read_facets, run
 from paper_port.inputs import ORDERS, uniform, vertex, write
+from scipy.spatial import Delaunay
 
 if TYPE_CHECKING:
     from paper_port.inputs import Points

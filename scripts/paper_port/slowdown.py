@@ -14,9 +14,9 @@ from statistics import median
 from typing import TYPE_CHECKING
 
 import numpy as np
+from paper_port.inputs import TABLE_OF_CASE
 
 from liftmesh.paper.printed import TABLES
-from paper_port.inputs import TABLE_OF_CASE
 
 if TYPE_CHECKING:
     from paper_port.measure import Measurement

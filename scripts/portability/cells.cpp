@@ -6,10 +6,7 @@
 
 #include "cells/clip.hpp"
 #include "cells/diagram.hpp"
-#include "cells/regions.hpp"
-#include "cells/spokes.hpp"
 #include "delaunay/delaunay.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 
 namespace portability {
@@ -28,7 +25,7 @@ void add(Digest& digest, const T* values, std::size_t count) {
 }
 
 void add_regions(const Dual& dual, const std::int32_t* vertex_of, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::Regions made;
     demand(liftmesh::make_regions(dual, vertex_of, never, made), "interrupted regions");
     add(digest, made.ridge_sites.get(), 2 * made.ridge_count);
@@ -56,7 +53,7 @@ void add_clipped(const Dual& dual, const std::int32_t* vertex_of, Digest& digest
     const std::vector<Point> corners = square(dual);
     if (corners.empty()) return;
     const std::int32_t starts[] = {0, static_cast<std::int32_t>(corners.size())};
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::Clipped made;
     const liftmesh::Spokes spokes(dual, nullptr, 0);
     const auto outcome =
@@ -74,7 +71,7 @@ void add_clipped(const Dual& dual, const std::int32_t* vertex_of, Digest& digest
 
 // Values are the second coordinates of the next rows.
 void add_cells(const double* coordinates, std::size_t rows, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay(native::input_of(coordinates, rows), true, {}, never);
     if (found.status != liftmesh::Status::ok) return;
     std::vector<Point> points;

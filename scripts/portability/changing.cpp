@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "dynamic/triangulation.hpp"
-#include "never.hpp"
 #include "simplification/simplify.hpp"
 
 namespace portability {
@@ -39,7 +38,7 @@ void add(Digest& digest, const liftmesh::dynamic::Triangulation& mesh) {
 
 // One by one, then at once, then some go, one by one and at once, and come again.
 void add_sequence(const std::vector<Point>& points, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::dynamic::Triangulation mesh;
     std::vector<Vertex> found(points.size());
     const std::size_t half = points.size() / 2;
@@ -70,7 +69,7 @@ void add_rows(const Simplified& found, Digest& digest) {
 }
 
 void add_simplified(const std::vector<Point>& points, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
     if (whole.status != liftmesh::Status::ok) return;
     std::vector<double> heights;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "disk_arrays.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 #include "stars.hpp"
 
@@ -47,7 +46,7 @@ std::vector<Disk> disks_around(const std::vector<Point>& points) {
 
 void add_graph(const std::vector<Disk>& disks, Digests& digests) {
     if (disks.empty() || !native::have_exact_signs(disks)) return;
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const DiskArrays found(liftmesh::apollonius::apollonius(disks, 5, never));
     Digest& graph = digests.of["graph of disks"];
     for (const auto* list : {&found.simplices, &found.neighbors, &found.hull, &found.hidden})
@@ -58,7 +57,7 @@ void add_graph(const std::vector<Disk>& disks, Digests& digests) {
 }
 
 void add_stars(const std::vector<Point>& points, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto given = points.empty() ? nullptr : reinterpret_cast<const double*>(points.data());
     const auto euclidean =
         liftmesh::delaunay(native::input_of(given, points.size()), false, {}, never);

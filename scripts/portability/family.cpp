@@ -5,10 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "delaunay/farthest.hpp"
+#include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "delaunay/regular.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 #include "verify/verify.hpp"
 
@@ -64,7 +62,7 @@ Digest digest_of(const Regular& found) {
 }
 
 void add_verified(const Input& input, const Member& member, const Regular& found, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto locate = [&](const liftmesh::Question& q) {
         liftmesh::Locator locator(
             {native::input_of(&q.points->x, q.rows), q.simplices, q.neighbors, q.count}, 1);
@@ -95,7 +93,7 @@ void add(const std::string& name, const Input& input, const Member& member, Run 
 
 void add_family(const double* coordinates, std::size_t rows, Digests& digests) {
     const Input input = native::input_of(coordinates, rows);
-    native::Never never;
+    liftmesh::NoInterrupt never;
     for (const bool are_radii : {false, true}) {
         const std::vector<double> values = values_of(coordinates, rows, are_radii);
         const liftmesh::Values given{reinterpret_cast<const std::byte*>(values.data()),

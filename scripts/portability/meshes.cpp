@@ -5,10 +5,8 @@
 
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
-#include "never.hpp"
-#include "paper/counts.hpp"
+#include "paper/facet_search.hpp"
 #include "rows.hpp"
 #include "verify/verify.hpp"
 
@@ -50,13 +48,13 @@ void add_located(const Input& input, const double* coordinates, const Delaunay& 
     liftmesh::Locator locator({input, found.result.simplices.get(), found.result.neighbors.get(),
                                found.result.triangle_count},
                               1);
-    native::Never never;
+    liftmesh::NoInterrupt never;
     demand(locator.find({asked.data(), at.size()}, at.data(), {}, never), "an interrupted search");
     digest.add(at.data(), at.size() * sizeof(std::int32_t));
 }
 
 void add_verified(const Input& input, const Delaunay& found, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const liftmesh::Verdict verdict = liftmesh::verify(
         input, found.result.simplices.get(), found.result.triangle_count, true, {}, never);
     demand(!verdict.flaws.any(), "the verifier finds flaws");
@@ -72,7 +70,7 @@ void add_space(const double* coordinates, std::size_t rows, Digest& digest) {
             values.push_back(coordinates[at]);
     const Input input{reinterpret_cast<const std::byte*>(values.data()), rows, 3 * sizeof(double),
                       sizeof(double), false};
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::paper::Counts counts;
     const Delaunay found =
         liftmesh::lower_hull(input, liftmesh::HullMethod::incremental, 20, {}, never, counts);
@@ -81,7 +79,7 @@ void add_space(const double* coordinates, std::size_t rows, Digest& digest) {
 
 void add_wrapped(const Input& input, Digest& digest) {
     for (const auto procedure : {liftmesh::Procedure::lf, liftmesh::Procedure::lfres_indexed}) {
-        native::Never never;
+        liftmesh::NoInterrupt never;
         liftmesh::paper::Counts counts;
         const Delaunay found =
             liftmesh::wrap_delaunay(input, true, procedure, {0.1, 0.2}, {}, never, counts);
@@ -103,7 +101,7 @@ bool same(const Delaunay& a, const Delaunay& b) {
 
 void add_meshes(const double* coordinates, std::size_t rows, Digests& digests) {
     const Input input = native::input_of(coordinates, rows);
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const Delaunay found = liftmesh::delaunay(input, true, {}, never);
     const Threads three{3, false};
     if (three.for_rows(rows).limit > 1)

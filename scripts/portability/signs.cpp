@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "predicates/compare_heights.hpp"
-#include "predicates/edge_incircle.hpp"
+#include "predicates/determinants.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"
+#include "predicates/seen_from_base.hpp"
 
 namespace portability {
 

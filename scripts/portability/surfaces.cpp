@@ -7,15 +7,13 @@
 
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "never.hpp"
 #include "rows.hpp"
 #include "surface/contours.hpp"
-#include "surface/natural_weights.hpp"
+#include "surface/natural.hpp"
 #include "surface/overlay.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
 #include "surface/sample.hpp"
-#include "surface/scan.hpp"
 
 namespace portability {
 
@@ -79,7 +77,7 @@ std::vector<Point> asked_of(const double* coordinates, std::size_t rows) {
 }
 
 void add_points(Terrain& terrain, const std::vector<Point>& asked, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const liftmesh::Queries queries{&asked[0].x, asked.size()};
     std::vector<double> heights(asked.size()), gradients(2 * asked.size());
     std::vector<std::int32_t> owners(asked.size());
@@ -92,7 +90,7 @@ void add_points(Terrain& terrain, const std::vector<Point>& asked, Digests& dige
 }
 
 void add_natural(Terrain& terrain, const std::vector<Point>& asked, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const liftmesh::Queries queries{&asked[0].x, std::min(asked.size(), most_near)};
     constexpr const char* names[] = {"nearest", "Laplace", "Sibson"};
     for (const Natural method : {Natural::nearest, Natural::laplace, Natural::sibson}) {
@@ -120,7 +118,7 @@ void add_raster(Terrain& terrain, const std::vector<Point>& asked, Digests& dige
     const liftmesh::Grid grid{0.8 * x, 0.6 * x, low.x, -0.6 * y, 0.8 * y, low.y + 0.5 * side * y,
                               0,       side,    side};
     if (!std::isfinite(grid.largest()) || grid.a * grid.e - grid.b * grid.d == 0) return;
-    native::Never never;
+    liftmesh::NoInterrupt never;
     std::vector<double> heights(grid.pixels()), again(grid.pixels()), gradients(2 * grid.pixels());
     std::vector<float> singles(grid.pixels());
     std::vector<std::int32_t> owners(grid.pixels());
@@ -138,7 +136,7 @@ void add_raster(Terrain& terrain, const std::vector<Point>& asked, Digests& dige
 }
 
 void add_lines(Terrain& terrain, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const std::vector<double> levels{1, 7.5, 31, 32, 50.25};
     liftmesh::Contours lines;
     contours(terrain.relief, levels.data(), levels.size(), lines, {}, never);
@@ -156,7 +154,7 @@ void add_lines(Terrain& terrain, Digests& digests) {
 }
 
 void add_volumes(Terrain& terrain, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const liftmesh::Relief lowered(
         terrain.mesh, {reinterpret_cast<const std::byte*>(terrain.lowered.data()), sizeof(double)},
         nullptr);
@@ -177,7 +175,7 @@ void add_volumes(Terrain& terrain, Digests& digests) {
 }  // namespace
 
 void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay(native::input_of(coordinates, rows), true, {}, never);
     if (found.status != liftmesh::Status::ok) return;
     Terrain terrain(coordinates, rows, found);

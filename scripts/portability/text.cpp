@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "never.hpp"
 #include "text/lines.hpp"
 #include "text/parsing.hpp"
 #include "text/printing.hpp"
@@ -61,7 +60,7 @@ void add_printed(const double* coordinates, std::size_t rows, Digests& digests) 
         singles.push_back(single_of(value));
         wholes.push_back(std::bit_cast<std::int64_t>(value));
     }
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::ThreadPool pool({1, false}, never);
     const std::string shortest = printed({{column(values, Kind::shortest)}, values.size()}, pool);
     const std::string others =
@@ -82,7 +81,7 @@ void add_printed(const double* coordinates, std::size_t rows, Digests& digests) 
 void add_parsed(const char* file, Digests& digests) {
     std::ifstream stream(file, std::ios::binary);
     const std::string data{std::istreambuf_iterator<char>(stream), {}};
-    native::Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::ThreadPool pool({1, false}, never);
     const std::vector<double> values = parsed(data, 1, pool);
     digests.of["numbers parsed"].add(values.data(), values.size() * sizeof(double));

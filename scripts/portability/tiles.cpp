@@ -5,11 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "never.hpp"
 #include "rows.hpp"
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
-#include "tiles/reach.hpp"
 
 namespace portability {
 
@@ -58,7 +56,7 @@ Digest digest_of(const Node& node) {
 
 Node merged(std::span<const Record> records, std::span<const RimEdge> rim,
             const Territory& territory, Digest& digest) {
-    native::Never never;
+    liftmesh::NoInterrupt never;
     Node node = liftmesh::merge_frontiers(records, rim, territory, true, {}, never);
     if (three.for_rows(records.size()).limit > 1)
         demand(digest_of(liftmesh::merge_frontiers(records, rim, territory, true, three, never))
@@ -85,7 +83,7 @@ void add_tiles(const double* coordinates, std::size_t rows, Digests& digests) {
     const std::span<const Point> points(reinterpret_cast<const Point*>(coordinates), rows);
     const liftmesh::Cut cut{liftmesh::Axis::x, points[rows / 2], {~0, ~1}};
     if (!liftmesh::is_finite(cut.at)) return;
-    native::Never never;
+    liftmesh::NoInterrupt never;
     Digest &nodes = digests.of["tiles"], &reach = digests.of["reach of faces"];
     const Partition parts =
         liftmesh::partition(native::input_of(coordinates, rows), 0, {&cut, 1}, 2, never);

@@ -11,8 +11,6 @@
 
 #include "cells/clip.hpp"
 #include "cells/diagram.hpp"
-#include "cells/regions.hpp"
-#include "cells/spokes.hpp"
 
 namespace parallel {
 

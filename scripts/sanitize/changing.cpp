@@ -17,11 +17,6 @@ namespace {
 using liftmesh::Point;
 using liftmesh::Vertex;
 
-class Never final : public liftmesh::Interrupt {
- public:
-    bool requested() override { return false; }
-};
-
 void demand(bool condition, const Cloud& cloud, const char* what) {
     if (condition) return;
     std::fprintf(stderr, "%s: %s\n", cloud.name.c_str(), what);
@@ -40,13 +35,13 @@ std::size_t fresh_triangles(const liftmesh::dynamic::Triangulation& mesh) {
     std::vector<Point> present;
     for (Vertex v = 0; v < mesh.vertex_end(); ++v)
         if (mesh.is_present(v)) present.push_back(mesh.point(v));
-    Never never;
+    liftmesh::NoInterrupt never;
     const auto input = liftmesh::dynamic::input_of(present);
     return liftmesh::delaunay(input, false, {}, never).result.triangle_count;
 }
 
 void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
-    Never never;
+    liftmesh::NoInterrupt never;
     liftmesh::dynamic::Triangulation mesh;
     std::vector<Vertex> found(points.size());
     const std::size_t half = points.size() / 2;
@@ -64,7 +59,7 @@ void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
 
 // Few triangles within a bound: to the end and interrupted; not of points on a line.
 void simplified(const Cloud& cloud, const std::vector<Point>& points) {
-    Never never;
+    liftmesh::NoInterrupt never;
     const auto whole = liftmesh::delaunay(liftmesh::dynamic::input_of(points), false, {}, never);
     if (whole.status != liftmesh::Status::ok) return;
     std::vector<double> heights;

@@ -8,9 +8,8 @@
 #include <functional>
 #include <random>
 
-#include "delaunay/farthest.hpp"
+#include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "delaunay/regular.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {

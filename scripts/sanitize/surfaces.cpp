@@ -15,12 +15,11 @@
 #include "patient.hpp"
 #include "spoiler.hpp"
 #include "surface/contours.hpp"
-#include "surface/natural_weights.hpp"
+#include "surface/natural.hpp"
 #include "surface/overlay.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
 #include "surface/sample.hpp"
-#include "surface/scan.hpp"
 
 namespace parallel {
 

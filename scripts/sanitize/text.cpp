@@ -15,7 +15,6 @@
 #include <string_view>
 #include <vector>
 
-#include "never.hpp"
 #include "text/lines.hpp"
 #include "text/number.hpp"
 #include "text/parsing.hpp"
@@ -27,7 +26,6 @@ namespace {
 
 namespace text = liftmesh::text;
 using liftmesh::ThreadPool;
-using native::Never;
 
 void demand(bool condition, const char* what) {
     if (condition) return;
@@ -71,7 +69,7 @@ struct Table {
 constexpr std::size_t width = 4;
 
 std::string printed(const Table& table, unsigned threads) {
-    Never never;
+    liftmesh::NoInterrupt never;
     ThreadPool pool({threads, false}, never);
     text::Printer printer({"", ",", " , ", ",", "\n"}, pool);
     std::string found;
@@ -86,7 +84,7 @@ std::string printed(const Table& table, unsigned threads) {
 
 // The pool ends first, as the rows and the printer must outlive its threads.
 void left_in_the_middle(const Table& table) {
-    Never never;
+    liftmesh::NoInterrupt never;
     for (int i = 0; i < 10; ++i) {
         std::optional<ThreadPool> pool;
         pool.emplace(liftmesh::Threads{4, false}, never);
@@ -99,7 +97,7 @@ void left_in_the_middle(const Table& table) {
 void parsed(const std::string& whole, const Table& table, unsigned threads) {
     const std::vector<char> exact(whole.begin(), whole.end());
     const std::string_view data(exact.data(), exact.size());
-    Never never;
+    liftmesh::NoInterrupt never;
     ThreadPool pool({threads, false}, never);
     text::Lines lines;
     demand(text::find_lines(data, {}, pool, lines), "lines are not found");
@@ -123,7 +121,7 @@ void ends_of_texts() {
             const std::vector<char> exact(word.begin(), word.begin() + static_cast<long>(size));
             const text::Line line{0, static_cast<std::int64_t>(size)};
             const text::Block block{{exact.data(), size}, &line, 1};
-            Never never;
+            liftmesh::NoInterrupt never;
             ThreadPool pool({1, false}, never);
             std::vector<double> row(2);
             std::int32_t vertex = 0, normal = 0;

@@ -10,7 +10,6 @@
 
 #include "tiles/frontier.hpp"
 #include "tiles/partition.hpp"
-#include "tiles/reach.hpp"
 
 namespace parallel {
 

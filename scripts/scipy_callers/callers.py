@@ -12,7 +12,6 @@ import warnings
 from typing import Any
 
 import numpy as np
-
 from scipy_callers.comparing import edges
 
 Result = dict[str, Any]

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-
 from scipy_callers.placing import KINDS, placed, turned
 
 TOLERANCE = 1e-9

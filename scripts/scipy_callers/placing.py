@@ -83,4 +83,4 @@ def placed(kind: type) -> Iterator[type]:
             setattr(module, name, SCIPYS)
 
 
-KINDS = {"SciPy": SCIPYS, "liftmesh": liftmesh.Delaunay}
+KINDS = {"SciPy": SCIPYS, "liftmesh": liftmesh.scipy.Delaunay}

@@ -20,7 +20,6 @@ from pathlib import Path
 from campaign import without_figures
 from jobs import OLD, Command
 from process_state import halted
-
 from sweep.jobs import COMMAND, Known, fill, kind_of, words_of
 
 TIMEOUT = 60.0

@@ -32,10 +32,10 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds t
 
 from benchmark.cgal.beside import PROGRAMS, clocked, columns, conclude, in_turn, parser_of
 from distributions import Points
-
-import liftmesh
 from weighted.families import FAMILIES, Weights, hidden_share, under_the_hull, with_share
 from weighted.peers import Peer, peers
+
+import liftmesh
 
 KEPT = PROGRAMS.parent / "regular-differs.npz"
 SHARES = (0.0, 0.15, 0.5, 0.75, 0.99)

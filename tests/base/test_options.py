@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
+import copy
+import multiprocessing
+import pickle
+import warnings
+from concurrent.futures import ProcessPoolExecutor
+
+import numpy as np
 import pytest
 
 from liftmesh import InputError
-from liftmesh.base.options import NonFinite, as_count, as_switch, check_option, check_progress
+from liftmesh.base.options import (
+    NonFinite,
+    as_count,
+    as_distance,
+    as_positive,
+    as_switch,
+    check_option,
+    check_progress,
+    refused,
+)
+from liftmesh.errors import DataWarning, Message, NonFiniteError, Option
 
 
 def test_switches_are_truth_values_or_their_numbers() -> None:
@@ -34,3 +51,54 @@ def test_progress_is_a_function() -> None:
     check_progress(None)
     with pytest.raises(InputError, match=r"^progress is True: give a function of the fraction"):
         check_progress(True)
+
+
+def test_numbers_are_refused_with_the_option_the_value_and_the_reason() -> None:
+    for value in (0, -1.5, float("nan"), float("inf"), "2", None, True, np.bool_(True), 1j, [1]):
+        with pytest.raises(InputError, match=r"^cell is .*: give a positive number$") as raised:
+            as_positive("cell", value)
+        assert raised.value.option == "cell"
+        assert raised.value.value is value
+        assert raised.value.reason == "give a positive number"
+    assert as_positive("cell", np.float32(0.5)) == 0.5
+    assert as_distance("gap", 0) == 0
+    with pytest.raises(InputError, match=r"^gap is -1: give 0 or a positive number$"):
+        as_distance("gap", -1)
+
+
+def test_errors_keep_their_fields_in_copies_and_in_other_processes() -> None:
+    error = refused("by", "x", f"give {Option('by', 'name')}").within("a.shp")
+    error.__notes__ = ["a note"]  # type: ignore[attr-defined]
+    with ProcessPoolExecutor(1, multiprocessing.get_context("spawn")) as pool:
+        sent = pool.submit(_same, error).result()
+    for each in (copy.copy(error), copy.deepcopy(error), pickle.loads(pickle.dumps(error)), sent):
+        assert (type(each), str(each)) == (InputError, "a.shp: by is 'x': give by='name'")
+        assert each.message.parts == error.message.parts
+        assert (each.option, each.value, each.reason) == ("by", "x", "give by='name'")
+        assert each.__notes__ == ["a note"]
+
+
+def _same(error: InputError) -> InputError:
+    return error
+
+
+def test_a_value_that_cannot_be_sent_is_its_text() -> None:
+    error = refused("progress", lambda: 0, "give a function of the fraction done")
+    sent = pickle.loads(pickle.dumps(error))
+    assert callable(error.value)
+    assert sent.value == repr(error.value)
+    row = pickle.loads(pickle.dumps(NonFiniteError(f"give {Option('nonfinite', 'skip')}", row=3)))
+    assert (row.row, str(row)) == (3, "give nonfinite='skip'")
+
+
+def test_messages_know_where_they_name_options() -> None:
+    message = Message(f"a: {Option('band')} is 3: give {Option('band', ...)} or {Option('x', 2)}")
+    assert message == "a: band is 3: give band= or x=2"
+    assert [each for each in message.parts if isinstance(each, Option)] == [
+        Option("band"), Option("band", ...), Option("x", 2),
+    ]  # fmt: skip
+    assert Message(message.marked).parts == message.parts
+    assert message.renamed({"band": "layer"}) == "a: layer is 3: give layer= or x=2"
+    assert Message("\ufdd0what\ufdd1 is in a file") == "what is in a file"
+    with pytest.warns(DataWarning, match="^give unit=$"):
+        warnings.warn(f"give {Option('unit', ...)}", DataWarning, stacklevel=1)

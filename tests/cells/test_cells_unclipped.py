@@ -13,7 +13,10 @@ RNG = np.random.default_rng(18)
 
 def test_without_weights_it_is_voronoi() -> None:
     points = RNG.random((60, 2))
-    ours, theirs = liftmesh.voronoi(points).unclipped, liftmesh.Voronoi(points, qhull_options="")
+    ours, theirs = (
+        liftmesh.voronoi(points).unclipped,
+        liftmesh.scipy.Voronoi(points, qhull_options=""),
+    )
     for name in ("vertices", "ridge_points", "ridge_ends", "point_region", "simplices"):
         np.testing.assert_array_equal(getattr(ours, name), getattr(theirs, name))
     for name in ("npoints", "ndim", "min_bound", "max_bound", "overflowed", "furthest_site"):

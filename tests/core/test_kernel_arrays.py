@@ -192,7 +192,7 @@ def test_few_triangles_are_views_of_one_array_and_more_are_not() -> None:
     assert bases == {(True, True), (False, False)}
 
 
-@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.Delaunay])
+@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.scipy.Delaunay])
 @pytest.mark.parametrize("form", ["float64", "float32", "column-major"])
 def test_the_form_of_the_callers_array_may_change_afterwards(
     make: Callable[[NDArray[np.floating]], liftmesh.Triangulation], form: str
@@ -227,7 +227,7 @@ def unpickled(tri: liftmesh.Triangulation) -> liftmesh.Triangulation:
 
 
 @pytest.mark.parametrize("again", [copy.deepcopy, unpickled])
-@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.Delaunay])
+@pytest.mark.parametrize("make", [liftmesh.delaunay, liftmesh.scipy.Delaunay])
 def test_points_of_copies_stay_read_only(
     make: Callable[[NDArray[np.float64]], liftmesh.Triangulation],
     again: Callable[[liftmesh.Triangulation], liftmesh.Triangulation],

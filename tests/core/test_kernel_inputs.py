@@ -171,12 +171,12 @@ def test_options_are_keywords_only() -> None:
 @pytest.mark.parametrize("points", [*DEGENERATE.values(), *TYPES.values()])
 def test_the_scipy_door_refuses_the_same(points) -> None:
     with pytest.raises(liftmesh.LiftmeshError):
-        liftmesh.Delaunay(points)
+        liftmesh.scipy.Delaunay(points)
 
 
 def test_the_scipy_door_does_not_drop_a_third_column() -> None:
     with pytest.raises(liftmesh.InputError, match="have 3 columns"):
-        liftmesh.Delaunay(np.random.default_rng(0).random((10, 3)))
+        liftmesh.scipy.Delaunay(np.random.default_rng(0).random((10, 3)))
 
 
 def test_masked_rows_beyond_the_limit_are_refused_before_a_copy() -> None:

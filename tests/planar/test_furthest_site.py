@@ -31,7 +31,7 @@ def points(request: pytest.FixtureRequest) -> Floats:
 
 
 def test_the_triangles_are_scipys(points: Floats) -> None:
-    ours = liftmesh.Delaunay(points, furthest_site=True)
+    ours = liftmesh.scipy.Delaunay(points, furthest_site=True)
     scipys = spatial.Delaunay(points, furthest_site=True)
     assert as_sets(ours.simplices) == as_sets(scipys.simplices)
     assert as_sets(ours.convex_hull) == as_sets(scipys.convex_hull)
@@ -46,7 +46,7 @@ def test_the_triangles_are_scipys(points: Floats) -> None:
 
 
 def test_points_are_found_in_their_triangles(points: Floats) -> None:
-    tri = liftmesh.Delaunay(points, furthest_site=True)
+    tri = liftmesh.scipy.Delaunay(points, furthest_site=True)
     found = tri.find_simplex(points)
     assert (found >= 0).all()
     for k in range(3):
@@ -56,7 +56,7 @@ def test_points_are_found_in_their_triangles(points: Floats) -> None:
 
 
 def test_it_is_verified_as_what_it_is(points: Floats) -> None:
-    found = liftmesh.Delaunay(points, furthest_site=True).verify()
+    found = liftmesh.scipy.Delaunay(points, furthest_site=True).verify()
     assert found.canonical
     assert found.member == "farthest"
     assert "farthest-point Delaunay triangulation" in str(found)
@@ -65,10 +65,10 @@ def test_it_is_verified_as_what_it_is(points: Floats) -> None:
 def test_rows_in_another_order_give_the_same_triangles() -> None:
     lattice = np.stack(np.meshgrid(np.arange(-5.0, 6), np.arange(-5.0, 6)), axis=-1).reshape(-1, 2)
     disc = lattice[(lattice**2).sum(axis=1) <= 25]
-    expected = as_sets(liftmesh.Delaunay(disc, furthest_site=True).simplices)
+    expected = as_sets(liftmesh.scipy.Delaunay(disc, furthest_site=True).simplices)
     for _ in range(5):
         order = RNG.permutation(len(disc))
-        found = liftmesh.Delaunay(disc[order], furthest_site=True)
+        found = liftmesh.scipy.Delaunay(disc[order], furthest_site=True)
         assert as_sets(order[found.simplices]) == expected
 
 
@@ -77,7 +77,7 @@ def test_rows_in_another_order_give_the_same_triangles() -> None:
     [copy.copy, copy.deepcopy, lambda tri: pickle.loads(pickle.dumps(tri)), lambda t: t.to_scipy()],
 )
 def test_copies_keep_what_it_is(clone) -> None:
-    tri = liftmesh.Delaunay(SETS["square"], furthest_site=True)
+    tri = liftmesh.scipy.Delaunay(SETS["square"], furthest_site=True)
     other = clone(tri)
     assert other.furthest_site is True
     np.testing.assert_array_equal(other.equations, tri.equations)
@@ -85,20 +85,22 @@ def test_copies_keep_what_it_is(clone) -> None:
 
 
 def test_points_can_be_added() -> None:
-    tri = liftmesh.Delaunay([[0, 0], [2, 0], [0, 2], [1, 1]], furthest_site=True, incremental=True)
+    tri = liftmesh.scipy.Delaunay(
+        [[0, 0], [2, 0], [0, 2], [1, 1]], furthest_site=True, incremental=True
+    )
     assert (tri.nsimplex, tri.hidden.tolist()) == (1, [3])
     tri.add_points([[3, 3], [0, 0]])
     assert (tri.nsimplex, tri.hidden.tolist(), tri.duplicates.tolist()) == (2, [3], [[5, 0]])
     assert tri.coplanar[:, [0, 2]].tolist() == [[5, 0]]
-    assert liftmesh.Delaunay([[0, 0], [2, 0], [0, 2]]).hidden.tolist() == []
+    assert liftmesh.scipy.Delaunay([[0, 0], [2, 0], [0, 2]]).hidden.tolist() == []
 
 
 def test_bad_input_is_named() -> None:
     with pytest.raises(spatial.QhullError, match="all 3 distinct points lie on one line, from row"):
-        liftmesh.Delaunay([[0, 0], [1, 2], [2, 4]], furthest_site=True)
+        liftmesh.scipy.Delaunay([[0, 0], [1, 2], [2, 4]], furthest_site=True)
     with pytest.raises(liftmesh.DegenerateInputError, match="hold 2 distinct planar points"):
-        liftmesh.Delaunay([[0, 0], [1, 2], [0, 0]], furthest_site=True)
+        liftmesh.scipy.Delaunay([[0, 0], [1, 2], [0, 0]], furthest_site=True)
     with pytest.raises(liftmesh.NonFiniteError, match="row 1"):
-        liftmesh.Delaunay([[0, 0], [1, np.nan], [0, 0]], furthest_site=True)
+        liftmesh.scipy.Delaunay([[0, 0], [1, np.nan], [0, 0]], furthest_site=True)
     with pytest.raises(liftmesh.InputError, match="upper hull"):
-        liftmesh.Delaunay([[0, 0], [1, 0], [0, 1]], furthest_site=True).lifted()
+        liftmesh.scipy.Delaunay([[0, 0], [1, 0], [0, 1]], furthest_site=True).lifted()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError
-from liftmesh.planar.scipy_classes import check_qhull_options, planar_rows
+from liftmesh.scipy import check_qhull_options, planar_rows
 
 
 @pytest.mark.parametrize("options", [None, "", "Qbb Qc Qz Q12", "Qt d Pp FA"])

@@ -1,4 +1,4 @@
-"""`liftmesh.Delaunay` is SciPy's class and a `Triangulation` at once."""
+"""`liftmesh.scipy.Delaunay` is SciPy's class and a `Triangulation` at once."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ def points() -> NDArray[np.float64]:
 
 
 @pytest.fixture
-def ours(points: NDArray[np.float64]) -> liftmesh.Delaunay:
-    return liftmesh.Delaunay(points)
+def ours(points: NDArray[np.float64]) -> liftmesh.scipy.Delaunay:
+    return liftmesh.scipy.Delaunay(points)
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def heights(points: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_it_is_both(ours) -> None:
     assert isinstance(ours, scipy.spatial.Delaunay)
     assert isinstance(ours, liftmesh.Triangulation)
-    assert issubclass(liftmesh.Delaunay, scipy.spatial.Delaunay)
+    assert issubclass(liftmesh.scipy.Delaunay, scipy.spatial.Delaunay)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_interpolation_takes_the_transform_that_is_there(ours) -> None:
 
 def test_location_stays_exact() -> None:
     corners = np.array([[0, 0], [1, 0], [0, 1]], dtype=float)
-    ours, theirs = liftmesh.Delaunay(corners), scipy.spatial.Delaunay(corners)
+    ours, theirs = liftmesh.scipy.Delaunay(corners), scipy.spatial.Delaunay(corners)
     beyond = (0.5, np.nextafter(0.5, 1))
     assert ours.find_simplex((0.5, 0.5)) == 0
     assert ours.find_simplex(beyond) == -1
@@ -107,7 +107,7 @@ def test_scipys_search_finds_what_ours_finds(ours) -> None:
 @pytest.mark.parametrize("family", ["lattice", "utm-lattice", "circle", "duplicates", "clusters"])
 def test_scipys_methods_work_on_hard_points(family: str) -> None:
     points = FAMILIES[family](300, np.random.default_rng(113))
-    tri = liftmesh.Delaunay(points)
+    tri = liftmesh.scipy.Delaunay(points)
     inside = points[tri.simplices].mean(axis=1)
     named = np.arange(tri.nsimplex)
     accurate = np.isfinite(tri.transform).all(axis=(1, 2))
@@ -127,7 +127,7 @@ def test_compiled_code_reads_rows_of_any_layout(kind: type, form: str) -> None:
         "reversed": rows[::-1, 1::-1],
         "list": rows[:, :2].tolist(),
     }[form]
-    tri = liftmesh.Delaunay(given)
+    tri = liftmesh.scipy.Delaunay(given)
     assert tri.points.flags.c_contiguous
     np.testing.assert_array_equal(tri.points, np.asarray(given))
     x, y = tri.points.T
@@ -141,7 +141,7 @@ class TestWrites:
 
     def test_sorting_the_corners(self, ours) -> None:
         expected = ours.find_simplex(queries(100))
-        fresh = liftmesh.Delaunay(ours.points)
+        fresh = liftmesh.scipy.Delaunay(ours.points)
         fresh.simplices.sort()
         np.testing.assert_array_equal(fresh.find_simplex(queries(100)), expected)
         np.testing.assert_array_equal(fresh.simplices, np.sort(ours.simplices))
@@ -150,7 +150,7 @@ class TestWrites:
 
     def test_what_is_computed_later_follows_the_corners_as_in_scipy(self, points, theirs) -> None:
         again = scipy.spatial.Delaunay(points)
-        ours = liftmesh.Delaunay(points)
+        ours = liftmesh.scipy.Delaunay(points)
         for tri in ours, again:
             tri.simplices.sort()
         order = {corners.tobytes(): row for row, corners in enumerate(again.simplices)}
@@ -165,31 +165,31 @@ class TestWrites:
             lambda tri: tri.neighbors.fill(-1),
             lambda tri: setattr(tri, "simplices", tri.simplices[::-1]),
         ):
-            tri = liftmesh.Delaunay(points)
+            tri = liftmesh.scipy.Delaunay(points)
             change(tri)
             assert len(tri.edges) == len(expected)
             assert {*map(tuple, tri.edges.tolist())} == expected
             assert not tri.edges.flags.writeable
-        tri = liftmesh.Delaunay(points)
+        tri = liftmesh.scipy.Delaunay(points)
         tri.simplices = tri.simplices[7:9]
         ends = [sorted(pair) for corners in tri.simplices.tolist() for pair in sides(corners)]
         assert tri.edges.tolist() == [*map(list, dict.fromkeys(map(tuple, ends)))]
 
     def test_leaving_out_triangles(self, points) -> None:
-        for tri in liftmesh.Delaunay(points), scipy.spatial.Delaunay(points):
+        for tri in liftmesh.scipy.Delaunay(points), scipy.spatial.Delaunay(points):
             a, b, c = (points[corner] for corner in tri.simplices.T)
             longest = np.max([np.hypot(*(u - v).T) for u, v in ((a, b), (b, c), (c, a))], axis=0)
             tri.simplices = tri.simplices[longest < 60]
             tri.nsimplex = len(tri.simplices)
             assert 0 < tri.nsimplex < 1500
-            if isinstance(tri, liftmesh.Delaunay):
+            if isinstance(tri, liftmesh.scipy.Delaunay):
                 actual = tri.vertex_neighbor_vertices
         compare_neighbors(actual, tri.vertex_neighbor_vertices)
 
     def test_a_comparison_takes_the_triangulation_as_it_was_computed(self) -> None:
         points = np.random.default_rng(167).random((200, 2))
         for change in (lambda tri: np.sort(tri.simplices), lambda tri: tri.simplices[5:]):
-            tri = liftmesh.Delaunay(points)
+            tri = liftmesh.scipy.Delaunay(points)
             tri.simplices = change(tri)
             assert liftmesh.compare(tri).verdict == "identical"
 
@@ -235,7 +235,7 @@ def test_copies_are_both_too(ours, again) -> None:
     values = heights(ours.points)
     expected = LinearNDInterpolator(ours, values)(queries(100))
     twin = again(ours)
-    assert type(twin) is liftmesh.Delaunay
+    assert type(twin) is liftmesh.scipy.Delaunay
     np.testing.assert_array_equal(LinearNDInterpolator(twin, values)(queries(100)), expected)
     np.testing.assert_array_equal(twin.find_simplex(queries(100)), ours.find_simplex(queries(100)))
 
@@ -248,7 +248,8 @@ import pickle, sys
 tri = pickle.loads(open({str(path)!r}, "rb").read())
 from scipy.spatial import Delaunay
 import liftmesh
-print(isinstance(tri, Delaunay), type(tri) is liftmesh.Delaunay, tri.find_simplex(tri.points[3]))
+kind = liftmesh.scipy.Delaunay
+print(isinstance(tri, Delaunay), type(tri) is kind, tri.find_simplex(tri.points[3]))
 """
     done = subprocess.run(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True
@@ -257,7 +258,7 @@ print(isinstance(tri, Delaunay), type(tri) is liftmesh.Delaunay, tri.find_simple
 
 
 def test_classes_can_be_derived_from_it(points) -> None:
-    class Named(liftmesh.Delaunay):
+    class Named(liftmesh.scipy.Delaunay):
         def __init__(self, rows, name: str) -> None:
             super().__init__(rows)
             self.name = name
@@ -270,7 +271,7 @@ def test_classes_can_be_derived_from_it(points) -> None:
 def test_interpolation_at_every_scale(power: int) -> None:
     unit = np.random.default_rng(137).random((300, 2)) - 0.5
     points = np.ldexp(unit, 3 * power)
-    tri = liftmesh.Delaunay(points)
+    tri = liftmesh.scipy.Delaunay(points)
     x, y = unit.T
     inside = points[tri.simplices].mean(axis=1)
     assert np.isfinite(tri.transform).all()
@@ -288,9 +289,9 @@ class TestErrors:
     def test_degenerate_points_raise_both_errors(self, points) -> None:
         for kind in liftmesh.DegenerateInputError, scipy.spatial.QhullError, ValueError:
             with pytest.raises(kind):
-                liftmesh.Delaunay(points)
+                liftmesh.scipy.Delaunay(points)
         with pytest.raises(liftmesh.DegenerateInputError, match="triangle needs") as caught:
-            liftmesh.Delaunay(points)
+            liftmesh.scipy.Delaunay(points)
         twin = pickle.loads(pickle.dumps(caught.value))
         assert isinstance(twin, scipy.spatial.QhullError)
         assert str(twin) == str(caught.value)
@@ -299,16 +300,16 @@ class TestErrors:
     @pytest.mark.parametrize("form", [np.asarray, np.ndarray.tolist])
     def test_points_in_space_get_a_sentence(self, columns: int, form) -> None:
         with pytest.raises(liftmesh.InputError, match=f"{columns} columns.*scipy.spatial.Delaunay"):
-            liftmesh.Delaunay(form(np.random.default_rng(0).random((20, columns))))
+            liftmesh.scipy.Delaunay(form(np.random.default_rng(0).random((20, columns))))
 
     @pytest.mark.parametrize("columns", [2, 3])
     def test_exchanged_rows_and_columns_are_not_taken_for_points_in_space(self, columns) -> None:
         with pytest.raises(liftmesh.InputError, match=rf"not \({columns}, 50\).*give points.T"):
-            liftmesh.Delaunay(np.zeros((columns, 50)))
+            liftmesh.scipy.Delaunay(np.zeros((columns, 50)))
 
     def test_columns_as_arguments_are_to_be_joined(self, points) -> None:
         with pytest.raises(liftmesh.InputError, match=r"np.column_stack\(\[x, y\]\) joins"):
-            liftmesh.Delaunay(*points.T)
+            liftmesh.scipy.Delaunay(*points.T)
 
     @pytest.mark.parametrize(
         ("given", "said"),
@@ -323,27 +324,27 @@ class TestErrors:
     )
     def test_what_is_no_array_gets_a_sentence(self, given, said: str) -> None:
         with pytest.raises(liftmesh.InputError, match=said):
-            liftmesh.Delaunay(given)
+            liftmesh.scipy.Delaunay(given)
         with pytest.raises(liftmesh.InputError, match=said):
-            liftmesh.Delaunay(np.eye(3, 2), incremental=True).add_points(given)
+            liftmesh.scipy.Delaunay(np.eye(3, 2), incremental=True).add_points(given)
 
     @pytest.mark.parametrize("value", [np.nan, np.inf])
     def test_rows_that_are_not_finite_cannot_be_skipped(self, points, value: float) -> None:
         rows = np.vstack([points, (value, 0)])
         with pytest.raises(liftmesh.NonFiniteError, match=r"remove such rows first$") as caught:
-            liftmesh.Delaunay(rows)
+            liftmesh.scipy.Delaunay(rows)
         assert caught.value.row == len(points)
 
     def test_rows_of_different_lengths_are_named(self) -> None:
         with pytest.raises(liftmesh.InputError, match="row 2 has 1 values"):
-            liftmesh.Delaunay([[0, 0], [1, 0], [2]])
+            liftmesh.scipy.Delaunay([[0, 0], [1, 0], [2]])
 
     @pytest.mark.parametrize(
         "options", ["", "Qbb Qc Qz Q12", "Qc", "Qt Qbb", "Qz Qx Pp", "Q11 Qs Tv", "d Qi o s Fv"]
     )
     def test_options_of_qhull_that_change_nothing(self, options: str) -> None:
         points = np.random.default_rng(139).random((100, 2))  # elsewhere, Qhull needs its options
-        tri = liftmesh.Delaunay(points, qhull_options=options)
+        tri = liftmesh.scipy.Delaunay(points, qhull_options=options)
         np.testing.assert_array_equal(tri.simplices, liftmesh.delaunay(points).simplices)
         assert tri.nsimplex == scipy.spatial.Delaunay(points, qhull_options=options).nsimplex
 
@@ -354,12 +355,12 @@ class TestErrors:
     )  # fmt: skip
     def test_other_options_of_qhull_are_refused(self, points, options: str) -> None:
         with pytest.raises(liftmesh.InputError, match=r"qhull_options: '.+' m.+leave it out"):
-            liftmesh.Delaunay(points, qhull_options=options)
+            liftmesh.scipy.Delaunay(points, qhull_options=options)
 
     def test_the_farthest_sites_are_an_argument(self, points) -> None:
         with pytest.raises(liftmesh.InputError, match=r"'Qu' is furthest_site=True here"):
-            liftmesh.Delaunay(points, qhull_options="Qu")
+            liftmesh.scipy.Delaunay(points, qhull_options="Qu")
 
     def test_options_that_are_no_string(self, points) -> None:
         with pytest.raises(liftmesh.InputError, match="qhull_options are a bytes"):
-            liftmesh.Delaunay(points, qhull_options=b"Qt")
+            liftmesh.scipy.Delaunay(points, qhull_options=b"Qt")

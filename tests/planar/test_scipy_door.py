@@ -28,8 +28,8 @@ def points() -> NDArray[np.float64]:
 
 
 @pytest.fixture(scope="module")
-def ours(points: NDArray[np.float64]) -> liftmesh.Delaunay:
-    return liftmesh.Delaunay(points)
+def ours(points: NDArray[np.float64]) -> liftmesh.scipy.Delaunay:
+    return liftmesh.scipy.Delaunay(points)
 
 
 @pytest.fixture(scope="module")
@@ -38,7 +38,7 @@ def theirs(points: NDArray[np.float64]) -> scipy.spatial.Delaunay:
 
 
 @pytest.fixture(scope="module")
-def same_row(ours: liftmesh.Delaunay, theirs: scipy.spatial.Delaunay) -> NDArray[np.int64]:
+def same_row(ours: liftmesh.scipy.Delaunay, theirs: scipy.spatial.Delaunay) -> NDArray[np.int64]:
     """For each of our triangles the row in which SciPy holds it."""
     rows = {frozenset(corners): row for row, corners in enumerate(theirs.simplices.tolist())}
     return np.array([rows[frozenset(corners)] for corners in ours.simplices.tolist()])
@@ -55,10 +55,10 @@ def run_documented_examples(delaunay: str) -> dict:
 
 @pytest.mark.usefixtures("capsys")
 def test_scipys_documented_examples() -> None:
-    names = run_documented_examples("from liftmesh import Delaunay")
+    names = run_documented_examples("from liftmesh.scipy import Delaunay")
     expected = run_documented_examples("from scipy.spatial import Delaunay")
     ours, theirs, p = names["tri"], expected["tri"], names["p"]
-    assert isinstance(ours, liftmesh.Delaunay)
+    assert isinstance(ours, liftmesh.scipy.Delaunay)
     assert isinstance(theirs, scipy.spatial.Delaunay)
     assert {*map(frozenset, ours.simplices.tolist())} == {
         *map(frozenset, theirs.simplices.tolist())
@@ -73,14 +73,14 @@ def test_scipys_documented_examples() -> None:
 
 @pytest.mark.usefixtures("capsys")
 def test_documented_barycentric_coordinates_reproduce_the_points() -> None:
-    names = run_documented_examples("from liftmesh import Delaunay")
+    names = run_documented_examples("from liftmesh.scipy import Delaunay")
     tri, p, b = names["tri"], names["p"], names["b"]
     weights = np.c_[np.transpose(b), 1 - b.sum(axis=0)]
     np.testing.assert_allclose(weights @ names["points"][tri.simplices[1]], p, atol=1e-14)
 
 
 def test_every_attribute_of_scipys_is_there(
-    ours: liftmesh.Delaunay, theirs: scipy.spatial.Delaunay
+    ours: liftmesh.scipy.Delaunay, theirs: scipy.spatial.Delaunay
 ) -> None:
     expected = {name for name in dir(theirs) if not name.startswith("_")}
     assert expected <= set(dir(ours))
@@ -194,14 +194,14 @@ def test_plane_distance_is_largest_where_the_point_lies(ours) -> None:
 
 def test_coplanar_rows_are_duplicates_as_scipy_reports_them() -> None:
     points = np.array([[0, 0], [2, 0], [0, 2], [2, 3], [0, 0], [2, 3], [0, 0]], dtype=float)
-    actual, expected = liftmesh.Delaunay(points), scipy.spatial.Delaunay(points)
+    actual, expected = liftmesh.scipy.Delaunay(points), scipy.spatial.Delaunay(points)
     assert len(actual.coplanar) == len(expected.coplanar) == 3
     np.testing.assert_array_equal(points[actual.coplanar[:, 0]], points[actual.coplanar[:, 2]])
     for found in actual.coplanar, expected.coplanar:  # both in the order of the triangles
         assert (np.diff(found[:, 1]) >= 0).all()
 
 
-@pytest.mark.parametrize("made", [liftmesh.delaunay, liftmesh.Delaunay])
+@pytest.mark.parametrize("made", [liftmesh.delaunay, liftmesh.scipy.Delaunay])
 def test_every_row_has_a_triangle_at_its_position(made) -> None:
     points = np.random.default_rng(101).random((60, 2))[
         np.random.default_rng(103).permutation(90) % 60
@@ -250,13 +250,13 @@ def test_interpolators_reproduce_a_plane_on_hard_points(family: str) -> None:
     values = (points - corner) @ (2.0, -3.0) + 1
     inside = points[liftmesh.delaunay(points).simplices].mean(axis=1)
     expected = (inside - corner) @ (2.0, -3.0) + 1
-    for tri in liftmesh.Delaunay(points), liftmesh.delaunay(points).to_scipy():
+    for tri in liftmesh.scipy.Delaunay(points), liftmesh.delaunay(points).to_scipy():
         surface = LinearNDInterpolator(tri, values)
         np.testing.assert_allclose(surface(inside), expected, rtol=1e-6, atol=1e-6)
 
 
 @pytest.fixture(scope="module")
-def real(ours: liftmesh.Delaunay) -> scipy.spatial.Delaunay:
+def real(ours: liftmesh.scipy.Delaunay) -> scipy.spatial.Delaunay:
     return ours.to_scipy()
 
 
@@ -294,8 +294,8 @@ class TestToScipy:
         np.testing.assert_allclose(real.plane_distance(queries), ours.plane_distance(queries))
 
 
-def test_the_call_is_scipys(points: NDArray[np.float64], ours: liftmesh.Delaunay) -> None:
-    again = liftmesh.Delaunay(
+def test_the_call_is_scipys(points: NDArray[np.float64], ours: liftmesh.scipy.Delaunay) -> None:
+    again = liftmesh.scipy.Delaunay(
         points, furthest_site=False, incremental=False, qhull_options="Qbb Qc Qz Q12"
     )
     np.testing.assert_array_equal(again.simplices, ours.simplices)
@@ -303,16 +303,16 @@ def test_the_call_is_scipys(points: NDArray[np.float64], ours: liftmesh.Delaunay
 
 def test_furthest_site_is_yes_or_no(points: NDArray[np.float64]) -> None:
     with pytest.raises(liftmesh.InputError, match="furthest_site"):
-        liftmesh.Delaunay(points, furthest_site="Qu")  # type: ignore[arg-type]
+        liftmesh.scipy.Delaunay(points, furthest_site="Qu")  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(
     "clone", [copy.copy, copy.deepcopy, lambda t: pickle.loads(pickle.dumps(t))]
 )
-def test_copies_and_pickles(ours: liftmesh.Delaunay, clone) -> None:
+def test_copies_and_pickles(ours: liftmesh.scipy.Delaunay, clone) -> None:
     ours.find_simplex([0.5, 0.5])
     other = clone(ours)
-    assert type(other) is liftmesh.Delaunay
+    assert type(other) is liftmesh.scipy.Delaunay
     np.testing.assert_array_equal(other.simplices, ours.simplices)
     np.testing.assert_array_equal(other.find_simplex(ours.points), ours.find_simplex(ours.points))
 

@@ -1,4 +1,4 @@
-"""Points added to `liftmesh.Delaunay`: as if all had been there from the start."""
+"""Points added to `liftmesh.scipy.Delaunay`: as if all had been there from the start."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ def points() -> NDArray[np.float64]:
 
 
 @pytest.fixture
-def growing(points) -> liftmesh.Delaunay:
-    return liftmesh.Delaunay(points[:100], incremental=True)
+def growing(points) -> liftmesh.scipy.Delaunay:
+    return liftmesh.scipy.Delaunay(points[:100], incremental=True)
 
 
 @pytest.mark.parametrize("restart", [False, True])
 @pytest.mark.parametrize("family", ["lattice", "utm-lattice", "circle", "duplicates", "clusters"])
 def test_added_points_give_the_triangulation_of_all(family: str, restart: bool) -> None:
     points = FAMILIES[family](300, np.random.default_rng(151))
-    tri = liftmesh.Delaunay(points[:50], incremental=True)
+    tri = liftmesh.scipy.Delaunay(points[:50], incremental=True)
     for start, end in ((50, 51), (51, 180), (180, 300)):
         tri.add_points(points[start:end], restart=restart)
-    whole = liftmesh.Delaunay(points)
+    whole = liftmesh.scipy.Delaunay(points)
     assert (tri.npoints, tri.nsimplex) == (whole.npoints, whole.nsimplex)
     for name in ("points", "simplices", "neighbors", "convex_hull", "coplanar", "duplicates"):
         np.testing.assert_array_equal(getattr(tri, name), getattr(whole, name))
@@ -48,7 +48,7 @@ def test_what_was_computed_before_is_computed_anew(growing, points) -> None:
     starts, _ = growing.vertex_neighbor_vertices
     growing.find_simplex(points)
     growing.add_points(points[100:])
-    whole = liftmesh.Delaunay(points)
+    whole = liftmesh.scipy.Delaunay(points)
     for name in names:
         np.testing.assert_array_equal(getattr(growing, name), getattr(whole, name))
     assert len(growing.vertex_neighbor_vertices[0]) == len(starts) + 200
@@ -68,7 +68,7 @@ def test_scipys_interpolators_take_what_has_grown(growing, points) -> None:
 
 def test_the_callers_array_is_not_looked_at_again(points) -> None:
     given = points.copy()
-    tri = liftmesh.Delaunay(given, incremental=True)
+    tri = liftmesh.scipy.Delaunay(given, incremental=True)
     given[:] = 0
     assert tri.verify().valid
 
@@ -85,10 +85,10 @@ def test_tuples_and_attributes_of_the_callers_own(growing) -> None:
     assert (growing.npoints, growing.name) == (102, "terrain")
 
 
-def finished(points) -> list[liftmesh.Delaunay]:
-    closed = liftmesh.Delaunay(points, incremental=True)
+def finished(points) -> list[liftmesh.scipy.Delaunay]:
+    closed = liftmesh.scipy.Delaunay(points, incremental=True)
     closed.close()
-    return [liftmesh.Delaunay(points), closed, pickle.loads(pickle.dumps(closed))]
+    return [liftmesh.scipy.Delaunay(points), closed, pickle.loads(pickle.dumps(closed))]
 
 
 def test_only_an_open_triangulation_grows(points) -> None:
@@ -128,4 +128,4 @@ def test_after_an_error_nothing_has_changed(growing, added, message: str) -> Non
 
 def test_degenerate_points_are_refused_in_the_incremental_mode_too() -> None:
     with pytest.raises(scipy.spatial.QhullError):
-        liftmesh.Delaunay([[0, 0], [1, 1]], incremental=True)
+        liftmesh.scipy.Delaunay([[0, 0], [1, 1]], incremental=True)

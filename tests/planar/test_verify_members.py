@@ -220,7 +220,7 @@ def test_a_comparison_with_the_paraboloid_is_refused() -> None:
         (liftmesh.regular(points, radii=points[:, 0]), "radii"),
         (liftmesh.delaunay(points, metric=FORM), "metric"),
         (liftmesh.triangulate(points, metric=FORM), "metric"),
-        (liftmesh.Delaunay(points, furthest_site=True), "furthest_site"),
+        (liftmesh.scipy.Delaunay(points, furthest_site=True), "furthest_site"),
     ):
         with pytest.raises(InputError, match=f"a triangulation by {name} has no counterpart here"):
             liftmesh.compare(made)

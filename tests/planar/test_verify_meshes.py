@@ -19,7 +19,7 @@ SURFACE = liftmesh.triangulate(ROWS)
 MESHES: dict[str, Any] = {
     "surface": SURFACE,
     "triangulation": SURFACE.triangulation,
-    "Delaunay": liftmesh.Delaunay(ROWS[:, :2]),
+    "Delaunay": liftmesh.scipy.Delaunay(ROWS[:, :2]),
     "scipy": scipy.spatial.Delaunay(ROWS[:, :2]),
     "matplotlib": SURFACE.to_matplotlib(),
     "cloud": SURFACE.to_cloud(),

@@ -29,14 +29,14 @@ LATTICE = np.stack(np.meshgrid(np.arange(9.0), np.arange(7.0)), axis=-1).reshape
 Points = NDArray[np.float64]
 
 
-def made(points: Points) -> liftmesh.Voronoi | None:
+def made(points: Points) -> liftmesh.scipy.Voronoi | None:
     try:
-        return liftmesh.Voronoi(points)
+        return liftmesh.scipy.Voronoi(points)
     except liftmesh.DegenerateInputError:
         return None
 
 
-def check_vertices(diagram: liftmesh.Voronoi) -> None:
+def check_vertices(diagram: liftmesh.scipy.Voronoi) -> None:
     centres = [
         power_centre([exact_point(diagram.points[row]) for row in corners])
         for corners in diagram.simplices.tolist()
@@ -69,7 +69,7 @@ def test_sites_on_one_circle_share_a_vertex(points: Points) -> None:
     assert sorted(map(len, around.values())) == sorted(map(len, expected))
 
 
-def check_duality(diagram: liftmesh.Voronoi, neighbors: NDArray[np.int32]) -> None:
+def check_duality(diagram: liftmesh.scipy.Voronoi, neighbors: NDArray[np.int32]) -> None:
     """Ridges are the edges between different vertices; regions are what they enclose."""
     vertex_of = diagram.simplex_to_vertex
     expected = {}
@@ -109,7 +109,7 @@ FAMILIES = {
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_diagram_is_dual_to_the_triangulation(family: str) -> None:
     points = FAMILIES[family]
-    diagram = liftmesh.Voronoi(points)
+    diagram = liftmesh.scipy.Voronoi(points)
     check_vertices(diagram)
     tri = liftmesh.delaunay(points)
     np.testing.assert_array_equal(tri.simplices, diagram.simplices)
@@ -124,7 +124,7 @@ def test_duality_where_vertices_are_shared(points: Points) -> None:
 
 @pytest.mark.parametrize("family", ["uniform", "lattice", "tilted"])
 def test_regions_turn_counter_clockwise(family: str) -> None:
-    diagram = liftmesh.Voronoi(FAMILIES[family])
+    diagram = liftmesh.scipy.Voronoi(FAMILIES[family])
     open_ones = [region for region in diagram.regions[1:] if -1 in region]
     assert open_ones == [region for region in diagram.regions[1:] if region[0] == -1]
     assert diagram.regions[1 : 1 + len(open_ones)] == open_ones
@@ -137,7 +137,7 @@ def test_regions_turn_counter_clockwise(family: str) -> None:
 @pytest.mark.parametrize("offset", [1e6, 1e8])
 def test_offsets_change_nothing(offset: float) -> None:
     points = np.round(RNG.random((2000, 2)) * 2**20) / 2**20
-    near, far = liftmesh.Voronoi(points), liftmesh.Voronoi(points + offset)
+    near, far = liftmesh.scipy.Voronoi(points), liftmesh.scipy.Voronoi(points + offset)
     assert near.regions == far.regions
     np.testing.assert_array_equal(near.point_region, far.point_region)
     assert len({*map(tuple, far.regions[1:])}) == 2000
@@ -149,7 +149,7 @@ def test_offsets_change_nothing(offset: float) -> None:
 
 def test_the_regions_are_scipys() -> None:
     points = RNG.random((500, 2)) * (3, 2) + (10, -4)
-    ours, theirs = liftmesh.Voronoi(points), spatial.Voronoi(points)
+    ours, theirs = liftmesh.scipy.Voronoi(points), spatial.Voronoi(points)
     distance, same = spatial.cKDTree(theirs.vertices).query(ours.vertices)
     assert (distance < 1e-6 * (1 + np.abs(ours.vertices).max(axis=1))).all()
     assert len({*same.tolist()}) == len(theirs.vertices)
@@ -166,7 +166,7 @@ def test_the_regions_are_scipys() -> None:
 
 def test_the_farthest_diagram_is_scipys() -> None:
     points = RNG.random((300, 2))
-    ours = liftmesh.Voronoi(points, furthest_site=True)
+    ours = liftmesh.scipy.Voronoi(points, furthest_site=True)
     theirs = spatial.Voronoi(points, furthest_site=True)
     assert len(ours.vertices) == len(theirs.vertices)
     _, same = spatial.cKDTree(theirs.vertices).query(ours.vertices)
@@ -176,7 +176,7 @@ def test_the_farthest_diagram_is_scipys() -> None:
         assert {-1 if v < 0 else int(same[v]) for v in found} == {*expected}
 
 
-def ray_direction(diagram: liftmesh.Voronoi, ridge: int) -> Points:
+def ray_direction(diagram: liftmesh.scipy.Voronoi, ridge: int) -> Points:
     start, end = diagram.points[diagram.ridge_points[ridge]]
     x, y = end - start
     return np.array([y, -x]) * (-1 if diagram.furthest_site else 1)
@@ -184,7 +184,7 @@ def ray_direction(diagram: liftmesh.Voronoi, ridge: int) -> Points:
 
 @pytest.mark.parametrize("furthest_site", [False, True])
 def test_rays_run_to_the_side_that_is_said(furthest_site: bool) -> None:
-    diagram = liftmesh.Voronoi(RNG.random((40, 2)), furthest_site=furthest_site)
+    diagram = liftmesh.scipy.Voronoi(RNG.random((40, 2)), furthest_site=furthest_site)
     rays = np.flatnonzero(diagram.ridge_ends[:, 0] < 0)
     for ridge in rays:
         direction = ray_direction(diagram, ridge)
@@ -199,10 +199,10 @@ def test_scipys_documented_examples_and_plot() -> None:
     text = spatial.Voronoi.__doc__ + spatial.voronoi_plot_2d.__doc__
     for example in doctest.DocTestParser().get_examples(text):
         source = example.source.replace("import Voronoi", "import voronoi_plot_2d")
-        source = source.replace("Voronoi(", "liftmesh.Voronoi(").replace("plt.show()", "pass")
+        source = source.replace("Voronoi(", "liftmesh.scipy.Voronoi(").replace("plt.show()", "pass")
         exec(compile(source, "<documentation>", "exec"), {"liftmesh": liftmesh}, names)
     assert isinstance(names["vor"], spatial.Voronoi)
-    for diagram in (names["vor"], liftmesh.Voronoi(LATTICE)):
+    for diagram in (names["vor"], liftmesh.scipy.Voronoi(LATTICE)):
         figure = spatial.voronoi_plot_2d(diagram)
         segments = sum(len(part.get_segments()) for part in figure.axes[0].collections)
         assert segments == len(diagram.ridge_points)
@@ -211,7 +211,7 @@ def test_scipys_documented_examples_and_plot() -> None:
 
 def test_the_documented_lattice() -> None:
     points = np.array([[x, y] for x in range(3) for y in range(3)], dtype=float)
-    ours, theirs = liftmesh.Voronoi(points), spatial.Voronoi(points)
+    ours, theirs = liftmesh.scipy.Voronoi(points), spatial.Voronoi(points)
     assert sorted(ours.vertices.tolist()) == sorted(theirs.vertices.tolist())
     assert len(ours.regions) == len(theirs.regions) == 10
     assert ours.regions[0] == []
@@ -219,7 +219,7 @@ def test_the_documented_lattice() -> None:
 
 
 def test_duplicates_share_a_region() -> None:
-    diagram = liftmesh.Voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1], [1, 1], [-0.0, 0]])
+    diagram = liftmesh.scipy.Voronoi([[0, 0], [2, 0], [0, 2], [2, 2], [1, 1], [1, 1], [-0.0, 0]])
     assert diagram.point_region[5] == diagram.point_region[4]
     assert diagram.point_region[6] == diagram.point_region[0]
     assert len(diagram.regions) == 1 + 5
@@ -227,7 +227,7 @@ def test_duplicates_share_a_region() -> None:
 
 
 def test_vertices_beyond_the_doubles_are_counted() -> None:
-    diagram = liftmesh.Voronoi([[-1e200, 0], [1e200, 0], [0, 5e-324], [0, 1e200]])
+    diagram = liftmesh.scipy.Voronoi([[-1e200, 0], [1e200, 0], [0, 5e-324], [0, 1e200]])
     assert diagram.overflowed == 1
     assert np.isneginf(diagram.vertices).sum() == 1
     check_vertices(diagram)
@@ -235,23 +235,23 @@ def test_vertices_beyond_the_doubles_are_counted() -> None:
 
 def test_the_empty_region_is_there_as_the_options_say() -> None:
     points = [[0, 0], [2, 0], [0, 2], [0.5, 0.5]]
-    assert liftmesh.Voronoi(points).regions[0] == []
-    assert [] not in liftmesh.Voronoi(points, qhull_options="Qbb Qc").regions
-    assert [] not in liftmesh.Voronoi(points, incremental=True).regions
-    assert liftmesh.Voronoi(points, furthest_site=True).point_region[3] == 0
-    without = liftmesh.Voronoi(points, furthest_site=True, qhull_options="Qbb")
+    assert liftmesh.scipy.Voronoi(points).regions[0] == []
+    assert [] not in liftmesh.scipy.Voronoi(points, qhull_options="Qbb Qc").regions
+    assert [] not in liftmesh.scipy.Voronoi(points, incremental=True).regions
+    assert liftmesh.scipy.Voronoi(points, furthest_site=True).point_region[3] == 0
+    without = liftmesh.scipy.Voronoi(points, furthest_site=True, qhull_options="Qbb")
     assert without.point_region[3] == -1
     with pytest.raises(liftmesh.InputError, match="QJ"):
-        liftmesh.Voronoi(points, qhull_options="QJ")
+        liftmesh.scipy.Voronoi(points, qhull_options="QJ")
 
 
 def test_points_can_be_added() -> None:
     points = RNG.random((60, 2))
-    diagram = liftmesh.Voronoi(points[:30], incremental=True)
+    diagram = liftmesh.scipy.Voronoi(points[:30], incremental=True)
     assert diagram.regions
     assert diagram.ridge_dict
     diagram.add_points(points[30:])
-    whole = liftmesh.Voronoi(points, qhull_options="Qc")
+    whole = liftmesh.scipy.Voronoi(points, qhull_options="Qc")
     assert diagram.regions == whole.regions
     assert diagram.ridge_dict == whole.ridge_dict
     np.testing.assert_array_equal(diagram.vertices, whole.vertices)
@@ -264,7 +264,7 @@ def test_points_can_be_added() -> None:
 
 def test_what_scipys_users_write_to() -> None:
     points = RNG.random((20, 2))
-    diagram, same = liftmesh.Voronoi(points), liftmesh.Voronoi(points)
+    diagram, same = liftmesh.scipy.Voronoi(points), liftmesh.scipy.Voronoi(points)
     offset = np.array([5e5, 5.6e6])
     diagram.vertices += offset
     diagram.ridge_points.sort()
@@ -276,22 +276,22 @@ def test_what_scipys_users_write_to() -> None:
 
 def test_errors_are_named() -> None:
     with pytest.raises(spatial.QhullError, match="all 3 distinct points lie on one line"):
-        liftmesh.Voronoi([[0, 0], [1, 1], [2, 2]])
+        liftmesh.scipy.Voronoi([[0, 0], [1, 1], [2, 2]])
     with pytest.raises(liftmesh.DegenerateInputError, match="2 distinct"):
-        liftmesh.Voronoi([[0, 0], [1, 1]])
+        liftmesh.scipy.Voronoi([[0, 0], [1, 1]])
     with pytest.raises(liftmesh.NonFiniteError, match="row 1 is not finite"):
-        liftmesh.Voronoi([[0, 0], [1, np.inf], [2, 5]])
+        liftmesh.scipy.Voronoi([[0, 0], [1, np.inf], [2, 5]])
     with pytest.raises(liftmesh.InputError, match="3 columns"):
-        liftmesh.Voronoi(np.zeros((5, 3)))
+        liftmesh.scipy.Voronoi(np.zeros((5, 3)))
 
 
-def pickled(diagram: liftmesh.Voronoi) -> liftmesh.Voronoi:
+def pickled(diagram: liftmesh.scipy.Voronoi) -> liftmesh.scipy.Voronoi:
     return pickle.loads(pickle.dumps(diagram))
 
 
 @pytest.mark.parametrize("clone", [copy.copy, copy.deepcopy, pickled])
 def test_copies_hold_the_same(clone) -> None:
-    diagram = liftmesh.Voronoi(LATTICE)
+    diagram = liftmesh.scipy.Voronoi(LATTICE)
     other = clone(diagram)
     assert other.regions == diagram.regions
     assert other.ridge_dict == diagram.ridge_dict

@@ -27,16 +27,16 @@ def test_every_caller_is_described_and_listed() -> None:
 
 def test_the_class_is_in_place_for_the_block_alone() -> None:
     assert scipy.spatial.Delaunay is SCIPYS
-    with placed(liftmesh.Delaunay) as counted:
+    with placed(liftmesh.scipy.Delaunay) as counted:
         assert scipy.spatial.Delaunay is counted
         tri = scipy.spatial.Delaunay(callers.points(), incremental=True)
         tri.add_points([[0.5, 0.5]])
-        assert isinstance(tri, liftmesh.Delaunay)
+        assert isinstance(tri, liftmesh.scipy.Delaunay)
     assert (counted.made, counted.grown) == (1, 1)
     assert scipy.spatial.Delaunay is SCIPYS
 
 
-class Wrong(liftmesh.Delaunay):
+class Wrong(liftmesh.scipy.Delaunay):
     """Leaves out a triangle."""
 
     def __init__(self, points) -> None:

@@ -119,5 +119,6 @@ def failed(done, code, *parts):
     assert done.stdout == ""
     assert done.stderr.startswith("liftmesh: error: ")
     assert done.stderr.count("\n") == 1
+    assert not {"\ufdd0", "\ufdd1"} & {*done.stderr}  # the marks of options
     for part in parts:
         assert part in done.stderr

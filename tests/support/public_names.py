@@ -21,6 +21,8 @@ def public_names() -> Iterator[tuple[str, object]]:
     for name in liftmesh.__all__:
         if name not in EXCEPTIONS and name != "__version__":
             yield name, getattr(liftmesh, name)
+    yield "scipy.Delaunay", liftmesh.scipy.Delaunay
+    yield "scipy.Voronoi", liftmesh.scipy.Voronoi
     yield "dask.delaunay", liftmesh.dask.delaunay
 
 

@@ -26,7 +26,9 @@ def loss(points: Floats, kept: list[int]) -> float:
 def test_each_step_removes_the_row_that_costs_least() -> None:
     rng = np.random.default_rng(6)
     points = np.column_stack([rng.random((18, 2)) * 10, rng.random(18)])
-    corners = {*liftmesh.Delaunay(points[:, :2], furthest_site=True).convex_hull.ravel().tolist()}
+    corners = {
+        *liftmesh.scipy.Delaunay(points[:, :2], furthest_site=True).convex_hull.ravel().tolist()
+    }
     kept = list(range(len(points)))
     for count in range(17, len(corners) + 1, -1):
         free = [row for row in kept if row not in corners]

@@ -180,3 +180,13 @@ def test_surfaces_are_not_compared_with_those_of_files_without_ground(folder: Pa
                 call(other)
     assert ground.cut_and_fill(over).fill > 0
     assert ground.cut_and_fill(liftmesh.triangulate(ground.vertices)).fill == 0
+
+
+def test_the_report_says_which_rows_were_read(folder: Path) -> None:
+    report = liftmesh.triangulate(folder / "a.las").report
+    left_out = {"withheld": 3, "classes": 19}
+    assert report.selection == {"rows": 60, "selected": 38, "ground": 1, **left_out}
+    assert "Read: ground (class 2): 38 of 60 rows; left out: " in str(report)
+    bounded = liftmesh.triangulate(folder / "a.las", classes="all", bounds=(0, 0, 25, 50))
+    assert 0 < bounded.report.n_rows < 60
+    assert "Read: " not in str(liftmesh.triangulate(liftmesh.read(folder / "b.las")).report)

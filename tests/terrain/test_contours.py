@@ -322,7 +322,7 @@ class TestLevels:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            ({}, "give either levels or an interval"),
+            ({}, "give either levels or interval"),
             ({"levels": [1], "interval": 1}, "give either"),
             ({"interval": 0}, "interval is 0: give a positive height"),
             ({"interval": -1}, "positive"),

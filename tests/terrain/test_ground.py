@@ -246,7 +246,7 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
         option = f"--cloth-{wrong[0]}"
         done = command("triangulate", "a.las", "b.ply", *words[:2], option, wrong[1], cwd=tmp_path)
         assert done.returncode == 2
-        assert f"{option} '{wrong[1]}' is not" in done.stderr
+        assert f"{option} is " in done.stderr
     done = command("triangulate", "a.las", "b.ply", *words[2:4], cwd=tmp_path)
     assert "--cloth-resolution is an option of --ground csf" in done.stderr
     done = command(

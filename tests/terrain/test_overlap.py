@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from liftmesh.terrain.merging import merge
-from liftmesh.terrain.overlap import distances_of, overlap_of
+from liftmesh.terrain.merging import distances_of, merge, overlap_of
 
 
 def test_rows_in_cells_of_earlier_parts_are_counted() -> None:

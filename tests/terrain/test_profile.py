@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import io
+import json
 from fractions import Fraction
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -184,3 +187,24 @@ def test_a_piece_looks_at_the_faces_near_it() -> None:
     crossings = Counted(surface)
     assert len(crossings.of(line)) == 200
     assert len(surface.faces) < crossings.looked < 10 * len(surface.faces)
+
+
+def test_profiles_are_written_as_lines_or_points(tmp_path: Path) -> None:
+    surface = liftmesh.triangulate(meadow(), crs="EPSG:25832").trim(max_edge=12)
+    found = surface.profile([[-5, 40], [105, 45], [50, 80]])
+    assert found.save(tmp_path / "a.geojson").format == "geojson"
+    tree = json.loads((tmp_path / "a.geojson").read_text())
+    parts = np.split(found.points, found.starts[1:-1])
+    assert len(tree["features"]) == len(parts) == len(found.lines) > 1
+    for feature, part, length in zip(tree["features"], parts, found.lengths, strict=True):
+        assert feature["geometry"]["coordinates"] == part.tolist()
+        assert feature["properties"]["length"] == length
+    written = found.save(tmp_path / "a.ply", encoding="ascii")
+    assert (written.format, written.path) == ("ply", tmp_path / "a.ply")
+    cloud = liftmesh.read(tmp_path / "a.ply")
+    assert cloud.crs == found.crs == "EPSG:25832"
+    np.testing.assert_array_equal(cloud.points, found.points)
+    np.testing.assert_array_equal(cloud.attributes["distance"], found.distances)
+    stream = io.BytesIO()
+    found.save(stream, format="csv")
+    assert stream.getvalue().startswith(b"x,y,z,distance,line,part")

@@ -296,3 +296,20 @@ def test_slopes_may_be_less_than_any_double() -> None:
     inner = np.array([[1e-251, 1.8e82, 2.2e-289]])
     summary = liftmesh.simplify(np.concatenate([huge, inner]), max_error=2.3e-287)
     assert summary.metadata["simplification"]["error"] <= 2.3e-287
+
+
+def test_threads_and_options_of_files(tmp_path: Path) -> None:
+    points = np.random.default_rng(2).random((500, 3))
+    alone, shared = (
+        liftmesh.simplify(points, max_error=0.4, threads=threads) for threads in (1, 3)
+    )
+    np.testing.assert_array_equal(alone.vertices, shared.vertices)
+    np.testing.assert_array_equal(alone.faces, shared.faces)
+    np.savetxt(tmp_path / "a.txt", points[:, ::-1], "%.17g", ";", header="z;y;x", comments="")
+    box = (0.2, 0.2, 0.9, 0.9)
+    few = liftmesh.simplify(tmp_path / "a.txt", max_error=0.4, delimiter=";", bounds=box)
+    inside = (np.abs(points[:, :2] - 0.55) <= 0.35).all(axis=1)
+    expected = liftmesh.simplify(points[inside], max_error=0.4)
+    np.testing.assert_array_equal(few.vertices, expected.vertices)
+    with pytest.raises(liftmesh.InputError, match="bounds= is for files"):
+        liftmesh.simplify(alone, max_error=1, bounds=box)

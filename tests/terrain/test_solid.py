@@ -65,7 +65,7 @@ def test_any_solid_has_the_volume_under_its_surface(rows, limit, flat: bool) -> 
 
 def unpinched(surface: liftmesh.Surface) -> liftmesh.Surface:
     """Leave out the faces around vertices at which trimesh finds two fans of faces."""
-    from liftmesh.terrain.solid import _unpinched
+    from liftmesh.terrain.boundary import _unpinched
 
     return _unpinched(surface, "trim")
 

@@ -166,3 +166,16 @@ def test_it_cannot_be_changed(surface):
         surface.report.seconds["read"] = 0.0
     with pytest.raises(TypeError):
         surface.attributes["intensity"] = None
+
+
+def test_bounds_are_those_of_the_faces() -> None:
+    points = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1], [9, 2, 1]]
+    surface = liftmesh.triangulate(points)
+    assert surface.bounds == (0, 0, 9, 2)
+    assert surface.trim(max_edge=2).bounds == (0, 0, 1, 1)
+
+
+def test_a_surface_is_verified_as_its_triangulation(surface) -> None:
+    certificate = surface.verify(threads=1)
+    assert certificate.canonical
+    assert certificate == surface.triangulation.verify() == surface.trim(max_edge=99).verify()

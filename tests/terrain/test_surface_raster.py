@@ -14,7 +14,7 @@ from surfaces import LATTICE, covering, exactly, family_surface, raster, with_he
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
-from liftmesh.terrain.raster import scanner
+from liftmesh.terrain.sampling import scanner
 
 STEPS = st.sampled_from([-1.0, -0.5, 0.0, 0.25, 0.5, 1.0, 2.0])
 QUANTITIES = {"height": "sample", "slope": "slope", "aspect": "aspect"}
@@ -102,7 +102,7 @@ def test_no_bit_depends_on_threads_or_windows(monkeypatch: pytest.MonkeyPatch) -
     whole = surface.raster(0.004, threads=1)
     np.testing.assert_array_equal(surface.raster(0.004, threads=3).values, whole.values)
     slopes = surface.raster(0.004, quantity="slope", threads=1)
-    monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 1000)
+    monkeypatch.setattr("liftmesh.terrain.sampling._TOGETHER", 1000)
     again = surface.raster(0.004, quantity="slope", threads=2)
     np.testing.assert_array_equal(again.values, slopes.values)
     np.testing.assert_array_equal(again.values, surface.slope(whole.centers()))
@@ -255,7 +255,7 @@ class TestLayout:
     @pytest.mark.parametrize(
         ("options", "said"),
         [
-            ({}, "give either the resolution, or transform and shape"),
+            ({}, "give either resolution, or transform and shape"),
             ({"resolution": 0}, "resolution is 0: give a positive number"),
             ({"resolution": -1.0}, "give a positive number"),
             ({"resolution": np.nan}, "resolution is nan"),
@@ -356,11 +356,11 @@ def test_the_layout_covers_the_surface() -> None:
 
 @pytest.mark.parametrize("method", ["nearest", "laplace", "sibson"])
 def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
-    monkeypatch.setattr("liftmesh.terrain.raster._TOGETHER", 50)  # several blocks of rows
+    monkeypatch.setattr("liftmesh.terrain.sampling._TOGETHER", 50)  # several blocks of rows
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
     found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))
-    with pytest.raises(liftmesh.InputError, match="leave out method"):
+    with pytest.raises(liftmesh.InputError, match="leave out interpolation"):
         surface.raster(0.05, interpolation=method, quantity="slope")
 
 
@@ -371,3 +371,9 @@ def test_a_transform_of_rasterio_is_taken() -> None:
     expected = surface.raster(transform=(1, 0, 0, 0, -1, 8), shape=(8, 8))
     assert found.transform == expected.transform
     assert np.array_equal(found.values, expected.values)
+
+
+def test_unknown_options_are_told_with_those_there_are() -> None:
+    surface = liftmesh.triangulate(np.eye(3))
+    with pytest.raises(TypeError, match="no option 'method': give some of bounds, transform"):
+        surface.raster(1, method="linear")  # type: ignore[call-arg]

@@ -175,3 +175,14 @@ def test_every_kth_row_alone(tmp_path: Any) -> None:
     assert json.loads(done.stdout)["selection"] == {"rows": 500, "selected": 100, "every": 400}
     expected = liftmesh.read(tmp_path / "a.ply", every=5)
     assert np.array_equal(liftmesh.read(tmp_path / "b.ply").points, expected.points)
+
+
+@pytest.mark.parametrize("way", [{"adaptive": 90}, {"min_distance": 3.0}, {"every": 2}])
+def test_progress_never_falls_and_ends_with_one(way: dict[str, Any]) -> None:
+    heard: list[float] = []
+    found = liftmesh.thin(rows(2000), progress=heard.append, **way)
+    assert heard == sorted(heard)
+    assert (heard[0] >= 0, heard[-1]) == (True, 1)
+    np.testing.assert_array_equal(found.points, liftmesh.thin(rows(2000), **way).points)
+    with pytest.raises(InputError, match="progress is 3"):
+        liftmesh.thin(rows(20), every=2, progress=3)  # type: ignore[arg-type]

@@ -6,7 +6,7 @@ import pytest
 
 import liftmesh
 from liftmesh.terrain.measures import check_measured, cubic_metres_of
-from liftmesh.terrain.units import metres_of, slope_scale, unit_names
+from liftmesh.terrain.surface_data import metres_of, slope_scale, unit_names
 
 POINTS = [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
 

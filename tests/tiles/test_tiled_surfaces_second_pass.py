@@ -213,7 +213,7 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
     ("call", "error", "message"),
     [
         (lambda t, _: t.raster(0), InputError, "resolution is 0"),
-        (lambda t, _: t.raster(), InputError, "give either the resolution, or transform"),
+        (lambda t, _: t.raster(), InputError, "give either resolution, or transform"),
         (lambda t, _: t.raster(1, quantity="depth"), InputError, "quantity is 'depth'"),
         (
             lambda t, _: t.raster(1, interpolation="kriging"),
@@ -230,7 +230,7 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, to: t.save_raster(to / "a.tif", 1, compress="x"), InputError, "compress is 'x'"),
         (lambda t, to: t.save_raster(to / "a.tif", 1, cog="no"), InputError, "cog is 'no'"),
         (lambda t, to: t.save_raster(to / "b" / "a.tif", 1), FileNotFoundError, "does not exist"),
-        (lambda t, _: t.contours(), InputError, "give either levels or an interval"),
+        (lambda t, _: t.contours(), InputError, "give either levels or interval"),
         (lambda t, _: t.contours(interval=0), InputError, "interval is 0"),
     ],
 )

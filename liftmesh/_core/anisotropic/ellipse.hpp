@@ -13,9 +13,6 @@
 // corner: one at a point of the box where it is about least, which may be rounded.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/point.hpp"
 #include "sorting/kd_tree.hpp"
 

@@ -1,10 +1,6 @@
 // The stars of all points, each in the metric of its own.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "anisotropic/ellipse.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"

@@ -1,10 +1,6 @@
 // The graph of a caller's disks: scaled, inserted in an order of its own, and read out by rows.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
-
 #include "apollonius/disk.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"

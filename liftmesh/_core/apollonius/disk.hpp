@@ -7,8 +7,6 @@
 // radius are none.
 #pragma once
 
-#include <cstdint>
-
 #include "base/point.hpp"
 
 namespace liftmesh::apollonius {

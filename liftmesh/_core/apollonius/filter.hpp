@@ -10,8 +10,6 @@
 // second order. (For infinity, L = 0, and 1 stands for L^2.)
 #pragma once
 
-#include <cmath>
-
 #include "apollonius/disk.hpp"
 #include "apollonius/polynomials.hpp"
 

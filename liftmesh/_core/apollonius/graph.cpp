@@ -1,9 +1,5 @@
 #include "apollonius/graph.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <stdexcept>
-
 namespace liftmesh::apollonius {
 
 namespace {

@@ -16,14 +16,6 @@
 // The walk is in floating point, and its answer is tested: where it is wrong, all are tried.
 #pragma once
 
-#include <array>
-#include <cstddef>
-#include <cstdint>
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "apollonius/disk.hpp"
 
 namespace liftmesh::apollonius {

@@ -1,7 +1,5 @@
 #include "base/facets.hpp"
 
-#include <algorithm>
-
 namespace liftmesh {
 
 namespace {

@@ -1,17 +1,27 @@
 // A list of facets, each with its neighbours: the output of the engines without static slots.
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <span>
-#include <vector>
-
+#include "base/buffer.hpp"
 #include "base/point.hpp"
-#include "base/result.hpp"
-#include "base/site.hpp"
 #include "base/status.hpp"
 
 namespace liftmesh {
+
+// The output arrays: triangles over rows of the input.
+struct Result {
+    Buffer<std::int32_t> simplices, neighbors;  // triangle_count x 3
+    Buffer<std::int32_t> hull;                  // hull_count rows, counter-clockwise
+    std::size_t triangle_count = 0;
+    std::size_t hull_count = 0;
+
+    void make_room(std::size_t triangles, std::size_t hull_vertices) {
+        triangle_count = triangles;
+        hull_count = hull_vertices;
+        simplices = allocate<std::int32_t>(3 * triangles);
+        neighbors = allocate<std::int32_t>(3 * triangles);
+        hull = allocate<std::int32_t>(hull_vertices);
+    }
+};
 
 // Counter-clockwise seen from above. Edge k is opposite vertex k, and runs from vertex k + 1 to
 // vertex k + 2.

@@ -1,7 +1,5 @@
 #include "base/floating_point.hpp"
 
-#include <stdexcept>
-
 namespace liftmesh {
 
 void refuse_contraction(bool caller_contracts) {

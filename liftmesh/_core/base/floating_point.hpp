@@ -4,8 +4,7 @@
 // where the source rounds twice; `contracts` detects it.
 #pragma once
 
-#include <cfloat>
-#include <limits>
+#include "base/standard.hpp"
 
 #ifdef __SSE2__
 #include <xmmintrin.h>

@@ -1,12 +1,8 @@
 // The caller's rows, read in place: float64 or float32, any strides.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
+#include "base/buffer.hpp"
 #include "base/point.hpp"
-#include "base/prefetch.hpp"
 
 namespace liftmesh {
 

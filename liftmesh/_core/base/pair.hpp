@@ -2,11 +2,6 @@
 // of the kernel's vector code: a vector type of the compiler, in registers that any processor has.
 #pragma once
 
-#include <cfloat>
-#include <cstdint>
-#include <cstring>
-#include <type_traits>
-
 #include "base/point.hpp"
 
 namespace liftmesh {
@@ -75,5 +70,32 @@ inline bool is_finite(Pair p) {
     const PairBits finite = magnitudes(p) <= Pair{DBL_MAX, DBL_MAX};
     return (finite[0] & finite[1]) != 0;
 }
+
+// The bounding box of points.
+
+struct Bounds {
+    Pair low{}, high{};
+
+    Bounds() = default;
+    explicit Bounds(Pair p) : low(p), high(p) {}
+    Bounds(Pair lowest, Pair highest) : low(lowest), high(highest) {}
+    static Bounds nothing() {
+        constexpr double infinity = std::numeric_limits<double>::infinity();
+        return {Pair{infinity, infinity}, Pair{-infinity, -infinity}};
+    }
+    void add(Pair p) {
+        low = least(low, p);
+        high = greatest(high, p);
+    }
+    void add(const Bounds& other) {
+        low = least(low, other.low);
+        high = greatest(high, other.high);
+    }
+    // The axis across which a cut leaves rounder parts, with a shorter seam.
+    Axis longer() const {
+        const Pair size = high - low;
+        return size[0] >= size[1] ? Axis::x : Axis::y;
+    }
+};
 
 }  // namespace liftmesh

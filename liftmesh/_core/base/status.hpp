@@ -1,8 +1,7 @@
 // The outcome of a run of the kernel, and how a caller can stop it.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
+#include "base/standard.hpp"
 
 namespace liftmesh {
 
@@ -16,6 +15,11 @@ class Interrupt {
     virtual bool requested() = 0;
     virtual void expect(std::size_t /*work, in all*/) {}
     virtual void advance(std::size_t /*work, since the last call*/) {}
+};
+
+class NoInterrupt final : public Interrupt {
+ public:
+    bool requested() override { return false; }
 };
 
 // The approximate work of each stage for one point, in units of `Interrupt::advance`.

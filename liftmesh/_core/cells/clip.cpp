@@ -1,11 +1,6 @@
 #include "cells/clip.hpp"
 
-#include <algorithm>
-#include <numeric>
-#include <span>
-
 #include "base/floating_point.hpp"
-#include "cells/passages.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {

@@ -1,6 +1,6 @@
 // Voronoi and power cells inside a domain: polygons with holes, of any number of parts.
 //
-// 1. Each ring of the domain is followed from cell to cell (`power_side.hpp`). What of it lies in
+// 1. Each ring of the domain is followed from cell to cell (`power_centre.hpp`). What of it lies in
 //    one cell is a *passage*: it comes in over a ridge, passes corners of the domain, and leaves
 //    over a ridge; or it is a whole ring. The inside of the domain is to its left.
 // 2. In a cell with passages, the ends of these are put into the order in which they lie around the
@@ -15,12 +15,7 @@
 // comes from; coordinates are computed from that.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "cells/diagram.hpp"
-#include "cells/spokes.hpp"
 
 namespace liftmesh {
 
@@ -64,5 +59,27 @@ enum class Clipping : std::uint8_t { done, interrupted, not_simple };
 
 Clipping clip(const Dual& dual, const std::int32_t* vertex_of, const Spokes& spokes,
               const Domain& domain, Interrupt& interrupt, Clipped& clipped);
+
+// The rings of a domain, cut into passages through cells.
+
+struct CrossedRidge {
+    std::int32_t edge = -1;  // none: the passage is a whole ring
+    std::int32_t row = -1;   // the cell on the other side of the ridge
+    Point at = {};
+    bool is_certain = false;
+};
+
+struct Passage {
+    std::int32_t cell, ring;
+    std::int32_t first, count;  // corners passed, in a circle
+    CrossedRidge in, out;
+
+    bool is_ring() const { return out.edge < 0; }
+};
+
+// The rows must be those of the triangles: if the walk along a ring does not end where it began,
+// the outcome is `not_simple`.
+Clipping find_passages(const Dual& dual, const Spokes& spokes, const Domain& domain,
+                       Interrupt& interrupt, std::vector<Passage>& found, std::vector<Tie>& ties);
 
 }  // namespace liftmesh

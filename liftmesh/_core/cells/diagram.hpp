@@ -4,9 +4,6 @@
 // one circle share a vertex, however ties cut their polygon into triangles.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
 #include "base/buffer.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"
@@ -47,5 +44,53 @@ struct Vertices {
 
 // False if the interrupt came first.
 bool make_vertices(const Dual& dual, Threads threads, Interrupt& interrupt, Vertices& vertices);
+
+// The edges at a site, counter-clockwise, and what lies between each and the next: a triangle, or
+// nothing. They are dual to the ridges around its cell, and the triangles to its corners.
+
+struct Spoke {
+    std::int32_t row;
+    std::int32_t triangle;  // before the next spoke; -1 at infinity
+};
+
+// A chain of rows instead of triangles has those on one line, in their order.
+class Spokes {
+ public:
+    Spokes(const Dual& dual, const std::int32_t* chain, std::size_t length);
+
+    bool has(std::int32_t row) const { return first_[row] != none; }
+    // Replaces what is in `found`.
+    void list(std::int32_t row, std::vector<Spoke>& found) const;
+    // A row with a cell; -1 if there is none.
+    std::int32_t any() const;
+
+ private:
+    static constexpr std::int32_t none = -1;
+
+    const Dual& dual_;
+    const std::int32_t* chain_;
+    std::size_t length_;
+    Buffer<std::int32_t> first_;  // the first triangle at a row, or its place in the chain
+};
+
+// The ridges and regions of Voronoi and power diagrams, from triangles and the vertex of each.
+//
+// A ridge is dual to an edge between two vertices, or leads from a vertex to infinity. The region
+// of a site has as many corners as it has ridges, if infinity counts as one. No coordinate is read.
+
+struct Regions {
+    // The rows of the two sites of each ridge, and the vertices at its ends: the lesser first. A
+    // ray has -1 for its first end; seen from its first site, the second is the next on the hull.
+    Buffer<std::int32_t> ridge_sites, ridge_ends;
+    std::size_t ridge_count = 0, edges = 0;  // there is room for as many ridges as edges
+    // Corners starts[i] to starts[i + 1] are those of region i, counter-clockwise. Unbounded ones
+    // come first, and begin with -1. Rows without a region have number -1.
+    Buffer<std::int32_t> region_of, starts, corners;
+    std::size_t region_count = 0;
+};
+
+// False if the interrupt came first.
+bool make_regions(const Dual& dual, const std::int32_t* vertex_of, Interrupt& interrupt,
+                  Regions& regions);
 
 }  // namespace liftmesh

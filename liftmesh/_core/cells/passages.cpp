@@ -1,16 +1,103 @@
-#include "cells/passages.hpp"
-
-#include <type_traits>
-#include <unordered_map>
-#include <utility>
-
-#include "cells/fan.hpp"
+#include "cells/clip.hpp"
+#include "cells/diagram.hpp"
 #include "cells/power_centre.hpp"
-#include "cells/power_side.hpp"
+#include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
 namespace {
+
+// The neighbours of a site, all around it, seen from a segment.
+//
+// Neighbours are listed counter-clockwise. The ridges that a segment may leave the cell over are
+// those whose gap falls along it: those of the neighbours ahead, by less than a right angle to
+// either side. They are consecutive, so they are found by binary search, and so is the one that the
+// segment crosses first: from the last on the right to the last on the left they cross it earlier
+// and earlier, then later and later, since their ridges go around a convex cell.
+
+class Fan {
+ public:
+    Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around,
+        LineSegment segment, Guard guard);
+
+    // Neighbours in the order of their directions, from behind on the right to behind on the left:
+    // those ahead, and before and after these at most one that is exactly aside.
+    std::size_t ahead() const { return ahead_; }
+    std::size_t left() const { return left_; }
+    bool is_right_aside() const { return ahead_ > 0 && rank(ahead_ - 1) == Rank::right; }
+    bool is_left_aside() const { return left_ < around_.size() && rank(left_) == Rank::left; }
+
+    std::size_t count() const { return around_.size(); }
+    // `i` may be beyond the ends, in a circle.
+    std::int32_t row(std::size_t i) const { return around_[(first_ + i) % around_.size()].row; }
+
+ private:
+    enum class Rank : std::uint8_t { behind_right, right, ahead, left, behind_left };
+
+    Rank rank(std::size_t i) const { return rank_of(row(i)); }
+    Rank rank_of(std::int32_t row) const;
+    bool is_before(std::int32_t p, std::int32_t q) const;
+    std::size_t find_first() const;
+    std::size_t count_below(Rank rank) const;
+
+    const Point* points_;
+    Point site_;
+    const std::vector<Spoke>& around_;
+    LineSegment segment_;
+    Guard guard_;
+    std::size_t first_ = 0, ahead_ = 0, left_ = 0;
+};
+
+Point turned_left(Point p) {
+    return {-p.y, p.x};
+}
+
+Fan::Fan(const Point* points, std::int32_t row, const std::vector<Spoke>& around,
+         LineSegment segment, Guard guard)
+    : points_(points), site_(points[row]), around_(around), segment_(segment), guard_(guard) {
+    first_ = find_first();
+    ahead_ = count_below(Rank::ahead);
+    left_ = count_below(Rank::left);
+}
+
+Fan::Rank Fan::rank_of(std::int32_t row) const {
+    const int along = sign_along(segment_, site_, points_[row], guard_);
+    if (along > 0) return Rank::ahead;
+    const LineSegment across{turned_left(segment_.from), turned_left(segment_.to)};
+    if (sign_along(across, site_, points_[row], guard_) < 0)
+        return along < 0 ? Rank::behind_right : Rank::right;
+    return along < 0 ? Rank::behind_left : Rank::left;
+}
+
+bool Fan::is_before(std::int32_t p, std::int32_t q) const {
+    const Rank of_p = rank_of(p), of_q = rank_of(q);
+    return of_p != of_q ? of_p < of_q : orient2d(site_, points_[p], points_[q]) > 0;
+}
+
+// The list is in order, in a circle: where does it begin anew?
+std::size_t Fan::find_first() const {
+    std::size_t low = 0, high = around_.size() - 1;
+    while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (is_before(around_[high].row, around_[middle].row))
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+std::size_t Fan::count_below(Rank limit) const {
+    std::size_t low = 0, high = around_.size();
+    while (low < high) {
+        const std::size_t middle = (low + high) / 2;
+        if (rank(middle) < limit)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
 
 // From so many neighbours on, a cell is a hub: they are listed once, and searched instead of asked
 // one by one, or time would be in proportion to them times the edges of the domain.

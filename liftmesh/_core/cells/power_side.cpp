@@ -1,12 +1,5 @@
-#include "cells/power_side.hpp"
-
-#include <array>
-#include <cmath>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
-#include "predicates/lifted_lattice.hpp"
+#include "cells/power_centre.hpp"
+#include "predicates/lifted_determinant.hpp"
 
 namespace liftmesh {
 

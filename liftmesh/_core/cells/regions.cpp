@@ -1,9 +1,4 @@
-#include "cells/regions.hpp"
-
-#include <algorithm>
-#include <bit>
-#include <vector>
-
+#include "cells/diagram.hpp"
 #include "parallel/blocks.hpp"
 
 namespace liftmesh {

@@ -7,22 +7,122 @@
 // Nothing here depends on who moves a triangle or when: a slot that is filled held a ghost, a slot
 // that is left is not written, and each twin is changed by one of the two edges alone.
 
-#include "delaunay/compact.hpp"
-
-#include <algorithm>
-#include <cstdint>
-#include <numeric>
-#include <utility>
-#include <vector>
-
-#include "delaunay/ghosts.hpp"
+#include "delaunay/divide_conquer.hpp"
 #include "delaunay/mesh.hpp"
 #include "parallel/blocks.hpp"
-#include "parallel/select.hpp"
+#include "parallel/thread_pool.hpp"
+#include "sorting/sample.hpp"
 
 namespace liftmesh {
 
 namespace {
+
+// The ghosts along the hull, in its order.
+
+// A part of the hull, and how many ghosts stand before it.
+struct Stretch {
+    std::span<const TriangleId> ghosts;
+    std::size_t place;
+};
+
+class Ghosts {
+ public:
+    // Finds them: `any` is one, and `slots` the number of all triangles. Marks some of them in the
+    // mesh while it runs. False if the interrupt came first.
+    bool find(Mesh& mesh, std::size_t slots, TriangleId any, ThreadPool& pool);
+
+    std::size_t count() const { return count_; }
+
+    // Counter-clockwise from the hull edge that begins at the lexicographically least point. What
+    // is done for each stretch can be done by any thread.
+    const std::vector<Stretch>& stretches() const { return stretches_; }
+
+ private:
+    struct Walk {
+        std::vector<TriangleId> ghosts;
+        std::size_t least = 0;  // the place of the one whose tail is the least point
+        std::size_t next = 0;   // the number of the walk that began where this one ended
+    };
+
+    void begin_at(Mesh& mesh, TriangleId g);
+    void begin_at_some(Mesh& mesh, std::size_t slots, std::size_t tries);
+    void unite(const Mesh& mesh);
+    void add(std::span<const TriangleId> ghosts);
+
+    std::vector<Walk> walks_;
+    std::vector<Stretch> stretches_;
+    std::size_t count_ = 0;
+};
+
+// A ghost names the next one, so a walk finds them one after the other. Where the ghosts are many,
+// as on a circle, some stand in a sample of the slots: walks that begin there are tasks for any
+// thread, and each ends where another began. One after the other they are the whole hull, however
+// it was divided. Where the ghosts are few, one walk is short.
+//
+// A ghost at which a walk begins has a mark, the number of the walk, in the place of `ghost`.
+
+constexpr std::size_t enough = 32;  // for the hull of a few points
+
+Vertex mark(std::size_t walk) {
+    return ghost - 1 - static_cast<Vertex>(walk);
+}
+
+bool is_before(const Mesh& mesh, TriangleId g, TriangleId h) {
+    return before_xy(mesh.point(mesh.tail(g)), mesh.point(mesh.tail(h)));
+}
+
+bool Ghosts::find(Mesh& mesh, std::size_t slots, TriangleId any, ThreadPool& pool) {
+    begin_at(mesh, any);
+    if (pool.size() > 1) begin_at_some(mesh, slots, 32 * std::size_t{pool.size()});
+    const bool done = pool.run(walks_.size(), [this, &mesh](std::size_t i) {
+        Walk& walk = walks_[i];
+        TriangleId g = mesh.successor(walk.ghosts.front());
+        for (; mesh.vertex(g, 2) == ghost; g = mesh.successor(g)) {
+            if (is_before(mesh, g, walk.ghosts[walk.least])) walk.least = walk.ghosts.size();
+            walk.ghosts.push_back(g);
+        }
+        walk.next = mark(0) - mesh.vertex(g, 2);
+    });
+    if (!done) return false;
+    for (const Walk& walk : walks_) mesh.vertex(walk.ghosts.front(), 2) = ghost;
+    unite(mesh);
+    return true;
+}
+
+void Ghosts::begin_at(Mesh& mesh, TriangleId g) {
+    mesh.vertex(g, 2) = mark(walks_.size());
+    std::vector<TriangleId>& ghosts = walks_.emplace_back().ghosts;
+    ghosts.reserve(enough);
+    ghosts.push_back(g);
+}
+
+void Ghosts::begin_at_some(Mesh& mesh, std::size_t slots, std::size_t tries) {
+    for (std::size_t i = 0; i < tries; ++i) {
+        const TriangleId t = triangle_in(sample_place(i, slots));
+        const bool is_dead = mesh.tail(t) == ghost;
+        if (mesh.vertex(t, 2) == ghost && !is_dead) begin_at(mesh, t);
+    }
+}
+
+// The walk that came by the least point is cut there: its first part is the end of the hull.
+void Ghosts::unite(const Mesh& mesh) {
+    const auto least = [](const Walk& walk) { return walk.ghosts[walk.least]; };
+    const Walk* first = &walks_[0];
+    for (const Walk& walk : walks_)
+        if (is_before(mesh, least(walk), least(*first))) first = &walk;
+    stretches_.reserve(walks_.size() + 1);
+    const std::span<const TriangleId> all(first->ghosts);
+    add(all.subspan(first->least));
+    for (const Walk* walk = &walks_[first->next]; walk != first; walk = &walks_[walk->next])
+        add(walk->ghosts);
+    add(all.first(first->least));
+}
+
+void Ghosts::add(std::span<const TriangleId> ghosts) {
+    if (ghosts.empty()) return;
+    stretches_.push_back({ghosts, count_});
+    count_ += ghosts.size();
+}
 
 constexpr std::size_t block = std::size_t{1} << 16;
 

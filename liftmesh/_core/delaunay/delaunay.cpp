@@ -1,11 +1,8 @@
 #include "delaunay/delaunay.hpp"
 
-#include <utility>
-
 #include "base/floating_point.hpp"
-#include "delaunay/compact.hpp"
 #include "delaunay/divide_conquer.hpp"
-#include "predicates/lifted_scale.hpp"
+#include "predicates/lift.hpp"
 
 namespace liftmesh {
 

@@ -4,10 +4,8 @@
 
 #include "delaunay/divide_conquer.hpp"
 
-#include <utility>
-
+#include "base/pair.hpp"
 #include "delaunay/leaves.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 

@@ -2,8 +2,11 @@
 #pragma once
 
 #include "base/buffer.hpp"
+#include "base/facets.hpp"
+#include "base/status.hpp"
 #include "delaunay/merge.hpp"
 #include "parallel/thread_pool.hpp"
+#include "predicates/lift.hpp"
 #include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
@@ -29,5 +32,18 @@ void make_room(Order& order, Construction& result);
 template <class Lift>
 Status divide_and_conquer(const Lift& lift, Guard guard, Order& order, ThreadPool& pool,
                           Construction& result);
+
+// Divide and conquer for sites of a value: regular triangulations.
+
+// Triangulates the distinct points of `order` (at least two), each with the value of its row. Takes
+// the memory of the sites. Sites that the result has no triangle of are hidden.
+template <class Lift>
+Status divide_and_conquer(const Lift& lift, const typename Lift::Value* value_of_row, Order& order,
+                          ThreadPool& pool, Construction& result);
+
+// From slots to rows: ghosts are dropped, vertices become rows of the input.
+
+// The arrays of the construction become those of the result.
+Status compact(Construction from, ThreadPool& pool, Result& result);
 
 }  // namespace liftmesh

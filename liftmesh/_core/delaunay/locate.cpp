@@ -1,16 +1,9 @@
 #include "delaunay/locate.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <bit>
-#include <memory>
-#include <mutex>
-#include <utility>
-
+#include "base/buffer.hpp"
 #include "base/floating_point.hpp"
-#include "base/prefetch.hpp"
 #include "delaunay/ties.hpp"
-#include "delaunay/vertical_walks.hpp"
+#include "delaunay/walk.hpp"
 #include "parallel/blocks.hpp"
 #include "sorting/sample.hpp"
 

@@ -8,15 +8,10 @@
 // depend on the point alone: not on the other queries, their order, the parts or the threads.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <functional>
-#include <vector>
-
 #include "base/status.hpp"
-#include "delaunay/hubs.hpp"
 #include "delaunay/made_on_demand.hpp"
 #include "delaunay/query_order.hpp"
+#include "delaunay/ties.hpp"
 #include "delaunay/trapezoid_map.hpp"
 #include "delaunay/triangulated.hpp"
 #include "delaunay/walk.hpp"

@@ -7,14 +7,6 @@
 // may need the part, and makes one of its own.
 #pragma once
 
-#include <atomic>
-#include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <thread>
-#include <utility>
-
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
 

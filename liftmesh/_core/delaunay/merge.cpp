@@ -1,7 +1,5 @@
 #include "delaunay/merge.hpp"
 
-#include "delaunay/one_pass_merge.hpp"
-
 namespace liftmesh {
 
 namespace {

@@ -14,9 +14,6 @@
 // tail -> head, taken counter-clockwise, it is {head, tail, ghost}.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
 #include "base/pair.hpp"
 #include "base/point.hpp"
 

@@ -1,9 +1,5 @@
 #include "delaunay/query_order.hpp"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-
 #include "sorting/counting_sort.hpp"
 
 namespace liftmesh {

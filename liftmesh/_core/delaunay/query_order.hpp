@@ -1,13 +1,8 @@
 // Queries in spatial order: by the cells of a kd tree, with one parallel counting sort.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "base/buffer.hpp"
 #include "base/point.hpp"
-#include "base/prefetch.hpp"
 #include "parallel/thread_pool.hpp"
 #include "sorting/splitters.hpp"
 

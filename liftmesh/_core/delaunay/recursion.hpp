@@ -7,18 +7,12 @@
 // so nothing needs a lock, and no output depends on which thread writes it.
 #pragma once
 
-#include <bit>
-#include <cstddef>
-#include <vector>
-
 #include "base/pair.hpp"
-#include "base/site.hpp"
+#include "base/point.hpp"
 #include "base/status.hpp"
 #include "delaunay/mesh.hpp"
 #include "parallel/thread_pool.hpp"
-#include "predicates/edge_incircle.hpp"
-#include "sorting/bounds.hpp"
-#include "sorting/median_split.hpp"
+#include "predicates/seen_from_base.hpp"
 #include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {

@@ -1,17 +1,8 @@
-#include "delaunay/regular.hpp"
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <cstdint>
-#include <utility>
-
 #include "base/floating_point.hpp"
-#include "delaunay/compact.hpp"
-#include "delaunay/regular_engine.hpp"
+#include "delaunay/delaunay.hpp"
+#include "delaunay/divide_conquer.hpp"
 #include "parallel/blocks.hpp"
-#include "parallel/select.hpp"
-#include "predicates/lifted_scale.hpp"
+#include "predicates/lift.hpp"
 
 namespace liftmesh {
 

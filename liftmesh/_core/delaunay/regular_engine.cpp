@@ -1,16 +1,11 @@
 // The recursion is Delaunay's. A leaf of three or four sites may hide one; a leaf of four takes a
 // row of Delaunay's table if all four are vertices, and is halved otherwise.
 
-#include "delaunay/regular_engine.hpp"
-
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
-#include "base/prefetch.hpp"
+#include "base/buffer.hpp"
+#include "base/pair.hpp"
+#include "delaunay/divide_conquer.hpp"
 #include "delaunay/leaves.hpp"
 #include "delaunay/regular_merge.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 

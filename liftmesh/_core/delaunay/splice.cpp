@@ -3,9 +3,7 @@
 // part: there the twins are cut first. Since it reaches dead triangles only, it marks without
 // asking, and the list of what it found grows without a branch, which would be unpredictable.
 
-#include "delaunay/splice.hpp"
-
-#include <cstddef>
+#include "delaunay/regular_merge.hpp"
 
 namespace liftmesh {
 

@@ -17,19 +17,29 @@
 // edges have no point in common but ends: no input needs a rule of its own.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
-#include "base/site.hpp"
+#include "base/point.hpp"
 #include "base/status.hpp"
-#include "delaunay/hull_chain.hpp"
 #include "delaunay/triangulated.hpp"
-#include "delaunay/vertical_walks.hpp"
+#include "delaunay/walk.hpp"
 
 namespace liftmesh {
+
+// The lower or the upper edges of the hull, whichever are fewer, from left to right: every vertical
+// line through the triangulation meets one of them.
+
+class HullChain {
+ public:
+    HullChain(const Triangulated& mesh, Patience& patience);
+
+    // The edge that the vertical line through a point meets; `no_edge` left and right of the hull.
+    std::uint32_t at(Point p) const;
+
+    std::size_t size() const { return edges_.size(); }
+
+ private:
+    const Triangulated& mesh_;
+    std::vector<std::uint32_t> edges_;
+};
 
 class TrapezoidMap {
  public:

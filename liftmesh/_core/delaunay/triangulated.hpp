@@ -1,12 +1,9 @@
 // The caller's finished triangulation, read in place by point location.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
+#include "base/buffer.hpp"
 #include "base/input.hpp"
 #include "base/pair.hpp"
-#include "base/prefetch.hpp"
 
 namespace liftmesh {
 

@@ -1,10 +1,6 @@
 // Many points at once. A few go one by one, in the order of a Hilbert curve, so that the way to
 // each is short. Where an eighth of the points changes, divide and conquer makes everything anew in
 // less time, and the same triangles.
-#include <algorithm>
-#include <functional>
-#include <numeric>
-#include <utility>
 
 #include "delaunay/delaunay.hpp"
 #include "dynamic/triangulation.hpp"

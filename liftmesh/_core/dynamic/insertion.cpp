@@ -1,9 +1,7 @@
 // Insertion: the cavity of the triangles that conflict with a point, ghosts among them, and the
 // star of the point in their stead.
-#include <algorithm>
-#include <iterator>
 
-#include "base/prefetch.hpp"
+#include "base/buffer.hpp"
 #include "dynamic/triangulation.hpp"
 #include "predicates/orient2d.hpp"
 

@@ -2,12 +2,8 @@
 // ghosts named as there, but in arrays that grow, and with a list of the slots that are free.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <vector>
-
+#include "base/buffer.hpp"
 #include "base/point.hpp"
-#include "base/prefetch.hpp"
 #include "delaunay/mesh.hpp"
 
 namespace liftmesh::dynamic {

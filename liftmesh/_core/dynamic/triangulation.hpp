@@ -1,7 +1,7 @@
 // A triangulation that takes points in and out, and at every moment is the canonical one of the
 // points that are present.
 //
-// The rule for ties compares coordinates alone (predicates/perturbation.hpp), and is a lift of all
+// The rule for ties compares coordinates alone (predicates/incircle.hpp), and is a lift of all
 // points of the plane into general position: which of four points is lifted how much does not
 // depend on the others. So the triangles of a set are those that conflict with no other point of
 // it, and
@@ -15,10 +15,6 @@
 // a star has every neighbour as a vertex. Points on one line have no triangles: they are kept in
 // order until one comes that is off it.
 #pragma once
-
-#include <cstddef>
-#include <map>
-#include <vector>
 
 #include "base/input.hpp"
 #include "base/point.hpp"

@@ -1,17 +1,9 @@
-#include "hull/gift_wrapping.hpp"
-
-#include <algorithm>
-#include <limits>
-#include <optional>
-#include <span>
-#include <vector>
-
 #include "base/facets.hpp"
 #include "base/floating_point.hpp"
+#include "hull/lower_hull.hpp"
 #include "paper/algorithm2.hpp"
+#include "paper/facet_search.hpp"
 #include "paper/grid.hpp"
-#include "paper/lf.hpp"
-#include "paper/lfres.hpp"
 #include "paper/lfres_indexed.hpp"
 #include "paper/points.hpp"
 #include "sorting/spatial_sort.hpp"

@@ -1,12 +1,5 @@
-#include "hull/incremental_hull.hpp"
-
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdint>
-#include <optional>
-
 #include "delaunay/mesh.hpp"
+#include "hull/lower_hull.hpp"
 #include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"

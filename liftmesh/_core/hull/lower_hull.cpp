@@ -1,14 +1,9 @@
 #include "hull/lower_hull.hpp"
 
-#include <algorithm>
-#include <utility>
-#include <vector>
-
 #include "base/facets.hpp"
 #include "base/floating_point.hpp"
-#include "hull/incremental_hull.hpp"
 #include "paper/algorithm2.hpp"
-#include "paper/lf.hpp"
+#include "paper/facet_search.hpp"
 #include "paper/points.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/spatial_sort.hpp"

@@ -4,15 +4,7 @@
 // run of memory for each row of cells that it meets.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "base/point.hpp"
-#include "base/site.hpp"
 
 namespace liftmesh::paper {
 

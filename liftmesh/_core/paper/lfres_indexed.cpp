@@ -1,9 +1,5 @@
 #include "paper/lfres_indexed.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh::paper {

@@ -12,11 +12,8 @@
 // free, and this choice is the best: d = 0, gamma = 0, r = L_cq, and coordinates are small.
 #pragma once
 
-#include <cstdint>
-#include <optional>
-
 #include "base/status.hpp"
-#include "paper/counts.hpp"
+#include "paper/facet_search.hpp"
 #include "paper/grid.hpp"
 #include "predicates/incircle.hpp"
 

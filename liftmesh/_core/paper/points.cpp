@@ -1,10 +1,6 @@
 #include "paper/points.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
-#include "predicates/compare_heights.hpp"
+#include "predicates/determinants.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh::paper {

@@ -15,10 +15,6 @@
 // infinitesimal more. So no point is ever on a plane of three others, and CH_L(P) is unique.
 #pragma once
 
-#include <cstddef>
-#include <span>
-#include <vector>
-
 #include "base/point.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient3d.hpp"

@@ -1,9 +1,6 @@
 // Long loops in blocks: between these they can be interrupted, or each is a task for any thread.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
 
@@ -35,6 +32,27 @@ bool in_blocks(std::size_t count, std::size_t length, ThreadPool& pool, Work wor
     }
     return pool.run(blocks(count, length), [&, count, length](std::size_t at) {
         work(at * length, std::min(count, (at + 1) * length), at);
+    });
+}
+
+// The numbers that a condition holds for, in order: blocks are counted, and then each block writes
+// from the place where it begins.
+
+// Fills `found` with every number below `count` for which holds(number). False if interrupted.
+template <class Number, class Holds>
+bool select(std::size_t count, ThreadPool& pool, Holds holds, std::vector<Number>& found) {
+    constexpr std::size_t length = std::size_t{1} << 15;
+    std::vector<std::size_t> place(blocks(count, length) + 1);
+    const auto add_up = [&](std::size_t i, std::size_t last, std::size_t task) {
+        for (; i < last; ++i) place[task + 1] += holds(i);
+    };
+    if (!in_blocks(count, length, pool, add_up)) return false;
+    std::partial_sum(place.begin(), place.end(), place.begin());
+    found.resize(place.back());
+    return in_blocks(count, length, pool, [&](std::size_t i, std::size_t last, std::size_t task) {
+        Number* to = found.data() + place[task];
+        for (; i < last; ++i)
+            if (holds(i)) *to++ = static_cast<Number>(i);
     });
 }
 

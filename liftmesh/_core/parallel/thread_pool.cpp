@@ -2,11 +2,6 @@
 
 #include <pthread.h>
 
-#include <algorithm>
-#include <chrono>
-#include <system_error>
-#include <utility>
-
 #include "base/floating_point.hpp"
 
 namespace liftmesh {

@@ -4,17 +4,6 @@
 // caller's thread polls the interrupt; the others read its answer.
 #pragma once
 
-#include <algorithm>
-#include <atomic>
-#include <condition_variable>
-#include <cstddef>
-#include <exception>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <thread>
-#include <vector>
-
 #include "base/status.hpp"
 
 namespace liftmesh {

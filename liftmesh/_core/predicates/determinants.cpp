@@ -1,8 +1,6 @@
 #include "predicates/determinants.hpp"
 
-#include <bit>
-#include <cstdint>
-
+#include "predicates/exact_sum.hpp"
 #include "predicates/lattice.hpp"
 #include "predicates/wide.hpp"
 
@@ -51,34 +49,82 @@ Wide<2 * N> square(const Offset<N>& u) {
     return u.x * u.x + u.y * u.y;
 }
 
-template <int N>
-Scaled turn_of(const PlanarLattice<3>& lattice) {
-    return rounded(cross(offset<N>(lattice, 0), offset<N>(lattice, 1)), 2, lattice.low());
+template <int K>
+struct Turns : PlanarLattice<K> {
+    explicit Turns(const Point (&points)[K]) : PlanarLattice<K>(points) {}
+
+    // Off by a few units in the last place.
+    Magnitude turn(int a, int b, int c) const {
+        ExactSum<2> det(this->width());
+        const int cycle[] = {a, b, c};
+        for (int i = 0; i < 3; ++i) {
+            const int from = cycle[i], to = cycle[(i + 1) % 3];
+            det.add(this->part_of_x(from) * this->part_of_y(to));
+            det.subtract(this->part_of_y(from) * this->part_of_x(to));
+        }
+        return det.magnitude();
+    }
+};
+
+// In units of 1.
+Magnitude double_area(Point a, Point b, Point c) {
+    const Turns<3> turns({a, b, c});
+    const Magnitude found = turns.turn(0, 1, 2);
+    if (found.mantissa == 0) return found;
+    return {found.mantissa, found.exponent + 2 * turns.low()};
 }
 
-template <int N>
-Scaled in_circle_of(const PlanarLattice<4>& lattice) {
-    const auto a = offset<N>(lattice, 0), b = offset<N>(lattice, 1), c = offset<N>(lattice, 2);
-    return rounded(square(a) * cross(b, c) + square(b) * cross(c, a) + square(c) * cross(a, b), 4,
-                   lattice.low());
+double quotient(Magnitude part, Magnitude whole) {
+    return std::ldexp(part.mantissa / whole.mantissa, part.exponent - whole.exponent);
 }
 
 }  // namespace
 
 Scaled turn(Point a, Point b, Point c) {
     const PlanarLattice<3> lattice({a, b, c});
-    if (lattice.fits<1>()) return turn_of<1>(lattice);
-    if (lattice.fits<2>()) return turn_of<2>(lattice);
-    if (lattice.fits<8>()) return turn_of<8>(lattice);
-    return turn_of<33>(lattice);  // 2 098 bits: every finite double
+    return at_width_of(lattice, [&]<int N>() {
+        return rounded(cross(offset<N>(lattice, 0), offset<N>(lattice, 1)), 2, lattice.low());
+    });
 }
 
-Scaled in_circle(Point a, Point b, Point c, Point d) {
-    const PlanarLattice<4> lattice({a, b, c, d});
-    if (lattice.fits<1>()) return in_circle_of<1>(lattice);
-    if (lattice.fits<2>()) return in_circle_of<2>(lattice);
-    if (lattice.fits<8>()) return in_circle_of<8>(lattice);
-    return in_circle_of<33>(lattice);  // 2 098 bits: every finite double
+Scaled in_circle(Point p, Point q, Point r, Point s) {
+    const PlanarLattice<4> lattice({p, q, r, s});
+    return at_width_of(lattice, [&]<int N>() {
+        const auto a = offset<N>(lattice, 0), b = offset<N>(lattice, 1), c = offset<N>(lattice, 2);
+        return rounded(square(a) * cross(b, c) + square(b) * cross(c, a) + square(c) * cross(a, b),
+                       4, lattice.low());
+    });
+}
+
+int compare_heights(Point a, Point b, Point q) {
+    const PlanarLattice<3> lattice({a, b, q});
+    return at_width_of(lattice, [&]<int N>() {
+        return (square(offset<N>(lattice, 0)) - square(offset<N>(lattice, 1))).sign();
+    });
+}
+
+int turn_in_oyz(Point a, Point b, Point c, Point q) {
+    const PlanarLattice<4> lattice({a, b, c, q});
+    return at_width_of(lattice, [&]<int N>() {
+        const Wide<2 * N> z = square(offset<N>(lattice, 0));
+        const auto rise = [&](int i) { return square(offset<N>(lattice, i)) - z; };
+        const auto y = [&](int i) { return lattice.y<2 * N>(i) - lattice.y<2 * N>(0); };
+        return (y(1) * rise(2) - y(2) * rise(1)).sign();
+    });
+}
+
+Weights exact_weights(Point a, Point b, Point c, Point query) {
+    const Turns<4> turns({a, b, c, query});
+    const Magnitude whole = turns.turn(0, 1, 2);
+    return {quotient(turns.turn(0, 3, 2), whole), quotient(turns.turn(0, 1, 3), whole)};
+}
+
+Point exact_slopes(const Point (&corners)[3], const double (&heights)[3]) {
+    const auto [a, b, c] = corners;
+    const auto [za, zb, zc] = heights;
+    const Magnitude area = double_area(a, b, c);
+    return {quotient(double_area({za, a.y}, {zb, b.y}, {zc, c.y}), area),
+            quotient(double_area({a.x, za}, {b.x, zb}, {c.x, zc}), area)};
 }
 
 }  // namespace liftmesh

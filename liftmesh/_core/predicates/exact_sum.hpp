@@ -5,10 +5,6 @@
 // and products of differences are longer.) Terms of either sign are added up by themselves.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstdint>
-
 #include "predicates/lattice.hpp"
 #include "predicates/wide.hpp"
 

@@ -7,10 +7,6 @@
 // coordinate, and no branch depends on the exponents.
 #pragma once
 
-#include <algorithm>
-#include <bit>
-#include <cstdint>
-
 #include "base/pair.hpp"
 #include "base/point.hpp"
 #include "predicates/wide.hpp"

@@ -1,16 +1,14 @@
 #include "predicates/incircle.hpp"
 
-#include <algorithm>
-
 #include "predicates/fixed_point.hpp"
 #include "predicates/lifted_determinant.hpp"
-#include "predicates/perturbation.hpp"
+#include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// By the distances and heights of edge_incircle.hpp.
+// By the distances and heights of seen_from_base.hpp.
 int sign_of_side(const FixedPoint<4>& points) {
     const Step base = points.step(0, 1), to_c = points.step(0, 2), to_d = points.step(0, 3);
     return sign_of_difference(dot(to_c, points.step(1, 2)), cross(base, to_d),
@@ -62,6 +60,52 @@ int incircle_exact(Point a, Point b, Point c, Point d, Guard guard) {
 int incircle_canonical_exact(Point a, Point b, Point c, Point d, Guard guard) {
     const int sign = incircle_exact(a, b, c, d, guard);
     return sign != 0 ? sign : perturbed_sign(a, b, c, d);
+}
+
+namespace {
+
+// By lexicographic order, the largest first.
+struct Descending {
+    explicit Descending(const Point (&points)[4]) {
+        int larger[4] = {};  // how many points are larger than this one
+        for (int j = 1; j < 4; ++j) {
+            for (int i = 0; i < j; ++i) {
+                const bool ascends = before_xy(points[i], points[j]);
+                larger[i] += ascends;
+                larger[j] += !ascends;
+            }
+        }
+        for (int i = 0; i < 4; ++i) place[larger[i]] = i;
+    }
+    int place[4];
+};
+
+int largest_of(const Point (&points)[4]) {
+    const int first = before_xy(points[0], points[1]), last = 2 + before_xy(points[2], points[3]);
+    return before_xy(points[first], points[last]) ? last : first;
+}
+
+}  // namespace
+
+// The lexicographically largest of the four points is lifted most. If it is d, d leaves the circle;
+// otherwise d replaces it in the triangle, and the orientation of the new triangle is the sign.
+// Where that is degenerate, as it never is on a circle, the next largest point decides. The sign is
+// 0 if a, b, c are collinear or d coincides with one of them; reversing the triangle reverses it.
+int perturbed_sign(Point a, Point b, Point c, Point d) {
+    const int turn = orient2d(a, b, c);
+    if (turn == 0 || d == a || d == b || d == c) return 0;
+    const Point points[4] = {a, b, c, d};
+    const auto side_without = [&](int i) {
+        return orient2d(i == 0 ? d : a, i == 1 ? d : b, i == 2 ? d : c);
+    };
+    const int largest = largest_of(points);
+    if (largest == 3) return -turn;
+    if (const int side = side_without(largest); side != 0) return side;
+    for (int i : Descending(points).place) {
+        if (i == 3) break;
+        if (const int side = side_without(i); side != 0) return side;
+    }
+    return -turn;
 }
 
 }  // namespace liftmesh

@@ -5,12 +5,6 @@
 // coordinate is an integer of at most `width` bits, and each difference one of `width` + 1.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdint>
-#include <limits>
-
 #include "base/point.hpp"
 #include "predicates/wide.hpp"
 
@@ -87,6 +81,15 @@ class Lattice {
     Dyadic part_[K];
     int low_, width_;
 };
+
+// Calls work.operator()<N>() with the least width that holds all polynomials of a lattice.
+template <int K, class Work>
+auto at_width_of(const Lattice<K>& lattice, Work work) {
+    if (lattice.template fits<1>()) return work.template operator()<1>();
+    if (lattice.template fits<2>()) return work.template operator()<2>();
+    if (lattice.template fits<8>()) return work.template operator()<8>();
+    return work.template operator()<33>();  // 2 098 bits: every finite double
+}
 
 // K points of the plane on the common lattice of their coordinates.
 template <int K>

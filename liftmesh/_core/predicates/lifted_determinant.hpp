@@ -2,14 +2,115 @@
 // of the last point is below the plane of the other three, which turn counter-clockwise.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cstdint>
-
-#include "predicates/lifted_lattice.hpp"
-#include "predicates/volume.hpp"
+#include "predicates/exact_sum.hpp"
+#include "predicates/lattice.hpp"
+#include "predicates/lift.hpp"
+#include "predicates/wide.hpp"
 
 namespace liftmesh {
+
+// Lifted points as exact integers: each height is a sum of products of few mantissas.
+//
+// On the lattice 2^low of the coordinates, |p|^2 is an integer multiple of 2^(2 low). Radii share
+// this lattice. A weight must be a multiple of 2^(2 low), and at most as long as a square: so low
+// is at most half of its least exponent. The coefficients of a metric have a lattice of their own:
+// multiplying all of them by a power of two changes no sign.
+
+template <class Lift, int K>
+PlanarLattice<K> planar_lattice(const Lifted<Lift> (&sites)[K]) {
+    Point points[K];
+    for (int i = 0; i < K; ++i) points[i] = sites[i].point;
+    return PlanarLattice<K>(points);
+}
+
+template <class Lift, int K>
+class LiftedLattice : public PlanarLattice<K> {
+ public:
+    LiftedLattice(Lift, const Lifted<Lift> (&sites)[K]) : PlanarLattice<K>(planar_lattice(sites)) {
+        for (int i = 0; i < K; ++i) {
+            value_[i] = dyadic(sites[i].value);
+            if (value_[i].mantissa == 0) continue;
+            const int low = value_[i].exponent, high = low + bit_length(value_[i].mantissa);
+            this->include(is_square ? low : halved_down(low), is_square ? high : halved_up(high));
+        }
+    }
+
+    static constexpr int factors = 2;
+    std::array<Term<2>, 3> height(int i) const {
+        const Dyadic x = this->part_of_x(i), y = this->part_of_y(i);
+        Term<2> lowering = this->lowering(i);
+        lowering.negative = !lowering.negative;
+        return {x * x, y * y, lowering};
+    }
+
+    // What is subtracted from the square, as an integer multiple of 2^(2 low).
+    Term<2> lowering(int i) const {
+        const auto [mantissa, exponent] = value_[i];
+        if (mantissa == 0) return {};
+        if constexpr (is_square) {
+            const Dyadic radius{mantissa, exponent - this->low()};
+            return radius * radius;
+        } else {
+            const auto size = static_cast<std::uint64_t>(mantissa < 0 ? -mantissa : mantissa);
+            return {{size, 0}, exponent - 2 * this->low(), mantissa < 0};
+        }
+    }
+
+ private:
+    static constexpr bool is_square = std::is_same_v<Lift, ByRadius>;
+    static constexpr int halved_down(int exponent) { return exponent >> 1; }
+    static constexpr int halved_up(int exponent) { return (exponent + 1) >> 1; }
+
+    Dyadic value_[K];
+};
+
+template <int K>
+class LiftedLattice<Paraboloid, K> : public PlanarLattice<K> {
+ public:
+    LiftedLattice(Paraboloid, const Lifted<Paraboloid> (&sites)[K])
+        : PlanarLattice<K>(planar_lattice(sites)) {}
+
+    static constexpr int factors = 2;  // of a height
+    std::array<Term<2>, 2> height(int i) const {
+        const Dyadic x = this->part_of_x(i), y = this->part_of_y(i);
+        return {x * x, y * y};
+    }
+};
+
+template <int K>
+class LiftedLattice<ByMetric, K> : public PlanarLattice<K> {
+ public:
+    LiftedLattice(ByMetric metric, const Lifted<ByMetric> (&sites)[K])
+        : PlanarLattice<K>(planar_lattice(sites)), form_({metric.a, metric.b, metric.c}) {}
+
+    static constexpr int factors = 3;
+    std::array<Term<3>, 3> height(int i) const {
+        const Dyadic x = this->part_of_x(i), y = this->part_of_y(i);
+        Term<3> mixed = x * y * one_factor(form_.part(1));
+        ++mixed.shift;
+        return {x * x * one_factor(form_.part(0)), mixed, y * y * one_factor(form_.part(2))};
+    }
+    int width() const { return std::max(PlanarLattice<K>::width(), form_.width() + 1); }
+    const Lattice<3>& form() const { return form_; }
+
+ private:
+    Lattice<3> form_;
+};
+
+// The determinant behind the side tests of points in space and of weighted ones, in exact integers.
+
+// The sign of the determinant with the rows (dx_i, dy_i, dz_i). Each dx and dy is below 2^(64N - 2)
+// in magnitude, each dz below 2^(128N - 2): no term reaches 2^(256N - 5).
+template <int N>
+int sign_of_volume(const std::array<Wide<N>, 3>& dx, const std::array<Wide<N>, 3>& dy,
+                   const std::array<Wide<2 * N>, 3>& dz) {
+    Wide<4 * N> det{};
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        det = det + dz[i] * (dx[j] * dy[k] - dx[k] * dy[j]);
+    }
+    return det.sign();
+}
 
 // Heights are those of the points minus that of the last one, sheared so that |p|^2 becomes the
 // square of the distance from it.

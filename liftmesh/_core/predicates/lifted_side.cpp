@@ -1,7 +1,7 @@
 #include "predicates/lifted_side.hpp"
 
+#include "predicates/incircle.hpp"
 #include "predicates/lifted_determinant.hpp"
-#include "predicates/perturbation.hpp"
 
 namespace liftmesh {
 

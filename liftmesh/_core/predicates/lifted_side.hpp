@@ -4,7 +4,6 @@
 
 #include "predicates/incircle.hpp"
 #include "predicates/lift.hpp"
-#include "predicates/perturbation.hpp"
 
 namespace liftmesh {
 

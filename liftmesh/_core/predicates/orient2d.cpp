@@ -1,8 +1,5 @@
 #include "predicates/orient2d.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "predicates/exact_sum.hpp"
 #include "predicates/fixed_point.hpp"
 #include "predicates/lattice.hpp"

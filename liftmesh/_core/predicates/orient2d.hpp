@@ -6,8 +6,6 @@
 // comparison fail. Where the filter is inconclusive exact integers decide.
 #pragma once
 
-#include <cmath>
-
 #include "base/point.hpp"
 
 namespace liftmesh {

@@ -1,8 +1,8 @@
 #include "predicates/orient3d.hpp"
 
+#include "predicates/incircle.hpp"
 #include "predicates/lattice.hpp"
-#include "predicates/perturbation.hpp"
-#include "predicates/volume.hpp"
+#include "predicates/lifted_determinant.hpp"
 
 namespace liftmesh {
 

@@ -9,8 +9,6 @@
 // by a power of two of its own, are zero or within [2^-140, 2^200].
 #pragma once
 
-#include <cmath>
-
 #include "base/point.hpp"
 #include "predicates/incircle.hpp"
 

@@ -5,10 +5,6 @@
 // of magnitude are left unscaled, and their in-circle tests take the guarded path.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <limits>
-
 #include "base/pair.hpp"
 #include "base/point.hpp"
 #include "predicates/incircle.hpp"

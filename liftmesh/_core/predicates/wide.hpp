@@ -4,8 +4,7 @@
 // of two, so each predicate is an integer polynomial, evaluated at a width that provably holds it.
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include "base/standard.hpp"
 
 namespace liftmesh {
 

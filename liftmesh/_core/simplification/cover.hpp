@@ -2,11 +2,6 @@
 // samples of its triangles, which `Samples` (grid.hpp, lists.hpp) finds.
 #pragma once
 
-#include <cstddef>
-#include <numeric>
-#include <utility>
-#include <vector>
-
 #include "base/status.hpp"
 #include "dynamic/triangulation.hpp"
 #include "simplification/facet.hpp"

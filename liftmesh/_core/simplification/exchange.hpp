@@ -9,9 +9,6 @@
 // After either, neighbours that are not needed any longer are removed.
 #pragma once
 
-#include <algorithm>
-#include <vector>
-
 #include "simplification/cover.hpp"
 #include "simplification/removal.hpp"
 

@@ -1,10 +1,5 @@
 #include "simplification/facet.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <tuple>
-#include <utility>
-
 #include "predicates/exact_sum.hpp"
 #include "predicates/lattice.hpp"
 

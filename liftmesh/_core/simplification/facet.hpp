@@ -7,8 +7,6 @@
 // it.
 #pragma once
 
-#include <cmath>
-
 #include "base/point.hpp"
 #include "simplification/samples.hpp"
 

@@ -1,9 +1,3 @@
-#include <algorithm>
-#include <cmath>
-#include <limits>
-#include <optional>
-#include <utility>
-#include <vector>
 
 #include "base/floating_point.hpp"
 #include "simplification/grid.hpp"

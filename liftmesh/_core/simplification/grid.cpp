@@ -1,11 +1,5 @@
 #include "simplification/grid.hpp"
 
-#include <algorithm>
-#include <bit>
-#include <limits>
-#include <numeric>
-#include <utility>
-
 namespace liftmesh::simplification {
 
 namespace {

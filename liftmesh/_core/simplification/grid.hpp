@@ -7,15 +7,7 @@
 // nearer to it than this, the exact turn decides on which side it is.
 #pragma once
 
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <optional>
-#include <tuple>
-#include <utility>
-#include <vector>
-
-#include "base/prefetch.hpp"
+#include "base/buffer.hpp"
 #include "base/status.hpp"
 #include "dynamic/triangulation.hpp"
 #include "simplification/samples.hpp"

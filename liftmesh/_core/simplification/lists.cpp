@@ -1,7 +1,5 @@
 #include "simplification/lists.hpp"
 
-#include <tuple>
-
 #include "sorting/hilbert.hpp"
 #include "sorting/patient_sort.hpp"
 

@@ -2,10 +2,7 @@
 // of either side.
 #pragma once
 
-#include <cstddef>
-#include <vector>
-
-#include "base/prefetch.hpp"
+#include "base/buffer.hpp"
 #include "base/status.hpp"
 #include "dynamic/triangulation.hpp"
 #include "simplification/samples.hpp"

@@ -3,7 +3,6 @@
 // (exchange.hpp), after which others may be vertices that are not needed: one round considers every
 // vertex, and the worst sample of every triangle. Another follows, for those around which something
 // has changed, as long as a round finds enough of them.
-#include <vector>
 
 #include "simplification/exchange.hpp"
 #include "simplification/grid.hpp"

@@ -3,10 +3,7 @@
 // vertex that went.
 #pragma once
 
-#include <cstddef>
-#include <limits>
 #include <queue>
-#include <vector>
 
 #include "base/status.hpp"
 #include "simplification/cover.hpp"

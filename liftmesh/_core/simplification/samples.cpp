@@ -1,11 +1,8 @@
 #include "simplification/samples.hpp"
 
-#include <algorithm>
-#include <cmath>
-
+#include "base/pair.hpp"
 #include "predicates/lattice.hpp"
 #include "predicates/orient2d.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh::simplification {
 

@@ -3,12 +3,6 @@
 // are in lists, one for each triangle (lists.hpp).
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <vector>
-
-#include "base/hash.hpp"
 #include "base/point.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/sample.hpp"

@@ -1,10 +1,6 @@
 // Few triangles within a bound, and the vertices that matter most.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <vector>
-
 #include "base/status.hpp"
 #include "simplification/cover.hpp"
 #include "simplification/samples.hpp"

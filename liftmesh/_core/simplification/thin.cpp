@@ -1,5 +1,3 @@
-#include <cstdint>
-#include <utility>
 
 #include "base/floating_point.hpp"
 #include "simplification/lists.hpp"

@@ -4,11 +4,6 @@
 // shares of a key stand in order, so the result is the same for any number of them.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <utility>
-#include <vector>
-
 #include "base/status.hpp"
 
 namespace liftmesh {

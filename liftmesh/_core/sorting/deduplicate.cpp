@@ -1,14 +1,6 @@
-#include "sorting/deduplicate.hpp"
-
-#include <algorithm>
-#include <bit>
-#include <cstdint>
-#include <numeric>
-#include <span>
-#include <utility>
-
-#include "base/hash.hpp"
+#include "base/point.hpp"
 #include "sorting/counting_sort.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 

@@ -1,12 +1,8 @@
 // Where points are along a Hilbert curve through their box: neighbours on it are near in the plane.
 #pragma once
 
-#include <cmath>
-#include <cstdint>
-#include <utility>
-
+#include "base/pair.hpp"
 #include "base/point.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 

@@ -1,7 +1,5 @@
 #include "sorting/kd_tree.hpp"
 
-#include <algorithm>
-
 namespace liftmesh {
 
 namespace {

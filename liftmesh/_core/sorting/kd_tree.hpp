@@ -1,11 +1,6 @@
 // A tree of boxes around points: each half of a node has half of its points.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <utility>
-#include <vector>
-
 #include "base/point.hpp"
 #include "base/status.hpp"
 

@@ -1,8 +1,5 @@
-#include "sorting/median_split.hpp"
-
-#include <algorithm>
-
-#include "sorting/bounds.hpp"
+#include "base/pair.hpp"
+#include "sorting/spatial_sort.hpp"
 
 namespace liftmesh {
 

@@ -2,11 +2,6 @@
 // two divisions the interrupt is asked. In place, and otherwise as std::sort.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cstddef>
-#include <vector>
-
 #include "base/status.hpp"
 
 namespace liftmesh {

@@ -1,10 +1,7 @@
 // The places of a sample, and random numbers.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
-#include "base/hash.hpp"
+#include "base/point.hpp"
 
 namespace liftmesh {
 

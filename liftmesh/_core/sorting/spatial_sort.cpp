@@ -10,16 +10,8 @@
 
 #include "sorting/spatial_sort.hpp"
 
-#include <algorithm>
-#include <array>
-#include <bit>
-#include <cstdint>
-#include <cstring>
-#include <numeric>
-#include <utility>
-
+#include "base/pair.hpp"
 #include "parallel/blocks.hpp"
-#include "sorting/bounds.hpp"
 #include "sorting/counting_sort.hpp"
 #include "sorting/sample.hpp"
 

@@ -1,9 +1,6 @@
 #include "sorting/splitters.hpp"
 
-#include <algorithm>
-#include <cstddef>
-
-#include "sorting/bounds.hpp"
+#include "base/pair.hpp"
 
 namespace liftmesh {
 

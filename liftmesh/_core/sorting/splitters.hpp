@@ -4,18 +4,9 @@
 // little is left on the other side, the cut goes across the other axis, so a column is cut by y.
 #pragma once
 
-#include <algorithm>
-#include <array>
-#include <cfloat>
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-#include <vector>
-
 #include "base/pair.hpp"
 #include "base/point.hpp"
 #include "parallel/thread_pool.hpp"
-#include "sorting/bounds.hpp"
 
 namespace liftmesh {
 

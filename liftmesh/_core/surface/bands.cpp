@@ -1,9 +1,5 @@
 #include "surface/bands.hpp"
 
-#include <algorithm>
-#include <numeric>
-#include <vector>
-
 namespace liftmesh {
 
 namespace {

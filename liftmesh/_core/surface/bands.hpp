@@ -1,9 +1,6 @@
 // Bands of rows, and for each the faces that reach into it.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
 #include "parallel/thread_pool.hpp"
 #include "surface/lists.hpp"
 #include "surface/relief.hpp"

@@ -1,9 +1,5 @@
 #include "surface/common_part.hpp"
 
-#include <algorithm>
-#include <tuple>
-#include <utility>
-
 namespace liftmesh {
 
 namespace {

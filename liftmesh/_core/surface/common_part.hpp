@@ -11,10 +11,6 @@
 // faces are close together, double words replace the doubles.
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-
 #include "base/double_word.hpp"
 #include "surface/face_pair.hpp"
 

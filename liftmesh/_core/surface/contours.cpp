@@ -1,17 +1,200 @@
 #include "surface/contours.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <cstddef>
-#include <utility>
-
+#include "base/buffer.hpp"
 #include "base/floating_point.hpp"
-#include "surface/crossed.hpp"
-#include "surface/places.hpp"
+#include "parallel/blocks.hpp"
+#include "parallel/thread_pool.hpp"
+#include "surface/facet.hpp"
+#include "surface/lists.hpp"
+#include "surface/relief.hpp"
 
 namespace liftmesh {
 
 namespace {
+
+// The places of faces in an ascending list of some of them: a bit for each face that is in it, and
+// for each 64 faces the place of the first. The bits of one list are taken back in as many steps as
+// it has faces.
+
+class Places {
+ public:
+    explicit Places(std::size_t faces) : words_(faces / 64 + 1) {}
+
+    // Of ascending faces, one after the other.
+    void add(std::int32_t face, std::int32_t place) {
+        Word& word = words_[number(face)];
+        if (word.bits == 0) word.first = place;
+        word.bits |= bit(face);
+    }
+    // The word of a face that was added, and so all faces in it.
+    void remove(std::int32_t face) { words_[number(face)].bits = 0; }
+
+    // The place of a face, or -1.
+    std::int32_t find(std::int32_t face) const {
+        if (face < 0) return -1;
+        const Word& word = words_[number(face)];
+        const std::uint64_t mine = bit(face);
+        return (word.bits & mine) == 0 ? -1 : word.first + std::popcount(word.bits & (mine - 1));
+    }
+
+ private:
+    struct Word {
+        std::uint64_t bits = 0;
+        std::int32_t first = 0;
+    };
+    static std::size_t number(std::int32_t face) { return static_cast<std::size_t>(face) / 64; }
+    static std::uint64_t bit(std::int32_t face) { return std::uint64_t{1} << (face % 64); }
+
+    std::vector<Word> words_;
+};
+
+// The faces that levels cross, level by level.
+//
+// A corner is above a level if its height is at least the level. What decides this is read once:
+// the rank of a row is the number of levels that are not above its height, so a corner is above the
+// levels below its rank, and a face is crossed by those from the least of its ranks to the
+// greatest. Ranks take a sixth of the memory of rows, and all that follows agrees with them, even
+// if rows are written meanwhile.
+
+// Through one face, with what is above on the left.
+struct CrossedStep {
+    Point exit;         // on the side by which the line leaves the face
+    std::int32_t face;  // -1 if it is none
+    std::int32_t next;  // across that side; -1 if there is none
+};
+
+class Crossed {
+ public:
+    // Levels ascend.
+    Crossed(const Relief& relief, const double* levels, std::size_t count, ThreadPool& pool);
+
+    // False if the interrupt came first.
+    bool list();
+
+    // By ascending faces.
+    const CrossedStep* begin(std::size_t level) const { return steps_.begin(level); }
+    const CrossedStep* end(std::size_t level) const { return steps_.end(level); }
+
+    // The point by which the line of a level enters a face.
+    Point entry(std::size_t level, std::int32_t face) const;
+
+ private:
+    struct Ranks {
+        std::uint32_t of[3];  // of the corners of a face
+    };
+    bool rank();
+    template <class Visit>
+    bool for_each(Visit visit);
+    Ranks ranks(std::int32_t face) const;
+    Point crossing_on(std::int32_t face, int side, std::size_t level) const;
+
+    const Relief& relief_;
+    const double* levels_;
+    std::size_t count_;
+    ThreadPool& pool_;
+    Buffer<std::uint32_t> rank_;  // of each row
+    Lists<CrossedStep> steps_;
+};
+
+constexpr std::size_t rows_together = std::size_t{1} << 15;
+constexpr std::size_t block_size = std::size_t{1} << 14, most_blocks = 256;
+constexpr std::size_t most_lists = std::size_t{1} << 20;  // unless there are more levels
+
+std::size_t blocks_of(std::size_t faces, std::size_t levels) {
+    const std::size_t most = std::clamp<std::size_t>(most_lists / (levels + 1), 1, most_blocks);
+    return std::clamp<std::size_t>(faces / block_size, 1, most);
+}
+
+// How many levels are not above a height, without a branch that depends on it.
+std::uint32_t rank_of(double height, const double* levels, std::size_t count) {
+    std::size_t first = 0;
+    for (std::size_t size = count; size > 0;) {
+        const std::size_t half = (size + 1) / 2;
+        first += levels[first + half - 1] <= height ? half : 0;
+        size -= half;
+    }
+    return static_cast<std::uint32_t>(first);
+}
+
+// The sides by which a line enters a face and leaves it, by the corners opposite, for each set of
+// corners that are above: heights fall along the first, counter-clockwise, and rise along the
+// second.
+constexpr std::int8_t entry_side[8] = {0, 2, 0, 0, 1, 2, 1, 0};
+constexpr std::int8_t exit_side[8] = {0, 1, 2, 1, 0, 0, 2, 0};
+
+std::size_t corners_above(const std::uint32_t* ranks, std::size_t level) {
+    return std::size_t{ranks[0] > level} | std::size_t{ranks[1] > level} << 1 |
+           std::size_t{ranks[2] > level} << 2;
+}
+
+Crossed::Crossed(const Relief& relief, const double* levels, std::size_t count, ThreadPool& pool)
+    : relief_(relief),
+      levels_(levels),
+      count_(count),
+      pool_(pool),
+      rank_(allocate<std::uint32_t>(relief.mesh().points.rows)),
+      steps_(count, blocks_of(relief.mesh().count, count)) {}
+
+bool Crossed::list() {
+    const auto count = [this](std::size_t block, std::size_t level, std::int32_t, const Ranks&) {
+        steps_.count(level, block);
+    };
+    if (!rank() || !for_each(count)) return false;
+    steps_.make_room();
+    const auto put = [this](std::size_t block, std::size_t level, std::int32_t face,
+                            const Ranks& ranks) {
+        const int side = exit_side[corners_above(ranks.of, level)];
+        steps_.put(level, block,
+                   {crossing_on(face, side, level), face, relief_.mesh().neighbor(face, side)});
+    };
+    const bool done = for_each(put);
+    steps_.close({{}, -1, -1});
+    return done;
+}
+
+bool Crossed::rank() {
+    const std::size_t rows = relief_.mesh().points.rows;
+    return in_blocks(
+        rows, rows_together, pool_, [this](std::size_t row, std::size_t last, std::size_t) {
+            for (; row < last; ++row)
+                rank_[row] =
+                    rank_of(relief_.height_of(static_cast<std::int32_t>(row)), levels_, count_);
+        });
+}
+
+Crossed::Ranks Crossed::ranks(std::int32_t face) const {
+    Ranks found;
+    for (int k = 0; k < 3; ++k)
+        found.of[k] = rank_[static_cast<std::size_t>(relief_.mesh().vertex(face, k))];
+    return found;
+}
+
+// visit(block, level, face, ranks) wherever a level crosses a face.
+template <class Visit>
+bool Crossed::for_each(Visit visit) {
+    const std::size_t faces = relief_.mesh().count, blocks = steps_.blocks();
+    const bool done = pool_.run(blocks, [&, faces, blocks](std::size_t block) {
+        Patience patience(pool_.interrupt());
+        const auto last = static_cast<std::int32_t>(faces * (block + 1) / blocks);
+        for (auto face = static_cast<std::int32_t>(faces * block / blocks); face < last; ++face) {
+            const Ranks found = ranks(face);
+            const auto [low, high] = std::minmax({found.of[0], found.of[1], found.of[2]});
+            if (patience.ends(1 + high - low)) return;
+            if (low == high || !relief_.is_shown(face)) continue;
+            for (std::size_t level = low; level < high; ++level) visit(block, level, face, found);
+        }
+    });
+    return done && !pool_.interrupt().requested();
+}
+
+Point Crossed::entry(std::size_t level, std::int32_t face) const {
+    return crossing_on(face, entry_side[corners_above(ranks(face).of, level)], level);
+}
+
+Point Crossed::crossing_on(std::int32_t face, int side, std::size_t level) const {
+    return crossing(relief_.corner(face, (side + 1) % 3), relief_.corner(face, (side + 2) % 3),
+                    levels_[level]);
+}
 
 struct Line {
     std::size_t first, last;  // points

@@ -8,12 +8,9 @@
 // plateau at the level has a line around it, a ridge one there and back, and a summit none.
 //
 // The mesh is read in the order of its faces only: each step of a line is computed there, and put
-// into the list of its level (`crossed.hpp`). Then the steps of a level are linked, by the places
+// into the list of its level . Then the steps of a level are linked, by the places
 // of faces in the list, and lines are followed through that list, which the cache holds.
 #pragma once
-
-#include <cstdint>
-#include <vector>
 
 #include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"

@@ -1,8 +1,5 @@
 #include "surface/face_pair.hpp"
 
-#include <algorithm>
-#include <limits>
-
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {

@@ -10,11 +10,6 @@
 // coordinates are multiplied, nor on where the origin is, as long as moving it rounds nothing.
 #pragma once
 
-#include <array>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
 #include "surface/relief.hpp"
 
 namespace liftmesh {

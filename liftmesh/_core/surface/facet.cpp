@@ -1,9 +1,5 @@
 #include "surface/facet.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <utility>
-
 #include "base/input.hpp"
 
 namespace liftmesh {

@@ -14,7 +14,9 @@
 
 #include "base/pair.hpp"
 #include "base/point.hpp"
-#include "predicates/exact_weights.hpp"
+#include "delaunay/triangulated.hpp"
+#include "predicates/determinants.hpp"
+#include "predicates/orient2d.hpp"
 
 namespace liftmesh {
 
@@ -66,5 +68,48 @@ class SurfaceFacet {
     double bx_, by_, cx_, cy_, rise_b_, rise_c_, inverse_, least_, greatest_;
     bool is_plain_;
 };
+
+// Where a level crosses a side: on the side from its lexicographically lesser end.
+
+namespace detail {
+
+inline double on_the_way(double from, double to, double share) {
+    const double at = from + share * (to - from);
+    const double kept = std::isfinite(at) ? at : (from / 2 + share * (to / 2 - from / 2)) * 2;
+    return std::min(std::max(kept, std::min(from, to)), std::max(from, to));
+}
+
+}  // namespace detail
+
+// One end is below the level, the other is not. An end at the level is the point itself.
+inline Point crossing(SurfaceCorner u, SurfaceCorner v, double level) {
+    if (before_xy(v.at, u.at)) std::swap(u, v);
+    if (u.height == level) return u.at;
+    if (v.height == level) return v.at;
+    double share = (level - u.height) / (v.height - u.height);
+    if (!std::isfinite(v.height - u.height))
+        share = (level / 2 - u.height / 2) / (v.height / 2 - u.height / 2);
+    return {detail::on_the_way(u.at.x, v.at.x, share), detail::on_the_way(u.at.y, v.at.y, share)};
+}
+
+// Where a point of a closed triangle lies: inside, on the side opposite corner k, or at corner k.
+
+struct Place {
+    enum Kind : std::uint8_t { inside, side, vertex, beyond } kind;
+    int k;
+};
+
+inline Place place_in(const Triangulated& mesh, std::int32_t simplex, Point query) {
+    int zeros = 0, on = 0, off = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int turn =
+            orient2d(mesh.corner(simplex, (k + 1) % 3), mesh.corner(simplex, (k + 2) % 3), query);
+        if (turn < 0) return {Place::beyond, 0};
+        (turn == 0 ? on : off) = k;
+        zeros += turn == 0;
+    }
+    if (zeros == 0) return {Place::inside, 0};
+    return zeros == 1 ? Place{Place::side, on} : Place{Place::vertex, off};
+}
 
 }  // namespace liftmesh

@@ -2,10 +2,6 @@
 // from the direction just above that of x on.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "base/status.hpp"
 #include "delaunay/triangulated.hpp"
 

@@ -1,13 +1,5 @@
-#include "surface/height_range.hpp"
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "parallel/blocks.hpp"
+#include "surface/sample.hpp"
 
 namespace liftmesh {
 

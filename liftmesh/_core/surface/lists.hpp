@@ -5,11 +5,6 @@
 // item that stands for none.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <numeric>
-#include <vector>
-
 #include "base/buffer.hpp"
 
 namespace liftmesh {

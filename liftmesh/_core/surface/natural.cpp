@@ -1,10 +1,5 @@
 #include "surface/natural.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <cstdlib>
-#include <limits>
-
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 

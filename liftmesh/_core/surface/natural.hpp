@@ -28,14 +28,12 @@
 // The border begins at the lexicographically least neighbour.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "base/pair.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"
+#include "delaunay/query_order.hpp"
 #include "delaunay/triangulated.hpp"
+#include "parallel/thread_pool.hpp"
 #include "predicates/determinants.hpp"
 
 namespace liftmesh {
@@ -115,5 +113,20 @@ class NaturalNeighbors {
     Point query_{};
     int exponent_ = 0;  // coordinates relative to the query are divided by this power of 2
 };
+
+// Natural neighbours and Sibson's weights of many points, without heights.
+
+struct NaturalWeights {
+    std::vector<std::int64_t> starts;  // one more than points
+    std::vector<std::int32_t> rows;    // in ascending order for each point
+    std::vector<double> weights;       // those of a point add up to 1
+    bool is_sound = true;              // rows that were written meanwhile have not been noticed
+};
+
+// At a vertex this alone, on a side of the hull its two ends, linearly; nothing outside.
+// `simplices` has the triangle of each query, or -1. False if the interrupt came first.
+bool natural_weights(const Triangulated& mesh, const Queries& queries,
+                     const std::int32_t* simplices, NaturalWeights& found, Threads threads,
+                     Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -1,14 +1,7 @@
-#include "surface/natural_weights.hpp"
-
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <utility>
-
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
+#include "surface/facet.hpp"
 #include "surface/natural.hpp"
-#include "surface/place.hpp"
 
 namespace liftmesh {
 

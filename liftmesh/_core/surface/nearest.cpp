@@ -1,12 +1,8 @@
 #include "surface/nearest.hpp"
 
-#include <algorithm>
-#include <cmath>
-#include <initializer_list>
-
 #include "base/input.hpp"
 #include "delaunay/ties.hpp"
-#include "predicates/compare_heights.hpp"
+#include "predicates/determinants.hpp"
 
 namespace liftmesh {
 

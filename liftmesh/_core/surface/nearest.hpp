@@ -11,10 +11,6 @@
 // circle.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "base/point.hpp"
 #include "base/status.hpp"
 #include "delaunay/triangulated.hpp"

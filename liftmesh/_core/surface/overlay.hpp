@@ -12,9 +12,6 @@
 // are. Sums are exact and rounded once: the order of the faces changes no bit.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
 #include "surface/relief.hpp"
 
 namespace liftmesh {

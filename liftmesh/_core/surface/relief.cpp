@@ -1,7 +1,5 @@
 #include "surface/relief.hpp"
 
-#include <memory>
-
 namespace liftmesh {
 
 double Relief::height(Point query, std::int32_t simplex, Patience& patience) const {

@@ -6,18 +6,13 @@
 // point. It depends on coordinates alone.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <limits>
-
-#include "base/prefetch.hpp"
+#include "base/buffer.hpp"
 #include "delaunay/made_on_demand.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/triangulated.hpp"
 #include "surface/facet.hpp"
 #include "surface/first_faces.hpp"
 #include "surface/nearest.hpp"
-#include "surface/place.hpp"
 
 namespace liftmesh {
 

@@ -1,8 +1,5 @@
 #include "surface/rim.hpp"
 
-#include <algorithm>
-#include <numeric>
-
 namespace liftmesh {
 
 namespace {

@@ -1,10 +1,6 @@
 // The rim of the faces that are shown: the sides beyond which there is no face.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
 #include "base/status.hpp"
 #include "delaunay/triangulated.hpp"
 #include "surface/first_faces.hpp"

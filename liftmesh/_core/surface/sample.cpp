@@ -1,8 +1,5 @@
 #include "surface/sample.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/buffer.hpp"
 
 namespace liftmesh {

@@ -1,8 +1,3 @@
-#include "surface/scan.hpp"
-
-#include <algorithm>
-#include <type_traits>
-
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
 #include "surface/bands.hpp"

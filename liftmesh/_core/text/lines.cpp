@@ -1,11 +1,5 @@
 #include "text/lines.hpp"
 
-#include <algorithm>
-#include <cstring>
-#include <vector>
-
-#include "text/blanks.hpp"
-
 namespace liftmesh::text {
 
 namespace {

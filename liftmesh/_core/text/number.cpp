@@ -1,14 +1,6 @@
 #include "text/number.hpp"
 
-#include <algorithm>
-#include <bit>
 #include <charconv>
-#include <cmath>
-#include <cstddef>
-#include <cstdlib>
-#include <cstring>
-#include <limits>
-#include <system_error>
 
 namespace liftmesh::text {
 

@@ -1,12 +1,6 @@
 #include "text/parsing.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <limits>
-#include <string>
-#include <utility>
-
-#include "text/blanks.hpp"
+#include "text/lines.hpp"
 #include "text/number.hpp"
 
 namespace liftmesh::text {

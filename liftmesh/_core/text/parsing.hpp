@@ -2,9 +2,6 @@
 // of them is wrong, and why, is found out by the caller, who has the time for it.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-
 #include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"
 #include "text/lines.hpp"

@@ -1,10 +1,5 @@
 #include "text/printing.hpp"
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstring>
-
 #include "text/number.hpp"
 
 namespace liftmesh::text {

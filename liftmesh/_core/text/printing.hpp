@@ -1,14 +1,6 @@
 // Rows of numbers as lines of text, printed in parallel.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <memory>
-#include <span>
-#include <string>
-#include <utility>
-#include <vector>
-
 #include "base/buffer.hpp"
 #include "parallel/thread_pool.hpp"
 

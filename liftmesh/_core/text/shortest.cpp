@@ -1,8 +1,4 @@
-#include "text/shortest.hpp"
-
-#include <array>
-#include <bit>
-#include <cstddef>
+#include "text/number.hpp"
 
 namespace liftmesh::text {
 

@@ -1,10 +1,6 @@
 // A flood over the triangles from the left of each rim edge, which crosses no rim edge either way.
 
-#include "tiles/filler.hpp"
-
-#include <algorithm>
-#include <utility>
-#include <vector>
+#include "tiles/frontier.hpp"
 
 namespace liftmesh {
 

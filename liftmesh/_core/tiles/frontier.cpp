@@ -3,15 +3,10 @@
 
 #include "tiles/frontier.hpp"
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
+#include "base/buffer.hpp"
 #include "base/floating_point.hpp"
-#include "base/prefetch.hpp"
 #include "delaunay/delaunay.hpp"
-#include "parallel/select.hpp"
-#include "tiles/filler.hpp"
+#include "parallel/blocks.hpp"
 
 namespace liftmesh {
 

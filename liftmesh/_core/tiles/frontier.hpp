@@ -5,15 +5,10 @@
 // finished ground on their left and none on their right. ARCHITECTURE.md proves why that is enough.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "base/buffer.hpp"
+#include "base/facets.hpp"
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"
-#include "tiles/record.hpp"
 #include "tiles/territory.hpp"
 
 namespace liftmesh {
@@ -45,5 +40,14 @@ struct Node {
 Node merge_frontiers(std::span<const Record> records, std::span<const RimEdge> rim,
                      const Territory& territory, bool with_neighbors, Threads threads,
                      Interrupt& interrupt);
+
+// Which triangles of a merge lie on ground that a child has finished.
+
+enum class Ground : std::uint8_t { open, settled, filler };
+
+// Marks as filler what is on the left of the rim, up to the rim. Returns how many edges of the rim
+// are edges of no triangle: none, if the rim is that of the points.
+std::size_t mark_filler(const Result& mesh, std::size_t points, std::span<const RimEdge> rim,
+                        Ground* ground);
 
 }  // namespace liftmesh

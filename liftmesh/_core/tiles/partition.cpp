@@ -2,10 +2,6 @@
 
 #include "tiles/partition.hpp"
 
-#include <algorithm>
-#include <limits>
-#include <numeric>
-
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
 

@@ -5,15 +5,10 @@
 // points share a tile.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "base/buffer.hpp"
 #include "base/input.hpp"
+#include "base/point.hpp"
 #include "base/status.hpp"
-#include "tiles/record.hpp"
 #include "tiles/territory.hpp"
 
 namespace liftmesh {
@@ -35,5 +30,49 @@ struct Partition {
 // The rows are numbered from `first`. Without cuts there is one tile.
 Partition partition(const Input& rows, RowId first, std::span<const Cut> cuts, std::size_t tiles,
                     Interrupt& interrupt);
+
+// Faces whose circumdisks reach a box: with natural neighbours, a height in the box depends on
+// those that have the point inside their circles. Disks are rounded outwards (`territory.hpp`), so
+// there may be a few too many.
+
+// Faces between points, three corners each.
+struct Corners {
+    std::span<const Point> points;
+    std::span<const std::int32_t> rows;
+
+    std::size_t count() const { return rows.size() / 3; }
+    bool are_valid() const;  // whether all rows are those of points
+    Disk disk(std::size_t face) const;
+};
+
+// A box that holds the circumdisks of all faces.
+Box reach_of(const Corners& faces);
+
+// Says of each face whether its disk may have a point of the box.
+void find_reaching(const Corners& faces, const Box& box, bool* reaches);
+
+// Where rows are in an ascending list of rows: the corners of triangles among the points of a tile.
+
+// A table says in which part of the list rows with the same leading bits are. It has about as many
+// entries as the list, so that such a part has one or two rows if they are spread evenly; whatever
+// its length, the row is found by halving.
+class RowIndex {
+ public:
+    explicit RowIndex(std::span<const RowId> rows);  // ascending, none twice
+
+    // The place of a row, or -1.
+    std::int32_t find(RowId row) const;
+
+ private:
+    std::size_t part_of(RowId row) const {
+        return static_cast<std::size_t>(
+            (static_cast<std::uint64_t>(row) - static_cast<std::uint64_t>(first_)) >> shift_);
+    }
+
+    std::span<const RowId> rows_;
+    RowId first_ = 0, last_ = -1;
+    unsigned shift_ = 0;
+    std::vector<std::uint32_t> begins_;
+};
 
 }  // namespace liftmesh

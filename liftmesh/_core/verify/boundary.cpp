@@ -1,10 +1,6 @@
-#include "verify/boundary.hpp"
-
-#include <algorithm>
-#include <utility>
-
 #include "base/buffer.hpp"
 #include "predicates/orient2d.hpp"
+#include "verify/edge_pairing.hpp"
 
 namespace liftmesh {
 

@@ -2,8 +2,6 @@
 // forward.
 #pragma once
 
-#include <cstdint>
-
 #include "apollonius/disk.hpp"
 
 namespace liftmesh {

@@ -30,10 +30,6 @@
 
 #include "verify/disks.hpp"
 
-#include <algorithm>
-#include <array>
-#include <utility>
-
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
 #include "verify/disk_edge.hpp"

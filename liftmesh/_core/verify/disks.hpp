@@ -1,11 +1,6 @@
 // Whether arrays from any source are the Delaunay graph of disks.
 #pragma once
 
-#include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "apollonius/apollonius.hpp"
 #include "base/status.hpp"
 #include "parallel/thread_pool.hpp"

@@ -7,21 +7,13 @@
 
 #include "verify/edge_pairing.hpp"
 
-#include <algorithm>
-#include <array>
-#include <limits>
-#include <span>
-#include <utility>
-
 #include "base/buffer.hpp"
 #include "base/input.hpp"
+#include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
-#include "predicates/perturbation.hpp"
-#include "verify/edge_groups.hpp"
 #include "verify/hash_partition.hpp"
 #include "verify/pairing_table.hpp"
 #include "verify/sides.hpp"
-#include "verify/slots.hpp"
 #include "verify/triangle_batch.hpp"
 
 namespace liftmesh {

@@ -2,17 +2,11 @@
 // corners. A counting sort, stable for any number of threads, orders the triangles by cell. A few
 // stretches of the list decide whether that is worthwhile.
 
-#include "verify/gather.hpp"
-
-#include <algorithm>
-#include <bit>
-#include <cstddef>
-#include <utility>
-
 #include "base/input.hpp"
 #include "sorting/counting_sort.hpp"
 #include "sorting/sample.hpp"
 #include "sorting/splitters.hpp"
+#include "verify/edge_pairing.hpp"
 #include "verify/pairing_table.hpp"
 
 namespace liftmesh {

@@ -3,16 +3,11 @@
 // asked from outside, and three orientations check the answer. A row that is said to be in none is
 // counted as missing.
 
-#include "verify/hidden_rows.hpp"
-
-#include <algorithm>
-#include <stdexcept>
-#include <vector>
-
 #include "base/input.hpp"
-#include "parallel/select.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
 #include "verify/sides.hpp"
+#include "verify/verify.hpp"
 
 namespace liftmesh {
 

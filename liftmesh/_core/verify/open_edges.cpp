@@ -1,13 +1,9 @@
-#include "verify/open_edges.hpp"
-
-#include <algorithm>
-#include <utility>
-
 #include "base/buffer.hpp"
 #include "base/floating_point.hpp"
 #include "predicates/scale.hpp"
 #include "verify/edge_pairing.hpp"
-#include "verify/mesh_view.hpp"
+#include "verify/flaws.hpp"
+#include "verify/verify.hpp"
 
 namespace liftmesh {
 

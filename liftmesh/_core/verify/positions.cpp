@@ -2,18 +2,10 @@
 // that are not go through a hash partition, and sorting a bucket separates the positions:
 // O(n log n) on every input.
 
-#include "verify/positions.hpp"
-
-#include <algorithm>
-#include <cstdint>
-#include <numeric>
-#include <span>
-#include <vector>
-
-#include "base/hash.hpp"
 #include "base/input.hpp"
+#include "base/point.hpp"
+#include "verify/edge_pairing.hpp"
 #include "verify/hash_partition.hpp"
-#include "verify/slots.hpp"
 
 namespace liftmesh {
 

@@ -1,11 +1,8 @@
 #include "verify/sides.hpp"
 
-#include <cmath>
-#include <type_traits>
-
-#include "predicates/lifted_edge.hpp"
-#include "predicates/lifted_scale.hpp"
+#include "predicates/lift.hpp"
 #include "predicates/lifted_side.hpp"
+#include "predicates/seen_from_base.hpp"
 
 namespace liftmesh {
 

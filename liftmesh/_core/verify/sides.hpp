@@ -1,9 +1,6 @@
 // Points that are lifted by something else than |p|^2: which side of a lifted plane a row is on.
 #pragma once
 
-#include <cstdint>
-#include <memory>
-
 #include "base/buffer.hpp"
 #include "base/point.hpp"
 #include "predicates/lift.hpp"

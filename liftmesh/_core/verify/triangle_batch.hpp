@@ -1,6 +1,6 @@
 // The geometry of some triangles at a time, two abreast and without branches: which of them surely
 // turn counter-clockwise, a lower bound of the cotangent of each angle, and how many cover the
-// direction upwards at a corner (`cover.hpp`).
+// direction upwards at a corner (`repeated_edges.cpp`).
 //
 // The angles opposite an edge tell whether it is locally Delaunay: the apex of one triangle lies
 // outside the circumcircle of the other where they sum to less than pi, that is where
@@ -22,10 +22,6 @@
 // underflows or overflows where the guard vouches; elsewhere its margin makes each bound minus
 // infinity.
 #pragma once
-
-#include <array>
-#include <cstddef>
-#include <cstdint>
 
 #include "base/pair.hpp"
 #include "base/point.hpp"

@@ -20,7 +20,7 @@
 //
 // For other members of the family, "the lift of the apex of one triangle is not below the plane of
 // the other" takes the place of the circle, and a lift may hide rows: a surface without a flaw is
-// convex, and every row without a vertex has to be strictly above it (hidden_rows.hpp).
+// convex, and every row without a vertex has to be strictly above it (hidden_rows.cpp).
 //
 // If any triangle is clockwise or degenerate, none of this follows. Then non-manifold edges are
 // looked for (`repeated_edges`), and in-circle tests skip those edges and the edges of clockwise or
@@ -36,25 +36,13 @@
 
 #include "verify/verify.hpp"
 
-#include <algorithm>
-#include <atomic>
-#include <cmath>
-#include <memory>
-#include <stdexcept>
-#include <utility>
-#include <vector>
-
 #include "base/buffer.hpp"
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/sample.hpp"
-#include "verify/boundary.hpp"
 #include "verify/edge_pairing.hpp"
-#include "verify/gather.hpp"
-#include "verify/positions.hpp"
-#include "verify/repeated_edges.hpp"
 #include "verify/sides.hpp"
 
 namespace liftmesh {
@@ -358,8 +346,8 @@ class Verification {
     }
 
     // Where no two triangles overlap, one of those at each inner vertex covers the direction
-    // upwards (`cover.hpp`), and the boundary knows at which of its vertices one does: if that
-    // many vertices are all rows, none is missing.
+    // upwards (`repeated_edges.cpp`), and the boundary knows at which of its vertices one does: if
+    // that many vertices are all rows, none is missing.
     bool count_vertices(const Findings& found) {
         const std::size_t covered = found.pairing.covering + found.boundary.uncovered;
         if (found.are_consistent() && covered + verdict_.skipped == mesh_.rows) {

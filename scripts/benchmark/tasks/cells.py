@@ -69,14 +69,14 @@ def of_geogram(points: Points, weights: Points | None = None) -> object:
 
 def every_array(points: Points) -> tuple[object, ...]:
     """A diagram with its ridges and regions, which are found on first use."""
-    made = liftmesh.Voronoi(points)
+    made = liftmesh.scipy.Voronoi(points)
     return made, made.ridge_points, made.ridge_ends, made.point_region, made.region_vertices
 
 
 def cases(points: Points, most: int) -> Iterator[Case]:
     """What is made, by what, of which points, and how."""
     outline, few = coast(), points[:most]
-    yield "Voronoi", "liftmesh", points, liftmesh.Voronoi
+    yield "Voronoi", "liftmesh", points, liftmesh.scipy.Voronoi
     yield "Voronoi, every array", "liftmesh", points, every_array
     yield "Voronoi, every array", "scipy", few, scipy.spatial.Voronoi
     for name, domain in (("box", BOX), ("coast", outline)):

@@ -185,10 +185,10 @@ def farthest(distribution: str) -> Callable[[Namespace, Mapping[str, Peer]], Cas
     return make
 
 
-def on_threads(points: Points, threads: int) -> liftmesh.Delaunay:
+def on_threads(points: Points, threads: int) -> liftmesh.scipy.Delaunay:
     """Triangulate with the class of SciPy, which has no option for threads."""
     os.environ["LIFTMESH_NUM_THREADS"] = str(threads)
-    return liftmesh.Delaunay(points, furthest_site=True)
+    return liftmesh.scipy.Delaunay(points, furthest_site=True)
 
 
 def scipy(points: Points, limit: float) -> float:

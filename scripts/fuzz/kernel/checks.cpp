@@ -6,11 +6,10 @@
 #include "delaunay/locate.hpp"
 #include "delaunay/ties.hpp"
 #include "delaunay/trapezoid_map.hpp"
-#include "delaunay/vertical_walks.hpp"
+#include "delaunay/walk.hpp"
 #include "demand.hpp"
-#include "hull/gift_wrapping.hpp"
 #include "hull/lower_hull.hpp"
-#include "paper/counts.hpp"
+#include "paper/facet_search.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace fuzzing {

@@ -36,7 +36,7 @@ int lifted_side(Lift lift, const std::array<Point, 4>& corners, const std::array
 // Whether d is further than a distance from the plane through counter-clockwise a, b, c, along z.
 bool exceeds(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, double distance);
 
-// As in predicates/compare_heights.hpp.
+// As in predicates/determinants.hpp.
 int compare_heights(Point a, Point b, Point q);
 int turn_in_oyz(Point a, Point b, Point c, Point q);
 

@@ -7,9 +7,8 @@
 #include <vector>
 
 #include "checks.hpp"
-#include "delaunay/farthest.hpp"
+#include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
-#include "delaunay/regular.hpp"
 #include "demand.hpp"
 #include "exact.hpp"
 #include "verify/verify.hpp"

@@ -7,11 +7,11 @@
 #include "checks.hpp"
 #include "demand.hpp"
 #include "exact.hpp"
-#include "predicates/compare_heights.hpp"
-#include "predicates/edge_incircle.hpp"
+#include "predicates/determinants.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"
+#include "predicates/seen_from_base.hpp"
 
 namespace fuzzing {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "base/result.hpp"
+#include "base/facets.hpp"
 #include "case.hpp"
 
 namespace fuzzing {

@@ -8,9 +8,8 @@
 #include "checks.hpp"
 #include "demand.hpp"
 #include "ground.hpp"
-#include "surface/natural_weights.hpp"
+#include "surface/natural.hpp"
 #include "surface/sample.hpp"
-#include "surface/scan.hpp"
 #include "targets.hpp"
 
 namespace fuzzing {

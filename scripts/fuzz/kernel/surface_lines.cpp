@@ -10,7 +10,7 @@
 #include "demand.hpp"
 #include "ground.hpp"
 #include "surface/contours.hpp"
-#include "surface/crossing.hpp"
+#include "surface/facet.hpp"
 #include "surface/overlay.hpp"
 #include "surface/rim.hpp"
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdio>
 
-#include "predicates/edge_incircle.hpp"
+#include "predicates/seen_from_base.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 

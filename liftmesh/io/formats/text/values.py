@@ -172,7 +172,7 @@ class TableValues:
         if is_word and text.isprintable() and len(text) <= _LONGEST_END:
             return FormatError(
                 f"{where}: {quoted(text)} is a broken row, expected {self._width} values, or marks "
-                f"the end of the table: read it with end={quoted(text)}"
+                f"the end of the table: read it with {Option('end', text)}"
             )
         odd = (k for k, value in enumerate(values[: self._width]) if value and not is_number(value))
         k = next(odd, None)
@@ -264,7 +264,8 @@ class TableValues:
         names = spelled(self._columns.given)
         is_first = word.line == self._first_line
         if self._columns.said and names and is_first:
-            return f"if the line holds units, read it with skip_rows={word.line} and {names}"
+            skip = Option("skip_rows", word.line)
+            return f"if the line holds units, read it with {skip} and {names}"
         if self._columns.said or self._width <= 2:
             return ""
         if k == 0:

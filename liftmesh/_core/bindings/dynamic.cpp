@@ -1,0 +1,131 @@
+// Triangulations that take points in and out, for Python.
+
+#include "bindings/python.hpp"
+#include "dynamic/triangulation.hpp"
+#include "simplification/simplify.hpp"
+
+namespace bindings {
+
+namespace {
+
+using liftmesh::Status;
+using liftmesh::Vertex;
+
+// Its caller sees to it that no two calls run at once, and that rows are finite and vertices there.
+class DynamicMesh {
+ public:
+    void insert(const PlanarRows& rows, const ChangingIds& found) {
+        const Input input = read(rows);
+        if (input.rows != found.shape(0)) throw std::invalid_argument("lengths differ");
+        auto* vertices = reinterpret_cast<Vertex*>(found.data());
+        run([&](liftmesh::Interrupt& stop) { return mesh_.insert(input, vertices, stop); });
+    }
+
+    void remove(const ChangingIds& numbers) {
+        const auto* vertices = reinterpret_cast<const Vertex*>(numbers.data());
+        run([&](liftmesh::Interrupt& stop) {
+            return mesh_.remove(vertices, numbers.shape(0), stop);
+        });
+    }
+
+    // The vertex at each position, or -1.
+    void find(const Pairs& positions, const ChangingIds& found) const {
+        run([&](liftmesh::Interrupt& stop) {
+            Vertex last = liftmesh::ghost;
+            const auto look = [&](std::size_t i) {
+                const Point p = point(positions, i);
+                const Vertex v = mesh_.find({p.x + 0.0, p.y + 0.0}, last);
+                found.data()[i] = static_cast<std::int32_t>(v);
+                if (v != liftmesh::ghost) last = v;
+            };
+            return liftmesh::for_each_in_blocks(found.shape(0), stop, look) ? Status::ok
+                                                                            : Status::interrupted;
+        });
+    }
+
+    std::size_t count() const { return mesh_.size(); }
+    std::size_t end() const { return mesh_.vertex_end(); }
+
+    // The place of the first number without a vertex; -1 if there is none.
+    std::ptrdiff_t first_absent(const ChangingIds& numbers) const {
+        for (std::size_t i = 0; i < numbers.shape(0); ++i)
+            if (!mesh_.is_present(static_cast<Vertex>(numbers.data()[i])))
+                return static_cast<std::ptrdiff_t>(i);
+        return -1;
+    }
+
+    // The position of each number; NaN where it has no vertex.
+    nb::object points() const {
+        const double nan = std::numeric_limits<double>::quiet_NaN();
+        auto values = liftmesh::allocate<double>(2 * mesh_.vertex_end());
+        for (Vertex v = 0; v < mesh_.vertex_end(); ++v) {
+            const Point p = mesh_.is_present(v) ? mesh_.point(v) : Point{nan, nan};
+            values[2 * std::size_t{v}] = p.x;
+            values[2 * std::size_t{v} + 1] = p.y;
+        }
+        return adopt(std::move(values), mesh_.vertex_end(), 2);
+    }
+
+    nb::tuple triangles() const {
+        auto result = unlocked(nb::none(), [&](auto&) { return mesh_.result(); });
+        auto [simplices, neighbors, hull] = arrays(result);
+        return nb::make_tuple(simplices, neighbors, hull);
+    }
+
+ private:
+    // call(interrupt) without the GIL.
+    template <class Call>
+    static void run(Call call) {
+        raise_if(unlocked(nb::none(), call) == Status::interrupted);
+    }
+
+    liftmesh::dynamic::Triangulation mesh_;
+};
+
+// The rows that stay, whether no sample exceeds the tolerance, and how many vertices there were
+// before the last pass.
+template <class Run>
+nb::tuple simplified(const Pairs& points, const Numbers& heights, const Ids& hull,
+                     nb::handle progress, Run run) {
+    if (points.shape(0) != heights.shape(0)) throw std::invalid_argument("lengths differ");
+    const liftmesh::simplification::Terrain terrain{reinterpret_cast<const Point*>(points.data()),
+                                                    heights.data(), heights.shape(0), hull.data(),
+                                                    hull.shape(0)};
+    auto found = unlocked(progress, [&](auto& interrupt) { return run(terrain, interrupt); });
+    raise_if(found.status == liftmesh::Status::interrupted);
+    return nb::make_tuple(skipped(found.rows), found.is_within, found.inserted);
+}
+
+nb::tuple simplify(const Pairs& points, const Numbers& heights, const Ids& hull, double tolerance,
+                   std::size_t most, bool prunes, nb::handle progress) {
+    return simplified(points, heights, hull, progress, [&](const auto& terrain, auto& interrupt) {
+        return liftmesh::simplification::simplify(terrain, tolerance, most, prunes, interrupt);
+    });
+}
+
+nb::tuple thin(const Pairs& points, const Numbers& heights, const Ids& hull, std::size_t most,
+               nb::handle progress) {
+    return simplified(points, heights, hull, progress, [&](const auto& terrain, auto& interrupt) {
+        return liftmesh::simplification::thin(terrain, most, interrupt);
+    });
+}
+
+}  // namespace
+
+void bind_dynamic(nb::module_& m) {
+    m.def("simplify", &simplify, "points"_a, "heights"_a, "hull"_a, "tolerance"_a, "most"_a,
+          "prunes"_a, "progress"_a.none());
+    m.def("thin", &thin, "points"_a, "heights"_a, "hull"_a, "most"_a, "progress"_a.none());
+    nb::class_<DynamicMesh>(m, "DynamicMesh")
+        .def(nb::init<>())
+        .def("insert", &DynamicMesh::insert, "rows"_a, "found"_a)
+        .def("remove", &DynamicMesh::remove, "numbers"_a)
+        .def("find", &DynamicMesh::find, "positions"_a, "found"_a)
+        .def("count", &DynamicMesh::count)
+        .def("end", &DynamicMesh::end)
+        .def("first_absent", &DynamicMesh::first_absent, "numbers"_a)
+        .def("points", &DynamicMesh::points)
+        .def("triangles", &DynamicMesh::triangles);
+}
+
+}  // namespace bindings

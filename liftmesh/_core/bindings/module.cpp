@@ -1,0 +1,116 @@
+// The Python bindings: arrays in, arrays out, with the GIL released in between.
+
+#include "bindings/locator.hpp"
+#include "bindings/python.hpp"
+#include "delaunay/delaunay.hpp"
+#include "hull/lower_hull.hpp"
+#include "predicates/incircle.hpp"
+#include "predicates/orient2d.hpp"
+
+namespace bindings {
+
+namespace {
+
+nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
+                   nb::handle progress, nb::handle folder) {
+    // Few rows end long before a signal or `progress` would be due, in 10 ms at worst, and each
+    // look at the clock takes as long as a point.
+    constexpr std::size_t few = 512;
+    const Input input = read(rows);
+    liftmesh::Delaunay outcome;
+    const auto run = [&](liftmesh::Interrupt&& interrupt) {
+        run_in_files(folder, [&] {
+            outcome = liftmesh::delaunay(input, skip_non_finite, {threads, shared}, interrupt);
+        });
+    };
+    input.rows < few ? run(liftmesh::NoInterrupt()) : run(PythonInterrupt(progress));
+    return as_tuple(outcome);
+}
+
+// In the order of `Counters` in liftmesh.planar.lifting.
+nb::tuple counts_as_tuple(const liftmesh::paper::Counts& counts) {
+    const auto& [i, ii, iii, iv, v, below] = counts.rejected;
+    return nb::make_tuple(counts.calls, counts.candidate_planes, counts.evaluations,
+                          nb::make_tuple(i, ii, iii, iv, v, below), counts.undecided);
+}
+
+liftmesh::Procedure procedure_named(std::string_view method) {
+    if (method == "lf") return liftmesh::Procedure::lf;
+    if (method == "lfres") return liftmesh::Procedure::lfres;
+    if (method == "lfres-indexed") return liftmesh::Procedure::lfres_indexed;
+    throw std::invalid_argument("unknown method");
+}
+
+nb::tuple gift_wrap(const PlanarRows& rows, bool skip_non_finite, unsigned threads, bool shared,
+                    nb::handle progress, std::string_view method, double qx, double qy) {
+    const Input input = read(rows);
+    const liftmesh::Procedure procedure = procedure_named(method);
+    liftmesh::paper::Counts counts;
+    auto outcome = unlocked(progress, [&](auto& interrupt) {
+        return liftmesh::wrap_delaunay(input, skip_non_finite, procedure, {qx, qy},
+                                       {threads, shared}, interrupt, counts);
+    });
+    return nb::make_tuple(as_tuple(outcome), counts_as_tuple(counts));
+}
+
+nb::tuple lower_hull(const PlanarRows& rows, std::string_view method, std::uint64_t secret) {
+    const Input input = read(rows);
+    if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
+    const auto engine =
+        method == "lf" ? liftmesh::HullMethod::lf : liftmesh::HullMethod::incremental;
+    liftmesh::paper::Counts counts;
+    auto outcome = unlocked(nb::none(), [&](auto& interrupt) {
+        return liftmesh::lower_hull(input, engine, secret, {}, interrupt, counts);
+    });
+    return nb::make_tuple(as_tuple(outcome), counts_as_tuple(counts));
+}
+
+void orient2d(const Pairs& a, const Pairs& b, const Pairs& c, const Signs& signs) {
+    fill(signs,
+         [&](std::size_t i) { return liftmesh::orient2d(point(a, i), point(b, i), point(c, i)); });
+}
+
+void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, const Signs& signs,
+              bool canonical) {
+    const auto test = canonical ? liftmesh::incircle_canonical_exact : liftmesh::incircle_exact;
+    fill(signs, [&](std::size_t i) {
+        return test(point(a, i), point(b, i), point(c, i), point(d, i),
+                    liftmesh::Guard::anywhere());
+    });
+}
+
+void bind_planar(nb::module_& m) {
+    m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
+          "progress"_a.none(), "folder"_a.none() = nb::none());
+    m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
+          "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
+    m.def("lower_hull", &lower_hull, "rows"_a, "method"_a, "secret"_a);
+    m.def("orient2d", &orient2d, "a"_a, "b"_a, "c"_a, "signs"_a);
+    m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
+    nb::class_<PyLocator>(m, "Locator")
+        .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
+        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a)
+        .def("natural_weights", &PyLocator::natural_weights, "queries"_a, "threads"_a, "shared"_a);
+}
+
+}  // namespace
+
+}  // namespace bindings
+
+NB_MODULE(_kernel, m) {
+    liftmesh::refuse_contraction(liftmesh::contracts());
+    m.doc() = "The compiled kernel of liftmesh. Its callers check their arguments.";
+    m.attr("VERSION") = LIFTMESH_VERSION;
+    m.attr("MOST_ROWS") = liftmesh::most_rows;
+    m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
+    bindings::bind_planar(m);
+    bindings::bind_text(m);
+    bindings::bind_anisotropic(m);
+    bindings::bind_apollonius(m);
+    bindings::bind_dynamic(m);
+    bindings::bind_lifted(m);
+    bindings::bind_surface(m);
+    bindings::bind_tiles(m);
+    bindings::bind_verify(m);
+    bindings::bind_cells(m);
+}

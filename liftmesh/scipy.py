@@ -1,0 +1,619 @@
+"""`Delaunay` and `Voronoi`: SciPy's classes, exact, for code that asks for an instance of them.
+
+SciPy's interpolators, and many libraries, read the attributes of its classes in compiled code:
+C-contiguous arrays of float64 and int32. These classes inherit from SciPy's and have these
+attributes, but never run Qhull. What SciPy's `Delaunay` computes when it is made is an ordinary
+attribute, which a caller may replace; what it computes on first access comes from `Triangulation`,
+and is computed from the triangles as the caller may have rewritten them. Callers write to
+``simplices`` (``tri.simplices.sort()``). Point location must not see that, so it has the kernel's
+arrays, and the caller has copies.
+
+The vertices of a `Voronoi` come from the exact triangulation. Ridges and regions are found when one
+of them is first asked for; lists, which take longer than everything else, when they are.
+
+Most options of Qhull control how it deals with its rounding errors, or what it prints. An exact
+triangulation needs none of them, so they have no effect. The others move, scale, rotate or leave
+out points, or choose other triangles.
+
+SciPy is imported with this module: at the first use of ``liftmesh.scipy``.
+"""
+
+from __future__ import annotations
+
+import re
+from contextlib import suppress
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh import _kernel
+from liftmesh._typing import Apex, Array, Floats, Rows
+from liftmesh.base.arrays import (
+    as_coordinates,
+    check_finite,
+    non_finite,
+    pair_keys,
+    pairs_of_keys,
+    read_only,
+    widened,
+)
+from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
+from liftmesh.base.options import as_switch
+from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.optional import load
+from liftmesh.planar.delaunay import Solution, solve, solve_farthest
+from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
+from liftmesh.planar.points import edges_around
+from liftmesh.planar.triangulation import Triangulation
+
+if TYPE_CHECKING:
+    from scipy import spatial
+
+    from liftmesh.planar.lifting import LowerHull
+else:
+    spatial = load("scipy.spatial")
+
+
+class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
+    """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""
+
+
+class NotIncrementalError(InputError, RuntimeError):
+    """Points were added to a result that is finished: a RuntimeError in SciPy."""
+
+
+class Growing:
+    """The incremental mode: points can be added until it is closed."""
+
+    _kind = "result"  # what is computed, for messages
+    _can_grow = False
+
+    if TYPE_CHECKING:  # what the classes have
+
+        @property
+        def points(self) -> Floats:
+            """The points, (n, 2) float64."""
+
+        def _compute(self, rows: Floats, *, copy: bool) -> None: ...
+
+    def add_points(
+        self,
+        points: ArrayLike,
+        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
+    ) -> None:
+        """Add points, in the incremental mode.
+
+        Their rows follow those that are there. All attributes are new afterwards; what they were
+        before stays with those who hold it. If there is an error, nothing has changed.
+
+        Parameters
+        ----------
+        points : array_like of shape (k, 2)
+            Planar points.
+        restart : bool, default False
+            Accepted for compatibility with SciPy, without effect.
+
+        Raises
+        ------
+        InputError
+            The result was made without ``incremental=True``, or has been closed (the error is a
+            RuntimeError too); or `points` are not planar points.
+        NonFiniteError
+            A point is not finite: row 0 is the first of `points`.
+
+        See Also
+        --------
+        DynamicTriangulation : Triangulates what changes alone.
+
+        Notes
+        -----
+        All points are triangulated anew, in O(n log n) for n points in all, however few are added:
+        0.2 s for a million. So add points in large groups.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.scipy.Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> tri.add_points([[2, 2], [1, 1]])
+        >>> tri.npoints, tri.nsimplex
+        (5, 4)
+        """
+        if not self._can_grow:
+            raise NotIncrementalError(
+                f"points can be added only to a {self._kind} made with incremental=True, until it "
+                "is closed"
+            )
+        added = planar_rows(points)
+        check_finite(added, skippable=False)
+        if len(added):
+            self._compute(np.concatenate([self.points, added]), copy=False)
+
+    def close(self) -> None:
+        """End the incremental mode: afterwards no points can be added.
+
+        See Also
+        --------
+        liftmesh.scipy.Delaunay.add_points : What it ends.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> diagram = liftmesh.scipy.Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
+        >>> diagram.close()
+        """
+        self._can_grow = False
+
+
+class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
+    """Drop-in replacement for ``scipy.spatial.Delaunay``, and an instance of it.
+
+    SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
+    triangulation is exact and canonical, and so is `find_simplex`; points are planar only;
+    ``points`` is read-only; `lift_points`, `plane_distance` and `equations` are of the paraboloid
+    z = x^2 + y^2, which SciPy scales. As with SciPy, ``simplices`` and ``neighbors`` may be written
+    to or replaced; `find_simplex` keeps to the triangulation as it was computed.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    furthest_site : bool, default False
+        Whether to compute the farthest-point Delaunay triangulation: the upper hull of the lifted
+        points, in which the circle of every triangle contains every point. Its vertices are the
+        corners of the convex hull; the other rows are in ``hidden``. It is exact and canonical, too
+        (lexicographically larger points are lifted less: of points on one circle it is the
+        triangulation that `delaunay` makes).
+    incremental : bool, default False
+        Whether points can be added, by `add_points`, until `close` is called.
+    qhull_options : str, optional
+        Options of Qhull. Those that serve its rounding or its output have no effect; those that
+        would change the triangulation raise an error. ``coplanar`` is filled without ``Qc``, too.
+    copy : bool, default False
+        Whether to copy the points first, as for `delaunay`; `incremental` always does.
+
+    Attributes
+    ----------
+    furthest_site : bool
+        As given.
+    hidden : (h,) ndarray of int32
+        With `furthest_site`, the rows that are no vertices, and not at one, in ascending order;
+        those at a vertex are in ``duplicates`` and ``coplanar``. Otherwise none.
+
+    Raises
+    ------
+    InputError
+        As for `delaunay`, or an option is set that liftmesh does not support.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line. The error is a
+        ``scipy.spatial.QhullError`` too.
+
+    See Also
+    --------
+    delaunay : Without SciPy, with all options.
+    Triangulation : What it adds to SciPy's class.
+    liftmesh.scipy.Voronoi : The dual diagram.
+
+    Examples
+    --------
+    >>> tri = Delaunay(np.array([[0, 0], [0, 1.1], [1, 0], [1, 1]]))
+    >>> tri.find_simplex([(0.1, 0.2), (1.5, 0.5)]) >= 0
+    array([ True, False])
+    >>> from scipy.interpolate import LinearNDInterpolator
+    >>> float(LinearNDInterpolator(tri, [0.0, 1.1, 2.0, 3.0])(0.5, 0.25))
+    1.25
+    >>> far = Delaunay([[0, 0], [4, 0], [5, 3], [0, 2], [1, 1]], furthest_site=True)
+    >>> far.hidden, far.nsimplex
+    (array([4], dtype=int32), 2)
+    """
+
+    npoints = 0
+    nsimplex = 0
+    _kind = "triangulation"
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,
+        *,
+        copy: bool = False,
+    ) -> None:
+        rows = planar_rows(points)  # first: of columns x and y, the second is no option
+        self.furthest_site = as_switch("furthest_site", furthest_site)
+        check_qhull_options(qhull_options)
+        is_growing = as_switch("incremental", incremental)
+        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
+        self._can_grow = is_growing
+
+    def _compute(self, rows: Floats, *, copy: bool) -> None:
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
+        for name in _COMPUTED_LATER:
+            self.__dict__.pop(name, None)
+        self._exact = solution.simplices, solution.neighbors
+        simplices, neighbors = solution.simplices.copy(), solution.neighbors.copy()
+        self.hidden = read_only(solution.hidden)
+        super().__init__(solution.points, simplices, neighbors, *solution[3:6])
+        self.npoints = len(solution.points)
+        self.nsimplex = len(self.simplices)
+
+    def _given(self) -> tuple[Rows, ...]:
+        return *self._exact, self._hull, self.duplicates, self.skipped
+
+    def _protect(self) -> None:
+        for array in (self._rows, *self._given()):
+            array.setflags(write=False)
+
+    def _kept(self, array: Array) -> Array:
+        return array  # SciPy's users write to it
+
+    @property
+    def convex_hull(self) -> Rows:
+        """The edges of the convex hull, (h, 2) int32, as SciPy has them; here counter-clockwise.
+
+        A `Triangulation` has the cycle of rows instead: ``convex_hull[:, 0]``.
+        """
+        return edges_around(self._hull)
+
+    @cached_property
+    def coplanar(self) -> Rows:
+        """The duplicates, (k, 3) int32: row, a triangle at the row, row kept.
+
+        In the order of the triangles, then of the rows.
+        """
+        return super().coplanar
+
+    @cached_property
+    def equations(self) -> Floats:
+        """The planes of the lifted triangles, (m, 4) float64: outward unit normal and offset.
+
+        Outward is downward; with `furthest_site`, it is upward.
+        """
+        return -super().equations if self.furthest_site else super().equations
+
+    def lifted(self, apex: Apex = "median") -> LowerHull:
+        """Return the lower hull of the lifted points; its projection is this triangulation.
+
+        Parameters
+        ----------
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            The apex of the paraboloid, as for `lift`.
+
+        Returns
+        -------
+        LowerHull
+            A mesh in space, as for `Triangulation`.
+
+        Raises
+        ------
+        InputError
+            The apex is not one of these, or the triangles are the upper hull.
+
+        See Also
+        --------
+        Triangulation.lifted : The same without SciPy.
+
+        Examples
+        --------
+        >>> len(Delaunay([[0, 0], [1, 0], [0, 1]]).lifted().faces)
+        1
+        """
+        if self.furthest_site:
+            raise InputError(
+                "with furthest_site=True the triangles are the upper hull of the lifted points: "
+                "liftmesh.lift(points) and simplices are its vertices and faces"
+            )
+        return super().lifted(apex)
+
+    @cached_property
+    def good(self) -> Rows:
+        """Ones, (m,) int32: SciPy's mark of triangles that `qhull_options` did not exclude."""
+        return super().good
+
+    @cached_property
+    def edges(self) -> Rows:
+        """The edges, (e, 2) int32: each once, with its lesser row first, in order of the triangles.
+
+        For arrays of the two ends, as for plotting: ``points[edges]`` has the shape (e, 2, 2).
+        """
+        return _edges_in(self.simplices) if self._is_rewritten() else super().edges
+
+    @cached_property
+    def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
+        """The neighbours of each row: indptr, (n + 1,) int32, and indices, int32.
+
+        Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
+        """
+        if self._is_rewritten():
+            return _neighbors_in(self.simplices, self.npoints)
+        return super().vertex_neighbor_vertices
+
+    def _is_rewritten(self) -> bool:
+        """Whether the caller has changed the triangles or their neighbours."""
+        given = (self.simplices, self.neighbors)
+        return not all(map(np.array_equal, given, self._exact))
+
+    @cached_property
+    def _locator(self) -> _kernel.Locator:
+        return _kernel.Locator(self._rows, *self._exact)
+
+
+_COMPUTED_LATER = [
+    name
+    for kind in (Triangulation, Delaunay)
+    for name, member in vars(kind).items()
+    if isinstance(member, cached_property)
+]
+
+
+def _edges_in(simplices: Rows) -> Rows:
+    """Return the edges of any triangles, in the order in which these have them first."""
+    ends = np.sort(simplices[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    _, first = np.unique(ends.astype(np.int64) @ (1 << 32, 1), return_index=True)
+    return read_only(ends[np.sort(first)])
+
+
+def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
+    """Return the neighbours of each row in any triangles, as SciPy does."""
+    start = simplices[:, [0, 1, 2, 0, 1, 2]].reshape(-1)
+    end = simplices[:, [1, 2, 0, 2, 0, 1]].reshape(-1)
+    rows, others = pairs_of_keys(np.unique(pair_keys(start, end)))
+    indptr = np.zeros(npoints + 1, dtype=np.int32)
+    np.cumsum(np.bincount(rows, minlength=npoints), out=indptr[1:])
+    return indptr, others.astype(np.int32)
+
+
+class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
+    """Drop-in replacement for ``scipy.spatial.Voronoi``, and an instance of it.
+
+    The topology is exact: sites on one circle share one vertex, and no region is lost at any
+    offset. Each coordinate of a vertex is the double nearest to the exact one. Further differences
+    from SciPy: points are planar only; the corners of a region are counter-clockwise, those of an
+    unbounded one begin with -1, and unbounded regions come first. As with SciPy, ``vertices``,
+    ``ridge_points``, ``point_region`` and the lists may be written to; other arrays are read-only.
+
+    Parameters
+    ----------
+    points : array_like of shape (n, 2)
+        Planar points.
+    furthest_site : bool, default False
+        Whether to compute the farthest-site diagram: a region holds what is farther from its site
+        than from all others.
+    incremental : bool, default False
+        Whether points can be added, by `add_points`, until `close` is called.
+    qhull_options : str, optional
+        Options of Qhull, by default "Qbb Qc Qz", or "Qbb Qc" if `incremental`. "Qz" adds an empty
+        region, which is the first. Others that serve Qhull's rounding or its output have no effect;
+        those that would change the diagram raise an error.
+    copy : bool, default False
+        Whether to copy the points first, as for `delaunay`; `incremental` always does.
+
+    Attributes
+    ----------
+    points : (n, 2) ndarray of float64
+        The sites.
+    vertices : (v, 2) ndarray of float64
+        The Voronoi vertices. Beyond the greatest double, a coordinate is infinite.
+    overflowed : int
+        How many vertices have an infinite coordinate.
+    ridge_points : (r, 2) ndarray of int32
+        The rows of the two sites between which each ridge lies. The second site of a ray follows
+        the first on the hull, counter-clockwise: the ray runs to the right of the line from one to
+        the other, or to its left with `furthest_site`.
+    ridge_ends : (r, 2) ndarray of int32
+        The vertices at both ends of each ridge, the lesser first; the first of a ray is -1.
+    ridge_vertices : list of list of int
+        The same as lists.
+    ridge_dict : dict
+        `ridge_vertices` by the two rows of `ridge_points`.
+    point_region : (n,) ndarray of intp
+        The region of each row. Duplicates share one. With `furthest_site`, rows that are no corners
+        of the convex hull have the empty region, or -1 if there is none; SciPy makes an empty
+        region for each.
+    simplices : (m, 3) ndarray of int32
+        The Delaunay triangles.
+    simplex_to_vertex : (m,) ndarray of int32
+        The vertex that is the centre of each triangle's circle.
+    duplicates : (k, 2) ndarray of int32
+        Rows at the position of another, each with the first row there.
+    ndim, npoints, min_bound, max_bound, furthest_site
+        As for `Delaunay`.
+
+    Raises
+    ------
+    InputError
+        As for `delaunay`, or an option is set that liftmesh does not support.
+    NonFiniteError
+        A row is not finite.
+    DegenerateInputError
+        There are fewer than three distinct points, or all lie on one line. The error is a
+        ``scipy.spatial.QhullError`` too.
+
+    See Also
+    --------
+    voronoi : Cells clipped to a domain.
+    liftmesh.scipy.Delaunay : The dual triangulation.
+
+    Examples
+    --------
+    >>> diagram = Voronoi([[0, 0], [2, 0], [2, 2], [0, 2], [5, 1]])
+    >>> diagram.vertices
+    array([[1.        , 1.        ],
+           [3.33333333, 1.        ]])
+    >>> diagram.regions[diagram.point_region[4]]
+    [-1, 1]
+    """
+
+    _kind = "diagram"
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,
+        *,
+        copy: bool = False,
+    ) -> None:
+        rows = planar_rows(points, "Voronoi")
+        self.furthest_site = as_switch("furthest_site", furthest_site)
+        check_qhull_options(qhull_options, "Voronoi")
+        is_growing = as_switch("incremental", incremental)
+        default = "Qbb Qc" if is_growing else "Qbb Qc Qz"
+        options = default if qhull_options is None else qhull_options
+        self._empty_regions = int("Qz" in options.split())
+        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
+        self._can_grow = is_growing
+
+    def _compute(self, rows: Floats, *, copy: bool) -> None:
+        solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
+        for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
+                     "ridge_points", "_found"):  # fmt: skip
+            self.__dict__.pop(name, None)
+        points, simplices = read_only(widened(solution.points)), read_only(solution.simplices)
+        diagram = diagram_of(points, simplices, solution.neighbors)
+        self._points = points
+        self.npoints, self.ndim = points.shape
+        on_hull = points[solution.hull]
+        self.min_bound, self.max_bound = on_hull.min(axis=0), on_hull.max(axis=0)
+        self.simplices, self.duplicates = simplices, solution.duplicates
+        self.vertices = diagram.vertices.copy()  # SciPy's users write to it, as to ridge_points
+        self.simplex_to_vertex = read_only(diagram.simplex_to_vertex)
+        self.overflowed = diagram.overflowed
+        self._neighbors = solution.neighbors
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        check_copied(len(self._points), self.simplices, self._neighbors, self.duplicates)
+        check_adjacent(self.simplices, self._neighbors)
+        check_numbers(0, len(self.vertices), self.simplex_to_vertex)
+
+    @cached_property
+    def _found(self) -> Regions:
+        return regions_of(self.npoints, self.simplices, self._neighbors, self.simplex_to_vertex)
+
+    @cached_property
+    def ridge_points(self) -> Rows:
+        """The rows of the two sites of each ridge, (r, 2) int32."""
+        rows: Rows = self._found.ridge_points.copy()
+        return rows
+
+    @property
+    def ridge_ends(self) -> Rows:
+        """The vertices at both ends of each ridge, (r, 2) int32; the first of a ray is -1."""
+        return self._found.ridge_ends
+
+    @cached_property
+    def point_region(self) -> NDArray[np.intp]:
+        """The region of each row, (n,) intp."""
+        region = np.add(self._found.region_of, self._empty_regions, dtype=np.intp)
+        row, kept = self.duplicates.T
+        region[row] = region[kept]
+        return region
+
+    @property
+    def points(self) -> Floats:
+        """The sites, (n, 2) float64, read-only."""
+        return self._points
+
+    @cached_property
+    def region_vertices(self) -> tuple[Rows, Rows]:
+        """The vertices around each region as arrays: indptr, (regions + 1,), and indices, int32.
+
+        Those of region i are ``indices[indptr[i]:indptr[i + 1]]``, counter-clockwise; those of an
+        unbounded region begin with -1.
+        """
+        empty = np.zeros(self._empty_regions, dtype=np.int32)
+        return np.concatenate([empty, self._found.starts]), self._found.corners
+
+    @cached_property
+    def regions(self) -> list[list[int]]:
+        """The vertices around each region as lists, as SciPy has them."""
+        starts, corners = (part.tolist() for part in self.region_vertices)
+        return [corners[start:end] for start, end in pairwise(starts)]
+
+    @cached_property
+    def ridge_vertices(self) -> list[list[int]]:
+        """The vertices at both ends of each ridge as lists; -1 is at infinity."""
+        ends: list[list[int]] = self.ridge_ends.tolist()
+        return ends
+
+    @cached_property
+    def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
+        """The vertices of each ridge by the rows of its two sites."""
+        return ridges_by_rows(self.ridge_points, self.ridge_vertices)
+
+
+def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
+    """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
+    with suppress(ValueError):  # of rows that differ in length, which the conversion names
+        array = np.asanyarray(points)
+        points = array if array.ndim else points  # what is no array, the conversion names, too
+    if isinstance(points, np.ndarray):
+        _refuse_space(points.shape, kind)
+    rows = as_coordinates(points)
+    return np.ascontiguousarray(rows, dtype=np.float64)
+
+
+def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
+    """Raise for points of more than two columns, unless rows and columns seem exchanged."""
+    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
+        raise InputError(
+            f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
+            f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
+            "dimensions"
+        )
+
+
+def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> Solution:
+    """Triangulate points, with the errors that SciPy's callers expect."""
+    try:
+        return (solve_farthest if furthest_site else solve)(rows, copy=copy)
+    except DegenerateInputError as error:
+        raise DegenerateQhullError(*error.args) from None
+    except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
+        raise non_finite(error.row, rows[error.row], skippable=False) from None
+
+
+_HARMLESS = re.compile(
+    r"d|Qt"  # a Delaunay triangulation, in triangles: SciPy's own
+    r"|Qbb|Qz|Qs|Qf|Qr|Qa"  # how the hull is built, and the lift scaled for that
+    r"|Qc|Qi"  # rows that are no vertex are listed in any case
+    r"|Qx|Qv|Q[0-9]|Q1[0-5]|C-0"  # how facets that rounding spoilt are merged
+    r"|Qw|Pp|Po|Ts|Tv|Tz|[finopsmx]|F\w"  # warnings, checks and printed output
+)
+_JOGGLES = re.compile(r"QJ.*|R\d.*")
+_OF_RESULT = {  # what there is instead, and where rows at one position are listed
+    "Delaunay": ("triangulation", "coplanar"),
+    "Voronoi": ("diagram", "duplicates"),
+}
+
+
+def check_qhull_options(options: str | None, kind: str = "Delaunay") -> None:
+    """Raise if options of Qhull would change a triangulation."""
+    if options is not None and not isinstance(options, str):
+        raise InputError(
+            f"qhull_options are a {type(options).__name__}: give a string, such as 'Qbb Qc Qz'"
+        )
+    for option in (options or "").split():
+        if not _HARMLESS.fullmatch(option):
+            raise InputError(f"qhull_options: {option!r} {_reason(option, kind)}")
+
+
+def _reason(option: str, kind: str) -> str:
+    result, listed = _OF_RESULT[kind]
+    if _JOGGLES.fullmatch(option):
+        return (
+            f"moves the points at random, for which an exact {result} has no need: leave it "
+            f"out (rows at one position stay duplicates, listed in `{listed}`)"
+        )
+    if option == "Qu":
+        return "is furthest_site=True here"
+    return (
+        f"may give another {result} than that of the points: leave it out, or use "
+        f"scipy.spatial.{kind}"
+    )

@@ -1,0 +1,289 @@
+"""The boundary of a surface: faces left out of it, its rings, and solids that close it.
+
+A trimmed surface is a mask over the same triangles: nothing is triangulated again, and masks
+compose. Long thin triangles along the hull, and those across bays, go without opening the gaps in
+the middle if trimming begins at the boundary.
+
+The walls of a solid stand on the rings of the boundary. Where two parts of the surface touch in a
+vertex only, four walls would meet in one line there, and no program agrees on what is inside: such
+vertices are refused, or the faces at them left out. Under a surface that is not trimmed a flat base
+needs no more corners than the rim has, since the triangulation of these fills a convex region. A
+corner may be at the height of the base: on the rim it is a corner of the base, too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.arrays import used_rows
+from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import Pinched, as_number, as_positive, as_switch, check_option
+from liftmesh.errors import InputError, Option
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners, slope_scale
+from liftmesh.vector.polygons import contains, polygons_in
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
+
+
+def trim(
+    surface: AnySurface,
+    *,
+    max_edge: float | None,
+    boundary_only: bool,
+    max_radius: float | None,
+    polygon: object,
+) -> AnySurface:
+    """Make a copy without some of the faces; vertices and triangulation stay as they are."""
+    left_out = mask_of(surface).copy()
+    corners = surface.triangulation.points[surface.triangulation.simplices]
+    inwards = as_switch("boundary_only", boundary_only)
+    if max_edge is None and max_radius is None and polygon is None:
+        raise InputError(
+            f"nothing is asked for: give {Option('max_edge')}, {Option('max_radius')} or a polygon"
+        )
+    if inwards and max_edge is None:
+        raise InputError(f"{Option('boundary_only')} needs {Option('max_edge')}")
+    if max_radius is not None:
+        left_out |= _radii(corners) > _length("max_radius", max_radius)
+    if polygon is not None:
+        left_out |= ~contains(polygons_in(surface.crs, polygon), _centroids(corners))
+    if max_edge is not None:
+        is_long = _sides(corners) > _length("max_edge", max_edge)
+        left_out = _from_rim(surface, is_long, left_out) if inwards else left_out | is_long.any(1)
+    return masked(surface, left_out)
+
+
+def boundary(surface: SurfaceData) -> list[Rows]:
+    """Return the boundary of the faces as closed rings."""
+    solved = surface.triangulation
+    rows, starts = _kernel.rings(
+        solved.points,
+        np.ascontiguousarray(solved.simplices),
+        np.ascontiguousarray(solved.neighbors),
+        None if surface.mask is None else surface.mask.view(np.uint8),
+    )
+    return np.split(rows, starts[1:-1])
+
+
+def mask_of(surface: SurfaceData) -> Array:
+    """Return which triangles of the triangulation are left out."""
+    if surface.mask is None:
+        return np.zeros(surface.triangulation.nsimplex, dtype=np.bool_)
+    return surface.mask
+
+
+def masked(surface: AnySurface, left_out: Array) -> AnySurface:
+    """Make a copy that leaves out faces; without any, its faces are the triangulation's own."""
+    if left_out.all():
+        raise InputError("no face is left: give larger limits, or a polygon over the faces")
+    simplices = surface.triangulation.simplices
+    if not left_out.any():
+        return replace(surface, faces=simplices, mask=None)
+    return replace(surface, faces=simplices[~left_out], mask=left_out)
+
+
+def _from_rim(surface: SurfaceData, is_long: Array, left_out: Array) -> Array:
+    """Leave out faces with a long side on the boundary, from there inwards."""
+    flags = left_out.view(np.uint8)
+    neighbors = np.ascontiguousarray(surface.triangulation.neighbors)
+    _kernel.leave_out_from_rim(neighbors, is_long.view(np.uint8), flags)
+    return flags.view(np.bool_)
+
+
+def _sides(corners: Floats) -> Floats:
+    """Compute the lengths of the sides opposite each corner, (m, 3)."""
+    with np.errstate(over="ignore"):
+        across = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
+        lengths: Floats = np.hypot(across[..., 0], across[..., 1])
+    return lengths
+
+
+def _radii(corners: Floats) -> Floats:
+    """Compute the radii of circumcircles; the order of the corners changes no bit."""
+    lengths = np.sort(_sides(corners), axis=1)
+    a, b, c = np.moveaxis(ordered_corners(corners), 1, 0)
+    with np.errstate(all="ignore"):
+        # By a power of two, so that no square leaves the range of doubles.
+        exponents = np.frexp(lengths[:, 2])[1]
+        (bx, by), (cx, cy) = (np.ldexp(each - a, -exponents[:, None]).T for each in (b, c))
+        short, middle, long = np.ldexp(lengths, -exponents[:, None]).T
+        radii: Floats = np.ldexp(
+            short * (middle / np.abs(bx * cy - by * cx)) * (long / 2), exponents
+        )
+    return np.where(np.isnan(radii), np.inf, radii)
+
+
+def _centroids(corners: Floats) -> Floats:
+    """Compute centroids; the order of the corners changes no bit."""
+    a, b, c = np.moveaxis(ordered_corners(corners), 1, 0)
+    centroids: Floats = a / 3 + b / 3 + c / 3
+    return centroids
+
+
+def _length(name: str, value: Any) -> float:
+    return as_number(name, value, "a positive length", lambda length: length > 0)
+
+
+def closed_solid(
+    surface: SurfaceData,
+    base_height: float | None,
+    *,
+    thickness: float | None,
+    pinched: Pinched,
+    longest: float | None,
+    z_factor: float | None,
+) -> Cloud:
+    """Close the faces by walls and a base."""
+    check_option("pinched", pinched, Pinched)
+    depth = _depth(base_height, thickness)
+    scale = None if longest is None else as_positive("longest", longest, "a positive length")
+    if scale is None and z_factor is not None:
+        raise InputError(
+            f"{Option('z_factor')} goes with {Option('longest')}: without it, no height changes"
+        )
+    surface = _unpinched(surface, pinched)
+    top = used_rows(len(surface.vertices), surface.faces)
+    heights = surface.frame.heights(surface.vertices[top])
+    lower = heights - depth if base_height is None else np.full(len(top), depth)
+    parts = _Parts(surface, top, heights, lower, is_flat=base_height is not None)
+    parts.check()
+    points = parts.points() if scale is None else parts.scaled(scale, z_factor)
+    crs = surface.crs if scale is None else None
+    return Cloud(points, faces=parts.faces(), crs=crs)
+
+
+@dataclass(frozen=True, slots=True)
+class _Parts:
+    """The rows of a surface that are corners of faces, their heights, and those below them."""
+
+    surface: SurfaceData
+    top: Rows
+    heights: Floats
+    lower: Floats
+    is_flat: bool
+
+    def check(self) -> None:
+        """Raise unless the surface is above its base, but for single corners."""
+        gap = self.heights - self.lower
+        worst = int(np.argmin(gap))
+        if gap[worst] > 0:
+            return
+        if gap[worst] < 0 or not self.is_flat:
+            raise InputError(
+                f"the surface reaches its base: row {self.top[worst]} has the height "
+                f"{self.heights[worst]}, the base {self.lower[worst]}: give a lower one"
+            )
+        touching = (gap == 0)[self._above()].sum(axis=1)
+        if touching.max() > (2 if self._is_convex() else 1):
+            rows = self.surface.faces[np.argmax(touching)].tolist()
+            raise InputError(
+                f"the face of the rows {rows} touches the base along a side: give a lower base"
+            )
+
+    def faces(self) -> Rows:
+        """Return the faces of the surface, of the walls and of the base."""
+        rings = [np.searchsorted(self.top, ring) for ring in boundary(self.surface)]
+        kept, own = self._kept(), self._own()
+        below = np.arange(len(self.top))  # where they touch
+        below[own] = len(self.top) + np.arange(len(own))
+        walls = np.concatenate([_wall(ring, below[ring]) for ring in rings])
+        has_area = (walls[:, 0] != walls[:, 2]) & (walls[:, 1] != walls[:, 2])
+        parts = [self._above(), walls[has_area], below[self._base(kept)]]
+        return np.concatenate(parts).astype(np.int32)
+
+    def points(self) -> Floats:
+        """Return the rows of the surface, then those of the base, where they are."""
+        frame, own = self.surface.frame, self._own()
+        upper = self.surface.vertices[self.top]
+        lower = frame.raised(upper[own], self.heights[own], self.lower[own])
+        return np.concatenate([upper, lower])
+
+    def scaled(self, longest: float, z_factor: float | None) -> Floats:
+        """Return them in the plane of the surface, scaled, from 0 on."""
+        planar = self.surface.triangulation.points[self.top]
+        rise, _ = slope_scale(self.surface, z_factor)
+        low, high = planar.min(axis=0), planar.max(axis=0)
+        with np.errstate(all="ignore"):
+            scale = longest / (high - low).max()
+            upper, lower = (
+                np.column_stack([planar - low, (each - self.lower.min()) * rise]) * scale
+                for each in (self.heights, self.lower)
+            )
+        points: Floats = np.concatenate([upper, lower[self._own()]])
+        if not np.isfinite(points).all():
+            raise InputError("the solid is beyond the largest double: give a smaller length")
+        return points
+
+    def _above(self) -> Array:
+        return np.searchsorted(self.top, self.surface.faces)
+
+    def _own(self) -> Array:
+        """Return which corners have a row of the base below them, and do not touch it."""
+        kept = self._kept()
+        return kept[self.heights[kept] > self.lower[kept]]
+
+    def _is_convex(self) -> bool:
+        return self.is_flat and self.surface.mask is None
+
+    def _kept(self) -> Array:
+        """Return which corners the base has: those of the rim, if they fill it, or all."""
+        if not self._is_convex():
+            return np.arange(len(self.top))
+        return np.unique(np.searchsorted(self.top, np.concatenate(boundary(self.surface))))
+
+    def _base(self, kept: Array) -> Array:
+        """Return the faces of the base, counter-clockwise from below."""
+        if not self._is_convex():
+            return self._above()[:, ::-1]
+        rim = self.surface.triangulation.points[self.top[kept]]
+        return kept[delaunay(rim, order="canonical").simplices][:, ::-1]
+
+
+def _wall(above: Array, below: Array) -> Array:
+    """Return two faces for each side of a ring that has the surface on its left."""
+    then_above, then_below = np.roll(above, -1), np.roll(below, -1)
+    return np.concatenate(
+        [
+            np.column_stack([below, then_below, then_above]),
+            np.column_stack([below, then_above, above]),
+        ]
+    )
+
+
+def _depth(base_height: Any, thickness: Any) -> float:
+    """Return the height of the base, or how much lower it is."""
+    if (base_height is None) == (thickness is None):
+        raise InputError(f"give either {Option('base_height')} or {Option('thickness')}")
+    if thickness is None:
+        return as_number("base_height", base_height, "a finite height")
+    return as_positive("thickness", thickness, "a positive length")
+
+
+def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:
+    """Return a surface whose faces touch in sides only: itself, or without some faces."""
+    while len(rows := _pinched_rows(surface)):
+        if pinched == "error":
+            place = surface.triangulation.points[rows[0]].tolist()
+            others = f", and at {len(rows) - 1:,} more" if len(rows) > 1 else ""
+            raise InputError(
+                f"faces touch in a vertex only at row {rows[0]}, {place}{others}, where no solid "
+                f"can be closed: give {Option('pinched', 'trim')} to leave out the faces there"
+            )
+        flags = np.zeros(surface.triangulation.npoints, dtype=np.bool_)
+        flags[rows] = True
+        at_them = flags[surface.triangulation.simplices].any(axis=1)
+        surface = masked(surface, mask_of(surface) | at_them)
+    return surface
+
+
+def _pinched_rows(surface: SurfaceData) -> Rows:
+    """Return the rows that rings share, ascending."""
+    rows, counts = np.unique(np.concatenate(boundary(surface)), return_counts=True)
+    return rows[counts > 1]
