@@ -34,6 +34,10 @@ def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
     InputError
         The last axis is not of length two, or a value is not finite.
 
+    See Also
+    --------
+    incircle : The test of four points.
+
     Notes
     -----
     The sign of the determinant of (a - c, b - c). The filter is that of J. R. Shewchuk, "Adaptive
@@ -77,6 +81,10 @@ def incircle(
     ------
     InputError
         The last axis is not of length two, a value is not finite, or `canonical` is not a bool.
+
+    See Also
+    --------
+    orient2d : The orientation of three points.
 
     Examples
     --------

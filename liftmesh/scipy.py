@@ -95,6 +95,10 @@ class Growing:
         NonFiniteError
             A point is not finite: row 0 is the first of `points`.
 
+        See Also
+        --------
+        DynamicTriangulation : Triangulates what changes alone.
+
         Notes
         -----
         All points are triangulated anew, in O(n log n) for n points in all, however few are added:
@@ -120,6 +124,10 @@ class Growing:
 
     def close(self) -> None:
         """End the incremental mode: afterwards no points can be added.
+
+        See Also
+        --------
+        liftmesh.scipy.Delaunay.add_points : What it ends.
 
         Examples
         --------
@@ -174,6 +182,12 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line. The error is a
         ``scipy.spatial.QhullError`` too.
+
+    See Also
+    --------
+    delaunay : Without SciPy, with all options.
+    Triangulation : What it adds to SciPy's class.
+    liftmesh.scipy.Voronoi : The dual diagram.
 
     Examples
     --------
@@ -270,6 +284,10 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         ------
         InputError
             The apex is not one of these, or the triangles are the upper hull.
+
+        See Also
+        --------
+        Triangulation.lifted : The same without SciPy.
 
         Examples
         --------
@@ -406,6 +424,11 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line. The error is a
         ``scipy.spatial.QhullError`` too.
+
+    See Also
+    --------
+    voronoi : Cells clipped to a domain.
+    liftmesh.scipy.Delaunay : The dual triangulation.
 
     Examples
     --------

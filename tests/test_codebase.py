@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import operator
 import re
 import textwrap
 from functools import cached_property
@@ -13,6 +14,8 @@ from pathlib import Path
 import pytest
 from counts import code_lines
 from public_names import EXCEPTIONS, METHODS, NAMES
+
+import liftmesh
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "liftmesh"
@@ -59,6 +62,22 @@ def test_parameters_and_results_are_described(name: str) -> None:
 def test_documented_errors_exist(name: str) -> None:
     raised = entries(sections({**NAMES, **METHODS}[name]).get("Raises", ""))
     assert set(raised) <= EXCEPTIONS
+
+
+def is_there(path: str) -> bool:
+    try:
+        operator.attrgetter(path)(liftmesh)
+    except AttributeError:
+        return False
+    return True
+
+
+@pytest.mark.parametrize("name", [*NAMES, *METHODS])
+def test_what_else_to_see_is_there(name: str) -> None:
+    """By its name, or beside a method by that in the class alone."""
+    kind = name.rpartition(".")[0]
+    for other in entries(sections({**NAMES, **METHODS}[name]).get("See Also", "")):
+        assert is_there(other.removeprefix("liftmesh.")) or is_there(f"{kind}.{other}"), other
 
 
 @pytest.mark.parametrize("name", CALLABLES)

@@ -6,8 +6,9 @@ import os
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
-from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh._typing import Array, Floats, Indices, Integers, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.cells.domain import Domain, following_corners
@@ -19,6 +20,7 @@ from liftmesh.optional import load
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
 
+_VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 _HALF_LARGEST = 2.0**1022  # differences of more may exceed the doubles
 
 
@@ -27,6 +29,7 @@ class ClippedCells:
 
     duplicates: Rows
     hidden: Rows
+    _simplices: Rows
     max_deviation: float | None = None
 
     def __init__(self, points: Floats, domain: Domain, rings: Rings, exact: DomainCorners) -> None:
@@ -54,7 +57,7 @@ class ClippedCells:
             groups = items
         check_starts(self.domain.starts, len(self.domain.is_hole), len(self.domain.corners))
         check_numbers(-1, len(self.points), self.beyond, self._sources[:, 2])
-        check_numbers(0, len(self.points), self.duplicates, self.hidden)
+        check_numbers(0, len(self.points), self.duplicates, self.hidden, self._simplices)
 
     def __repr__(self) -> str:
         full = np.count_nonzero(np.diff(self.parts))
@@ -68,6 +71,49 @@ class ClippedCells:
     def crs(self) -> str | None:
         """The coordinate system of the points or the domain, WKT or ``EPSG:n``, if known."""
         return self.domain.crs
+
+    @cached_property
+    def corner_kinds(self) -> NDArray[np.uint8]:
+        """Where each corner comes from, (k,) uint8.
+
+        0 is a vertex of the diagram, 1 a crossing of an edge of the domain with a side, 2 a corner
+        of the domain, 3 another point of an arc between disks.
+        """
+        edge, other, _ = self._sources.T
+        kinds = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
+        kinds[(edge < 0) & (self._vertex < 0)] = _OF_ARC
+        return read_only(kinds.astype(np.uint8))
+
+    @cached_property
+    def corner_sources(self) -> Rows:
+        """What each corner is made of, (k, 3) int32; for points and weights it is exact.
+
+        A vertex: three rows that are equally near. A crossing: the two rows of the side, and the
+        edge of the domain, which has the number of the corner it leaves. A corner of the domain:
+        its number, and -1 twice. A point of an arc: the two rows, and -1.
+        """
+        edge, _, beyond = self._sources.T
+        own, nothing = rows_of_corners(self).astype(np.int32), np.full_like(edge, -1)
+        vertex, crossing, arc = (
+            np.flatnonzero(self.corner_kinds == kind) for kind in (_VERTEX, _CROSSING, _OF_ARC)
+        )
+        sources = np.stack([edge, nothing, nothing], axis=1)
+        sources[vertex] = self._simplices[self._vertex[vertex]]
+        across = self._across(crossing)
+        sources[crossing] = np.stack([own[crossing], across, edge[crossing]], axis=1)
+        sources[arc, 0], sources[arc, 1] = own[arc], beyond[arc]
+        return read_only(sources)
+
+    @property
+    def _vertex(self) -> Rows:
+        """The triangle of each corner that is a vertex; -1 for others."""
+        edge, other, _ = self._sources.T
+        return np.where(edge < 0, other, -1)
+
+    def _across(self, corner: Indices) -> Rows:
+        """Return the row across the side on which each of some crossings lies."""
+        across: Rows = self._sources[corner, 1]
+        return across
 
     @cached_property
     def _moments(self) -> tuple[Floats, Floats, Floats, Rows]:
@@ -183,13 +229,12 @@ class ClippedCells:
         [4.0, 4.0]
         """
         shapely = load("shapely", extra="shapes")
-        count = np.diff(self.ring_corners)
-        closed = self.ring_corners + np.arange(len(self.ring_corners))
+        count, starts = np.diff(self.ring_corners), self.ring_corners
+        closed = starts + np.arange(len(starts))
         taken = np.arange(closed[-1]) - np.repeat(np.arange(len(count)), count + 1)
-        taken[closed[1:] - 1] = self.ring_corners[:-1]
-        polygons = shapely.from_ragged_array(
-            shapely.GeometryType.POLYGON, self.corners[taken], (closed, self.rings)
-        )
+        taken[closed[1:] - 1] = starts[:-1]
+        rings = self.corners[taken], (closed, self.rings)
+        polygons = shapely.from_ragged_array(shapely.GeometryType.POLYGON, *rings)
         parts = np.diff(self.parts)
         shapes = np.full(len(self.points), shapely.Polygon(), dtype=object)
         shapes[parts == 1] = polygons[self.parts[:-1][parts == 1]]

@@ -16,7 +16,7 @@ several segments: another way is tried.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
@@ -26,7 +26,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Indices, Mask, Rows
-from liftmesh.cells.rings import Exact, as_exact, turn
+from liftmesh.base.frozen import cached_property
+from liftmesh.cells.rings import Exact, as_exact, between, turn
 from liftmesh.disks.sides import shares_in
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
@@ -70,13 +71,13 @@ def crossings(start: Floats, end: Floats, domain: Domain) -> Crossings:
     of_edge = [_moved(sign, along[1]) for sign in of_edge]
     crosses = (of_ends[0] != of_ends[1]) & (of_edge[0] != of_edge[1])
     segment, edge = segment[crosses], edge[crosses].astype(np.int32)
-    pairs = _Pairs(start[segment], end[segment], first[edge], last[edge])
-    order = _ordered(segment, pairs.share_of_segment(), pairs.exact_share_of_segment)
-    share = pairs.share_of_edge()
-    along_edges = _ordered(edge, share, pairs.exact_share_of_edge)
+    a, b, u, v = start[segment], end[segment], first[edge], last[edge]
+    order = _ordered(segment, _Shares(u, v, a, b, -1))
+    of_edges = _Shares(a, b, u, v, 1)
+    along_edges = _ordered(edge, of_edges)
     rank = np.empty_like(order)
     rank[order] = np.arange(len(order))
-    points = pairs.points(share)
+    points = of_edges.points()
     return Crossings(
         segment[order],
         edge[order],
@@ -143,11 +144,9 @@ def _ties(
     return ties
 
 
-def _ordered(
-    group: NDArray[np.integer], share: tuple[Floats, Floats], exact: Callable[[int], Share]
-) -> Indices:
+def _ordered(group: NDArray[np.integer], shares: _Shares) -> Indices:
     """Order crossings by group, then by share: by exact ones where these may be equal."""
-    value, error = share
+    value, error = shares.rounded
     order = np.lexsort((value - error, group))
     low, high, of = (value - error)[order], (value + error)[order], group[order]
     starts = np.flatnonzero(np.concatenate([[True], of[1:] != of[:-1]])) if len(of) else of
@@ -160,71 +159,50 @@ def _ordered(
         pieces = [first, *(first + apart).tolist(), last]
         for begin, stop in pairwise(pieces):
             if stop - begin > 1:
-                order[begin:stop] = sorted(order[begin:stop].tolist(), key=exact)
+                order[begin:stop] = sorted(order[begin:stop].tolist(), key=shares.exact)
     return order
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Pairs:
-    """Segments from a to b and the edges from u to v that they cross."""
+@dataclass(frozen=True, eq=False)
+class _Shares:
+    """Which shares of the ways from r to s are before the lines of p and q."""
 
-    a: Floats
-    b: Floats
-    u: Floats
-    v: Floats
+    p: Floats
+    q: Floats
+    r: Floats
+    s: Floats
+    moved: int  # 1 if the ways are edges of the domain, or else -1
 
-    def share_of_segment(self) -> tuple[Floats, Floats]:
-        """Return which share of each segment is before the edge, and what that may be off."""
-        return _share(self.u, self.v, self.a, self.b)
+    @cached_property
+    def rounded(self) -> tuple[Floats, Floats]:
+        """The shares, and what they may be off."""
+        with np.errstate(all="ignore"):
+            (x, y), (u, v) = (self.q - self.p).T, (self.s - self.r).T
+            across = (self.r - self.p).T
+            first, second = x * across[1], y * across[0]
+            divisor, terms = x * v - y * u, np.abs(x * v) + np.abs(y * u)
+            value = (second - first) / divisor
+            off = np.abs(first) + np.abs(second) + terms * np.maximum(np.abs(value), 1)
+            error = off / np.abs(divisor) * _ROUNDING
+        vague = ~np.isfinite(value + error)
+        return np.where(vague, 0.5, value), np.where(vague, 1.0, error)
 
-    def share_of_edge(self) -> tuple[Floats, Floats]:
-        """Return which share of each edge is before the segment, and what that may be off."""
-        return _share(self.a, self.b, self.u, self.v)
+    def exact(self, k: int) -> Share:
+        """Return one share."""
+        p, q, r, s = (as_exact(each[k]) for each in (self.p, self.q, self.r, self.s))
+        x, y = q[0] - p[0], q[1] - p[1]
+        divisor = x * (s[1] - r[1]) - y * (s[0] - r[0])
+        return -turn(p, q, r) / divisor, self.moved * y / divisor, -self.moved * x / divisor
 
-    def exact_share_of_segment(self, k: int) -> Share:
-        """Return the share of one segment."""
-        return self._exact(k, self.u, self.v, self.a, self.b, -1)
-
-    def exact_share_of_edge(self, k: int) -> Share:
-        """Return the share of one edge."""
-        return self._exact(k, self.a, self.b, self.u, self.v, 1)
-
-    @staticmethod
-    def _exact(k: int, p: Floats, q: Floats, r: Floats, s: Floats, moved: int) -> Share:
-        """Return where the line of p and q crosses from r to s, if the latter moves by +1 or -1."""
-        (px, py), (qx, qy), (rx, ry), (sx, sy) = (as_exact(each[k]) for each in (p, q, r, s))
-        x, y = qx - px, qy - py
-        divisor = x * (sy - ry) - y * (sx - rx)
-        height = turn((px, py), (qx, qy), (rx, ry))
-        return -height / divisor, moved * y / divisor, -moved * x / divisor
-
-    def points(self, share: tuple[Floats, Floats]) -> Floats:
-        """Return the crossings, on the edges but for rounding."""
-        value = share[0].copy()
-        for k in np.flatnonzero(~(share[1] < _VAGUE)).tolist():
-            value[k] = float(self.exact_share_of_edge(k)[0])
+    def points(self) -> Floats:
+        """Return the crossings, on the ways but for rounding."""
+        value, error = self.rounded[0].copy(), self.rounded[1]
+        for k in np.flatnonzero(~(error < _VAGUE)).tolist():
+            value[k] = float(self.exact(k)[0])
         with np.errstate(over="ignore"):
-            points = self.u + value[:, None] * (self.v - self.u)
-        low, high = np.minimum(self.u, self.v), np.maximum(self.u, self.v)
-        inside: Floats = np.clip(points, low, high)
+            points = self.r + value[:, None] * (self.s - self.r)
+        inside: Floats = np.clip(points, np.minimum(self.r, self.s), np.maximum(self.r, self.s))
         return inside
-
-
-def _share(p: Floats, q: Floats, r: Floats, s: Floats) -> tuple[Floats, Floats]:
-    """Return which share of the way from r to s is before the line of p and q, and its error."""
-    with np.errstate(all="ignore"):
-        (x, y), (u, v) = (q - p).T, (s - r).T
-        across = (r - p).T
-        first, second = x * across[1], y * across[0]
-        divisor, terms = x * v - y * u, np.abs(x * v) + np.abs(y * u)
-        value = (second - first) / divisor
-        error = (
-            (np.abs(first) + np.abs(second) + terms * np.maximum(np.abs(value), 1))
-            / np.abs(divisor)
-            * _ROUNDING
-        )
-    vague = ~np.isfinite(value + error)
-    return np.where(vague, 0.5, value), np.where(vague, 1.0, error)
 
 
 _NEAREST = 8  # segments to which ways are tried
@@ -241,7 +219,7 @@ def cell_at(lines: Traced, domain: Domain, begin: int, end: int, default: int) -
     share = (low[seen] + high[seen]) / 2
     for place, k in _ways(start + share[:, None] * (end_of - start), domain.corners[begin:end]):
         a, b = as_exact(start[k]), as_exact(end_of[k])
-        target = _between(a, b, Fraction(float(share[k])))
+        target = between(a, b, Fraction(float(share[k])))
         side = _first_side(start, end_of, place, target)
         if side is not None:
             line = int(np.searchsorted(lines.starts, segments[side[0]], side="right")) - 1
@@ -257,11 +235,7 @@ def _ways(targets: Floats, corners: Floats) -> Iterator[tuple[Exact, int]]:
         a, b = as_exact(first), as_exact(last)
         for k in nearest:
             yield a, k
-            yield _between(a, b, _HALF), k
-
-
-def _between(a: Exact, b: Exact, share: Fraction) -> Exact:
-    return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+            yield between(a, b, _HALF), k
 
 
 def _first_side(start: Floats, end: Floats, place: Exact, target: Exact) -> tuple[int, int] | None:

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_coordinates, read_only
+from liftmesh._typing import Floats, Indices, Progress, Rows
+from liftmesh.base.arrays import as_coordinates
 from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import check_progress, part_of
 from liftmesh.cells.clipped import ClippedCells, rows_of_corners
@@ -29,7 +29,6 @@ _OFF = 2.0**-48  # of the largest number: what rounding may put between two dist
 _FINE = 1e-3  # of the side of a square as large as a cell
 _LEAST = 2.0**-45  # of the largest coordinate
 _GRAPH, _TRACED = 0.1, 0.6  # of the progress: of all, and of what follows the graph
-_VERTEX, _CROSSING, _CORNER, _OF_ARC = range(4)
 
 
 def apollonius_diagram(
@@ -208,49 +207,20 @@ class ApolloniusCells(ClippedCells):
         """The radii, (n,) float64."""
         return self.graph.radii
 
-    @cached_property
-    def corner_kinds(self) -> NDArray[np.uint8]:
-        """Where each corner comes from, (k,) uint8.
-
-        0 is a vertex of the diagram, 1 a crossing of an edge of the domain with a side, 2 a corner
-        of the domain, 3 another point of an arc.
-        """
-        edge, other, _ = self._sources.T
-        kinds = np.where(edge < 0, _VERTEX, np.where(other >= 0, _CROSSING, _CORNER))
-        kinds[(edge < 0) & (self._vertex < 0)] = _OF_ARC
-        return read_only(kinds.astype(np.uint8))
-
-    @cached_property
-    def corner_sources(self) -> Rows:
-        """What each corner is made of, (k, 3) int32.
-
-        A vertex: three disks that are equally near. A crossing: the two disks of the side, and the
-        edge of the domain, which has the number of the corner it leaves. A corner of the domain:
-        its number, and -1 twice. A point of an arc: the two disks, and -1.
-        """
-        edge, other, beyond = self._sources.T
-        own, kinds = rows_of_corners(self).astype(np.int32), self.corner_kinds
-        sources = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
-        is_vertex, is_crossing, is_arc = (kinds == k for k in (_VERTEX, _CROSSING, _OF_ARC))
-        sources[is_vertex] = self._simplices[self._vertex[is_vertex]]
-        across = other
-        if self._lines is not None:
-            lines = self._lines
-            line = np.searchsorted(lines.starts, other[is_crossing], side="right") - 1
-            across = other.copy()
-            across[is_crossing] = lines.rows[line].sum(axis=1) - own[is_crossing]
-        crossing = own[is_crossing], across[is_crossing], edge[is_crossing]
-        sources[is_crossing] = np.stack(crossing, axis=1)
-        sources[is_arc, 0], sources[is_arc, 1] = own[is_arc], beyond[is_arc]
-        return read_only(sources)
+    def _across(self, corner: Indices) -> Rows:
+        other = super()._across(corner)
+        if self._lines is None:
+            return other
+        line = np.searchsorted(self._lines.starts, other, side="right") - 1
+        across: Rows = self._lines.rows[line].sum(axis=1) - rows_of_corners(self)[corner]
+        return across
 
     @cached_property
     def _vertex(self) -> Rows:
-        """The triangle of each corner that is a vertex; -1 for others."""
-        edge, other, _ = self._sources.T
-        vertex = np.where(edge < 0, other, -1)
+        vertex = super()._vertex
         if self._lines is None:
             return vertex
+        edge, other, _ = self._sources.T
         of_point = np.full(len(self._lines.points), -1, dtype=np.int32)
         of_point[self._lines.starts[:-1]] = self._lines.ends[:, 0]
         of_point[self._lines.starts[1:] - 1] = self._lines.ends[:, 1]

@@ -5,7 +5,7 @@ Sites come in whatever holds points: arrays, clouds, tables without heights, Geo
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,13 +20,7 @@ from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.io.objects.plain import is_table
 from liftmesh.io.registry import as_cloud
 from liftmesh.planar import delaunay, regular
-from liftmesh.planar.diagram import (
-    Diagram,
-    LiftedTriangles,
-    diagram_of,
-    regions_of,
-    rows_without_area,
-)
+from liftmesh.planar.diagram import LiftedTriangles, diagram_of, regions_of, rows_without_area
 from liftmesh.planar.kinds import TriangulationKind, as_weights, named_values
 from liftmesh.planar.points import rows_of
 
@@ -106,78 +100,30 @@ def dual_of(
     progress: Part | None = None,
 ) -> Dual:
     """Triangulate sites of any number and position."""
-    rows = as_coordinates(rows_of(points))
-    planar = _own(rows[:, :2])
+    planar = _own(as_coordinates(rows_of(points))[:, :2])
     if not len(planar):
         raise InputError("there are no points: give one at least")
-    values = _values(kind, given, len(planar))
+    values = np.empty(0) if kind == "plain" else as_weights(kind, given, len(planar)).values
+    sites = Dual(planar, kind, _own(values))
     told = part_of(progress, 0.0, _TRIANGULATED)
     try:
-        if kind == "plain":
-            solution = delaunay.solve(planar, threads=threads, progress=told)
-        else:
-            solution = regular.solve(planar, kind, values, threads=threads, progress=told)
+        solution = _solve(sites, slice(None), threads, told)
     except (DegenerateInputError, NonFiniteError) as error:
         if told is not None and told.has_raised:
             raise
         if isinstance(error, DegenerateInputError):
-            return _chained(planar, kind, values)
-        raise _unskippable(error, planar, kind, values) from None
-    triangles = solution.simplices, solution.neighbors
-    diagram = diagram_of(planar, *triangles, values, kind, threads=threads)
-    degenerate = _NO_ROWS if kind == "plain" else _without_area(planar, solution, diagram)
-    if len(degenerate):
-        triangles = _without(degenerate, planar, kind, values, triangles[0], threads)
-        diagram = diagram_of(planar, *triangles, values, kind, threads=threads)
+            return _chained(sites)
+        raise _unskippable(error.row, sites) from None
+    dual = _with_vertices(sites, solution.simplices, solution.neighbors, threads)
+    degenerate = _without_area(dual, solution)
+    if len(degenerate):  # the cells of the others stay as they are without them
+        kept = np.setdiff1d(dual.simplices, degenerate).astype(np.int32)
+        others = _solve(sites, kept, threads)
+        dual = _with_vertices(sites, kept[others.simplices], others.neighbors, threads)
     if progress is not None:
         progress(1.0)
-    return Dual(
-        planar,
-        kind,
-        values,
-        *triangles,
-        vertices=diagram.vertices,
-        simplex_to_vertex=diagram.simplex_to_vertex,
-        duplicates=solution.duplicates,
-        hidden=solution.hidden,
-        degenerate=degenerate,
-    )
-
-
-def _without_area(planar: Floats, solution: Solution, diagram: Diagram) -> Rows:
-    """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
-    rows, simplices = len(planar), solution.simplices
-    if len(diagram.vertices) == len(simplices):
-        return _NO_ROWS
-    regions = regions_of(rows, simplices, solution.neighbors, diagram.simplex_to_vertex)
-    ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
-    is_vertex = np.zeros(rows, dtype=np.bool_)
-    is_vertex[simplices.reshape(-1)] = True
-    few = np.flatnonzero(is_vertex & (ridges <= 2))
-    if not len(few) or solution.weights is None:
-        return _NO_ROWS
-    triangles = planar, simplices, solution.neighbors, solution.hull
-    return rows_without_area(LiftedTriangles(*triangles, solution.weights))
-
-
-def _without(
-    degenerate: Rows,
-    planar: Floats,
-    kind: str,
-    values: Floats,
-    simplices: Rows,
-    threads: int | None,
-) -> tuple[Rows, Rows]:
-    """Triangulate the vertices but for some; the cells of the others stay as they are."""
-    kept = np.setdiff1d(simplices, degenerate).astype(np.int32)
-    solution = regular.solve(planar[kept], kind, values[kept], threads=threads)
-    return kept[solution.simplices], solution.neighbors
-
-
-def _values(kind: str, given: Any, rows: int) -> Floats:
-    if kind == "plain":
-        return np.empty(0)
-    return _own(as_weights(kind, given, rows).values)
+    hidden, duplicates = solution.hidden, solution.duplicates
+    return replace(dual, duplicates=duplicates, hidden=hidden, degenerate=degenerate)
 
 
 def _own(given: Reals) -> Floats:
@@ -185,17 +131,49 @@ def _own(given: Reals) -> Floats:
     return np.array(widened(given), dtype=np.float64, order="C")
 
 
-def _unskippable(error: NonFiniteError, planar: Floats, kind: str, values: Floats) -> Exception:
-    row = error.row
-    if np.isfinite(planar[row]).all():
-        return TriangulationKind(kind, values).non_finite(row, skippable=False)
-    return non_finite(row, planar[row], skippable=False)
+def _solve(
+    sites: Dual, rows: Rows | slice, threads: int | None, progress: Part | None = None
+) -> Solution:
+    if sites.kind == "plain":
+        return delaunay.solve(sites.points[rows], threads=threads, progress=progress)
+    given = sites.points[rows], sites.kind, sites.values[rows]
+    return regular.solve(*given, threads=threads, progress=progress)
 
 
-def _chained(planar: Floats, kind: str, values: Floats) -> Dual:
+def _unskippable(row: int, sites: Dual) -> NonFiniteError:
+    """Return the error for a row that is not finite: cells have no option to skip it."""
+    if np.isfinite(sites.points[row]).all():
+        return TriangulationKind(sites.kind, sites.values).non_finite(row, skippable=False)
+    return non_finite(row, sites.points[row], skippable=False)
+
+
+def _with_vertices(sites: Dual, simplices: Rows, neighbors: Rows, threads: int | None) -> Dual:
+    given = sites.points, simplices, neighbors, sites.values, sites.kind
+    diagram = diagram_of(*given, threads=threads)
+    return replace(
+        sites, simplices=simplices, neighbors=neighbors, vertices=diagram.vertices,
+        simplex_to_vertex=diagram.simplex_to_vertex,
+    )  # fmt: skip
+
+
+def _without_area(dual: Dual, solution: Solution) -> Rows:
+    """Find degenerate rows: their triangles share vertices, and they have at most two ridges."""
+    rows, simplices = len(dual.points), dual.simplices
+    if solution.weights is None or len(dual.vertices) == len(simplices):
+        return _NO_ROWS
+    regions = regions_of(rows, simplices, dual.neighbors, dual.simplex_to_vertex)
+    ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
+    if (ridges[simplices] > 2).all():
+        return _NO_ROWS
+    triangles = dual.points, simplices, dual.neighbors, solution.hull
+    return rows_without_area(LiftedTriangles(*triangles, solution.weights))
+
+
+def _chained(sites: Dual) -> Dual:
     """Order rows on one line, and leave out those that the others hide: a lower hull."""
-    planar = planar + 0.0
-    heaviness = values if len(values) else np.zeros(len(planar))
+    planar = sites.points + 0.0
+    sites = replace(sites, points=planar)
+    heaviness = sites.values if len(sites.values) else np.zeros(len(planar))
     order = np.lexsort((np.arange(len(planar)), -heaviness, planar[:, 1], planar[:, 0]))
     kept: list[int] = []
     duplicates: list[tuple[int, int]] = []
@@ -207,52 +185,42 @@ def _chained(planar: Floats, kind: str, values: Floats) -> Dual:
             duplicates.append((row, kept[-1]))
         else:
             hidden.append(row)
-    line = _Line(planar, kind, values)
-    chain = line.lower_hull(kept) if len(values) else kept
-    degenerate = line.on_hull(kept, chain) if len(chain) < len(kept) else []
+    chain = _lower_hull(sites, kept) if len(sites.values) else kept
+    degenerate = _on_hull(sites, kept, chain) if len(chain) < len(kept) else []
     hidden += {*kept} - {*chain} - {*degenerate}
-    pairs = np.array(sorted(duplicates), dtype=np.int32).reshape(-1, 2)
-    return Dual(
-        planar,
-        kind,
-        values,
+    return replace(
+        sites,
         chain=np.array(chain, dtype=np.int32),
-        duplicates=pairs,
+        duplicates=np.array(sorted(duplicates), dtype=np.int32).reshape(-1, 2),
         hidden=np.array(sorted(hidden), dtype=np.int32),
         degenerate=np.array(sorted(degenerate), dtype=np.int32),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Line:
-    """Weighted rows on one line."""
+def _height(sites: Dual, *rows: int) -> int:
+    """Where the lift of the second of three rows is: 1 above the segment of the others, or -1."""
+    sign = np.empty(1, dtype=np.int8)
+    a, b, c = (sites.points[[row]] for row in rows)
+    _kernel.height_between(a, b, c, sites.values[[*rows]].reshape(1, 3), sites.kind, sign)
+    return int(sign[0])
 
-    planar: Floats
-    kind: str
-    values: Floats
 
-    def height(self, *three: int) -> int:
-        """Where the lift of the second row is: 1 above the segment of the others, -1 below."""
-        sign = np.empty(1, dtype=np.int8)
-        a, b, c = (self.planar[[row]] for row in three)
-        _kernel.height_between(a, b, c, self.values[[*three]].reshape(1, 3), self.kind, sign)
-        return int(sign[0])
+def _lower_hull(sites: Dual, rows: list[int]) -> list[int]:
+    """Leave out, of rows in their order, those on the hull of the others, or above it."""
+    hull: list[int] = []
+    for row in rows:
+        while len(hull) > 1 and _height(sites, *hull[-2:], row) >= 0:
+            hull.pop()
+        hull.append(row)
+    return hull
 
-    def lower_hull(self, rows: list[int]) -> list[int]:
-        """Leave out, of rows in their order, those on the hull of the others, or above it."""
-        hull: list[int] = []
-        for row in rows:
-            while len(hull) > 1 and self.height(*hull[-2:], row) >= 0:
-                hull.pop()
-            hull.append(row)
-        return hull
 
-    def on_hull(self, rows: list[int], hull: list[int]) -> list[int]:
-        """Return the rows that are on a segment of the hull, between its ends."""
-        between, place = [], 0
-        for row in rows:
-            if row == hull[place]:
-                place = min(place + 1, len(hull) - 1)
-            elif self.height(hull[place - 1], row, hull[place]) == 0:
-                between.append(row)
-        return between
+def _on_hull(sites: Dual, rows: list[int], hull: list[int]) -> list[int]:
+    """Return the rows that are on a segment of the hull, between its ends."""
+    between, place = [], 0
+    for row in rows:
+        if row == hull[place]:
+            place = min(place + 1, len(hull) - 1)
+        elif _height(sites, hull[place - 1], row, hull[place]) == 0:
+            between.append(row)
+    return between

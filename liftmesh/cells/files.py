@@ -325,7 +325,7 @@ def _write_svg(
 
 
 def _lines(cells: ClippedCells) -> Iterator[str]:
-    low, high = cells.domain.corners.min(axis=0), cells.domain.corners.max(axis=0)
+    low, high = np.reshape(cells.domain.bounds, (2, 2))
     scale = _WIDTH / float((high - low).max())
     width, height = ((high - low) * scale).tolist()
     yield (
@@ -426,20 +426,16 @@ def _are_convex(cells: ClippedCells) -> Mask:
 def _cut(cells: ClippedCells, parts: Indices) -> tuple[Floats, Indices]:
     """Cut parts into triangles; return these, counter-clockwise, and the part of each."""
     shapely = load("shapely", extra="shapes")
-    shapes = np.array([_polygon(cells, part, shapely) for part in parts.tolist()], dtype=object)
-    pieces = shapely.constrained_delaunay_triangles(shapely.make_valid(shapes))
+    shapes = []
+    for first, last in zip(
+        cells.rings[parts].tolist(), cells.rings[parts + 1].tolist(), strict=True
+    ):
+        outer, *holes = np.split(cells.corners, cells.ring_corners[first : last + 1])[1:-1]
+        shapes.append(shapely.make_valid(shapely.Polygon(outer, holes)))
+    pieces = shapely.constrained_delaunay_triangles(shapes)
     triangles, of = shapely.get_parts(pieces, return_index=True)
     rings = shapely.get_coordinates(shapely.orient_polygons(triangles)).reshape(-1, 4, 2)
     return rings[:, :3], parts[of]
-
-
-def _polygon(cells: ClippedCells, part: int, shapely: object) -> object:
-    first, last = cells.rings[part : part + 2].tolist()
-    rings = [
-        cells.corners[slice(*cells.ring_corners[ring : ring + 2].tolist())]
-        for ring in range(first, last)
-    ]
-    return shapely.Polygon(rings[0], rings[1:])  # type: ignore[attr-defined]
 
 
 _WRITERS: Mapping[str, Callable[..., tuple[str, ...]]] = {

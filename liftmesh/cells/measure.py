@@ -142,7 +142,7 @@ def total_mass(measure: Measure) -> float:
 
 def check_extent(domain: Domain, points: Floats) -> None:
     """Raise if float64 does not hold the fourth powers of lengths."""
-    low, high = domain.corners.min(axis=0), domain.corners.max(axis=0)
+    low, high = np.reshape(domain.bounds, (2, 2))
     with np.errstate(over="ignore"):
         longest = float((high - low).max())
         distance = np.abs(points - low).max(axis=1)
@@ -173,8 +173,7 @@ def as_share(value: object, most: float) -> float:
 
 def as_density(given: Any, domain: Domain) -> Density:
     """Convert the option ``density``."""
-    corners = domain.corners
-    low, high = corners.min(axis=0), corners.max(axis=0)
+    low, high = np.reshape(domain.bounds, (2, 2))
     if isinstance(given, tuple) and len(given) == 2 and np.shape(given[1]) == (4,):
         given, box = given
         low, high = as_reals(box).reshape(2, 2)

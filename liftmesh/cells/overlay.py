@@ -10,16 +10,16 @@ A ring of the domain that nothing crosses is in one cell, which `crossings.py` f
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
+from liftmesh._typing import Array, Floats, Indices, Integers, Mask, Rows
 from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
-from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, turn
-from liftmesh.cells.tie_resolution import resolve_ties
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, between, resolve_ties, turn
 from liftmesh.errors import InputError
 from liftmesh.io.faces import places
 
@@ -64,7 +64,7 @@ class PolylineCorners(DomainCorners):
         a, b = as_exact(points[other]), as_exact(points[other + 1])
         first, last = turn(a, b, start), turn(a, b, end)
         share = first / (first - last) if first != last else Fraction(0)
-        return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+        return between(start, end, share)
 
 
 def overlay_cells(lines: Traced, domain: Domain, default: int) -> tuple[Rings, PolylineCorners]:
@@ -74,8 +74,9 @@ def overlay_cells(lines: Traced, domain: Domain, default: int) -> tuple[Rings, P
     crossed = crossed._replace(segment=segment[crossed.segment])
     of_lines, parts = _cut_lines(lines, crossed, domain)
     of_domain, border = _cut_domain(lines, crossed, domain, default, len(of_lines.points))
-    stations = _joined(of_lines, of_domain)
-    rings = _linked(stations, _together(*parts, border), len(of_lines.points))
+    stations = _Stations(*_joined([of_lines, of_domain]))
+    sides = _Parts(*_joined([*parts, border]))
+    rings = _linked(stations, sides, len(of_lines.points))
     exact = PolylineCorners(domain, lines)
     line = np.searchsorted(lines.starts, segment[crossed.ties[:, 2]], side="right") - 1
     ties = np.concatenate([crossed.ties[:, :2], lines.rows[line]], axis=1).astype(np.int32)
@@ -171,7 +172,8 @@ def _cut_domain(
         chain, at = _around(begin, end, crossed.edge[own], own)
         if len(own):
             after, before = rows[own, 1], rows[np.roll(own, -1), 0]
-            _check_same(after, before, crossed.points[own])
+            for k in np.flatnonzero(after != before).tolist():
+                raise _too_thin(after[k], before[k], crossed.points[own[k]])
             cells.append(after)
         else:
             cells.append([cell_at(lines, domain, begin, end, default)])
@@ -206,14 +208,7 @@ def _around(begin: int, end: int, edges: Rows, own: Indices) -> tuple[Integers, 
     return chain, np.append(at - first, len(chain) - 1)
 
 
-def _check_same(after: Rows, before: Rows, points: Floats) -> None:
-    wrong = np.flatnonzero(after != before)
-    if len(wrong):
-        k = int(wrong[0])
-        raise _too_thin(int(after[k]), int(before[k]), points[k])
-
-
-def _too_thin(row: int, other: int, point: Floats) -> InputError:
+def _too_thin(row: np.int32, other: np.int32, point: Floats) -> InputError:
     x, y = point.tolist()
     return InputError(
         f"the cells of rows {row} and {other} are thinner near ({x!r}, {y!r}) than float64 can "
@@ -221,13 +216,8 @@ def _too_thin(row: int, other: int, point: Floats) -> InputError:
     )
 
 
-def _joined(*several: _Stations) -> _Stations:
-    points, source, place = (np.concatenate(each) for each in zip(*several, strict=True))
-    return _Stations(points, source, place)
-
-
-def _together(*several: _Parts) -> _Parts:
-    return _Parts(*(np.concatenate(each) for each in zip(*several, strict=True)))
+def _joined(several: Sequence[tuple[Array, ...]]) -> list[Array]:
+    return [np.concatenate(each) for each in zip(*several, strict=True)]
 
 
 def _linked(stations: _Stations, parts: _Parts, offset: int) -> Rings:
@@ -262,9 +252,7 @@ def _followers(stations: _Stations, parts: _Parts) -> Indices:
     if not np.array_equal(start[by_start], np.sort(end)):
         k = int(np.flatnonzero(start[by_start] != np.sort(end))[0])
         part = by_start[k]
-        raise _too_thin(
-            int(parts.cell[part]), int(parts.beyond[part]), stations.points[parts.first[part]]
-        )
+        raise _too_thin(parts.cell[part], parts.beyond[part], stations.points[parts.first[part]])
     follower: Indices = by_start[np.searchsorted(start[by_start], end)]
     return follower
 

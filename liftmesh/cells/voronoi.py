@@ -16,11 +16,10 @@ from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import check_progress, counted, part_of
-from liftmesh.cells.clipped import ClippedCells, rows_of_corners
+from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
-from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact
-from liftmesh.cells.tie_resolution import resolve_ties
+from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, between, resolve_ties
 from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
 from liftmesh.planar.diagram import regions_of, ridges_by_rows
@@ -248,7 +247,7 @@ class Cells(ClippedCells):
         super().__init__(dual.points, domain, *clipped)
         self.duplicates, self.hidden = read_only(dual.duplicates), read_only(dual.hidden)
         self.degenerate = read_only(dual.degenerate)
-        self._dual = dual
+        self._dual, self._simplices = dual, dual.simplices
         if progress is not None:
             progress(1.0)
 
@@ -258,32 +257,6 @@ class Cells(ClippedCells):
         check_copied(len(self.points), dual.simplices, dual.neighbors, dual.chain)
         check_adjacent(dual.simplices, dual.neighbors)
         check_numbers(0, len(dual.vertices), dual.simplex_to_vertex)
-
-    @cached_property
-    def corner_kinds(self) -> NDArray[np.uint8]:
-        """Where each corner comes from, (k,) uint8.
-
-        0 is a vertex of the diagram, 1 a crossing of an edge of the domain with a ridge, 2 a corner
-        of the domain.
-        """
-        edge, other, _ = self._sources.T
-        return read_only(np.where(edge < 0, 0, np.where(other >= 0, 1, 2)).astype(np.uint8))
-
-    @cached_property
-    def corner_sources(self) -> Rows:
-        """What each corner is made of, (k, 3) int32, so that it can be computed exactly.
-
-        A vertex: three rows of equal power. A crossing: the two rows of the ridge, and the edge of
-        the domain, which has the number of the corner it leaves. A corner of the domain: its
-        number, and -1 twice.
-        """
-        edge, other, _ = self._sources.T
-        sources = np.stack([edge, other, np.full_like(edge, -1)], axis=1)
-        is_vertex, is_crossing = self.corner_kinds == 0, self.corner_kinds == 1
-        sources[is_vertex] = self._dual.simplices[other[is_vertex]]
-        own = rows_of_corners(self)[is_crossing].astype(np.int32)
-        sources[is_crossing] = np.stack([own, other[is_crossing], edge[is_crossing]], axis=1)
-        return read_only(sources)
 
     @cached_property
     def unclipped(self) -> Unclipped:
@@ -329,8 +302,7 @@ class ExactCorners(DomainCorners):
     def _crossing(self, start: Exact, end: Exact, cell: int, other: int) -> Exact:
         a, b, c = self._axis(cell, other)
         first, last = a * start[0] + b * start[1] - c, a * end[0] + b * end[1] - c
-        share = first / (first - last)
-        return start[0] + share * (end[0] - start[0]), start[1] + share * (end[1] - start[1])
+        return between(start, end, first / (first - last))
 
     def _centre(self, rows: Sequence[int]) -> Exact:
         a, b, p = self._axis(rows[0], rows[1])

@@ -27,7 +27,7 @@ from liftmesh.terrain.surface import Surface
 
 
 def compare(
-    source: object,
+    cloud: object,
     *,
     apex: Apex = "median",
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
@@ -38,7 +38,7 @@ def compare(
 
     Parameters
     ----------
-    source : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
+    cloud : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
         The points, or their triangulation; of a file, the rows that `triangulate` takes.
     apex : {"median", "origin"} or (2,) array_like, default "median"
         Apex of the paraboloid, as for `lift`. With the median, heights are small wherever the
@@ -65,7 +65,12 @@ def compare(
     DegenerateInputError
         There are fewer than three distinct points, or all lie on one line.
     FormatError
-        `source` is a path to a file that cannot be read.
+        `cloud` is the path to a file that cannot be read.
+
+    See Also
+    --------
+    verify : An exact check of any triangulation.
+    lower_hull : The lower hull of points in space.
 
     Notes
     -----
@@ -80,7 +85,7 @@ def compare(
     ('identical', 4)
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
-    triangulation, seconds = _triangulate(source, plane, nonfinite)
+    triangulation, seconds = _triangulate(cloud, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)
     place = resolve_apex(apex, triangulation.points[rows])

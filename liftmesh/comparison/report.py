@@ -75,6 +75,10 @@ class Comparison(FrozenResult):
     error : str, optional
         Why trimesh finds no hull.
 
+    See Also
+    --------
+    compare : Makes comparisons.
+
     Examples
     --------
     With the apex at the origin, the heights of points far away lose digits, and Qhull fails:
@@ -146,6 +150,11 @@ class Comparison(FrozenResult):
         LowerHull
             Vertices are the caller's rows on the paraboloid.
 
+        See Also
+        --------
+        Comparison.trimesh_hull : The other side.
+        Triangulation.lifted : The same of a triangulation.
+
         Examples
         --------
         >>> import liftmesh
@@ -161,6 +170,10 @@ class Comparison(FrozenResult):
         -------
         Cloud
             With faces in the caller's rows, oriented outward; without faces if there is no hull.
+
+        See Also
+        --------
+        Comparison.trimesh_lower_facets : Its lower facets alone.
 
         Examples
         --------
@@ -178,6 +191,10 @@ class Comparison(FrozenResult):
         Cloud
             With faces in the caller's rows, counter-clockwise seen from above.
 
+        See Also
+        --------
+        Comparison.trimesh_hull : The whole hull.
+
         Examples
         --------
         >>> import liftmesh
@@ -193,6 +210,10 @@ class Comparison(FrozenResult):
         -------
         str
             Which result is correct, and the errors of the other.
+
+        See Also
+        --------
+        Comparison.table : The counts.
 
         Examples
         --------
@@ -231,6 +252,10 @@ class Comparison(FrozenResult):
         -------
         list of tuple of str
             Name, liftmesh's value, trimesh's value.
+
+        See Also
+        --------
+        Comparison.conclusion : The verdict in a sentence.
 
         Examples
         --------

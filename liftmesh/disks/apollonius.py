@@ -38,7 +38,7 @@ _FINEST = 2.0**-46  # least distance from arcs, of the coordinates: 64 times the
 
 @of_one_array
 def apollonius(
-    centers: ArrayLike,
+    points: ArrayLike,
     radii: ArrayLike,
     *,
     nonfinite: NonFinite = "error",
@@ -56,7 +56,7 @@ def apollonius(
 
     Parameters
     ----------
-    centers : array_like of shape (n, 2)
+    points : array_like of shape (n, 2)
         The centre of each disk. Disks may overlap.
     radii : (n,) array_like
         The radius of each disk, not negative: 0 for a point.
@@ -68,7 +68,7 @@ def apollonius(
     Returns
     -------
     ApolloniusGraph
-        Indices are rows of `centers`. Fewer than three disks, or disks in a row, may have no
+        Indices are rows of `points`. Fewer than three disks, or disks in a row, may have no
         triangle; they have neighbours.
 
     Raises
@@ -81,7 +81,13 @@ def apollonius(
     NonFiniteError
         A coordinate or a radius is not finite and `nonfinite` is "error".
     UnsupportedTypeError
-        `centers` is a path, or a column for each axis was given.
+        `points` is a path, or a column for each axis was given.
+
+    See Also
+    --------
+    apollonius_diagram : The dual cells, inside a domain.
+    regular : Disks by their power, with straight cells.
+    verify : An exact check of the result.
 
     Notes
     -----
@@ -103,7 +109,7 @@ def apollonius(
     """
     check_option("nonfinite", nonfinite, NonFinite)
     check_progress(progress)
-    disks = as_disks(centers, radii, nonfinite)
+    disks = as_disks(points, radii, nonfinite)
     rows = np.flatnonzero(are_finite(disks)).astype(np.int32)
     names = ("simplices", "neighbors", "circles", "convex_hull", "hidden", "duplicates")
     run = _kernel.apollonius(disks[rows], progress)
@@ -156,6 +162,11 @@ class ApolloniusGraph(DiskGraph):
         them.
     skipped : (i,) ndarray of int32
         Rows skipped because they are not finite.
+
+    See Also
+    --------
+    apollonius : Computes it.
+    ApolloniusCells : The dual cells, inside a domain.
 
     Examples
     --------
@@ -224,6 +235,10 @@ class ApolloniusGraph(DiskGraph):
         NonFiniteError
             A coordinate or a radius is not finite, and no row is said to be skipped.
 
+        See Also
+        --------
+        verify : The same for any triangulation.
+
         Notes
         -----
         O(n) on n disks of which none is hidden, and O(n log n) on the hull. If there are hidden
@@ -262,6 +277,10 @@ class ApolloniusGraph(DiskGraph):
         ------
         InputError
             It is no number of a row, or there is no such row.
+
+        See Also
+        --------
+        Triangulation.vertex_neighbor_vertices : The same of points.
 
         Examples
         --------
@@ -302,6 +321,10 @@ class ApolloniusGraph(DiskGraph):
             They are no numbers, `bounds` are not finite or have no area, or `max_deviation` is not
             positive or not finite, near the rounding of coordinates, or so small that there are too
             many points to hold.
+
+        See Also
+        --------
+        apollonius_diagram : Whole cells, as polygons.
 
         Examples
         --------

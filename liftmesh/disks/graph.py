@@ -43,16 +43,16 @@ class DiskGraph(FrozenResult):
 
 
 def as_disks(
-    centers: ArrayLike,
+    points: ArrayLike,
     radii: ArrayLike,
     nonfinite: NonFinite = "error",
     *,
     skippable: bool = True,
 ) -> Floats:
     """Convert centres and radii to rows x, y, r: an array of its own."""
-    rows = as_coordinates(centers)
+    rows = as_coordinates(points)
     if rows.shape[1] != 2:
-        raise InputError(f"centers need the shape (n, 2), not {rows.shape}: give x and y alone")
+        raise InputError(f"points need the shape (n, 2), not {rows.shape}: give x and y alone")
     disks = np.empty((len(rows), 3))
     disks[:, :2] = rows
     disks[:, 2] = as_weights("radii", radii, len(rows)).values

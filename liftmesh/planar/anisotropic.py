@@ -71,6 +71,10 @@ def anisotropic_stars(
     UnsupportedTypeError
         `points` is a path, or a column for each axis was given.
 
+    See Also
+    --------
+    delaunay : The triangulation in one metric for all points.
+
     Notes
     -----
     A star starts with the Euclidean neighbours of its point. A tree of boxes finds points inside
@@ -199,6 +203,11 @@ class AnisotropicStars(FrozenResult):
     skipped : (i,) ndarray of int32
         Rows skipped because they are not finite. They have no star either.
 
+    See Also
+    --------
+    anisotropic_stars : Computes them.
+    Triangulation : The triangulation in one metric for all points.
+
     Examples
     --------
     >>> import numpy as np
@@ -241,6 +250,10 @@ class AnisotropicStars(FrozenResult):
         ------
         InputError
             It is no number of a row, or there is no such row.
+
+        See Also
+        --------
+        Triangulation.vertex_neighbor_vertices : The same in one metric for all points.
 
         Examples
         --------

@@ -42,6 +42,12 @@ class Violation:
         The exact sign that decides: of `orient2d` for three rows; for four of `incircle`, or for
         other members than "delaunay" whether the last is lifted below the plane of the others (1).
 
+    See Also
+    --------
+    Flaw : A kind of flaw, with its first violations.
+    orient2d : The sign of three rows.
+    incircle : The sign of four rows.
+
     Examples
     --------
     >>> import liftmesh
@@ -75,6 +81,11 @@ class Flaw:
         What it means, with the count, in words.
     first : tuple of Violation
         At most the first sixteen occurrences.
+
+    See Also
+    --------
+    Violation : One place of a flaw.
+    Certificate : All flaws of some triangles.
 
     Examples
     --------
@@ -138,6 +149,11 @@ class Certificate:
         The matrix of a metric.
     values_sha256 : str or None
         Of the weights or radii of all rows, also of disks, as little-endian float64.
+
+    See Also
+    --------
+    verify : Makes certificates.
+    Flaw : What is wrong.
 
     Examples
     --------
@@ -224,6 +240,10 @@ class Certificate:
             Numbers, strings, booleans, lists and dicts; None for what was not counted. Coordinates
             that are not finite are strings, since JSON has no such numbers.
 
+        See Also
+        --------
+        Certificate.to_json : The same as text.
+
         Examples
         --------
         >>> import liftmesh
@@ -260,6 +280,10 @@ class Certificate:
         -------
         str
             `as_dict` as a JSON object; coordinates name their doubles exactly.
+
+        See Also
+        --------
+        Certificate.as_dict : The same as plain values.
 
         Examples
         --------

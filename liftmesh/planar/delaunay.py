@@ -123,6 +123,15 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     OSError
         The disk of `scratch` is full, or fails.
 
+    See Also
+    --------
+    regular : Triangulations of weighted points.
+    DynamicTriangulation : Points that come and go.
+    liftmesh.scipy.Delaunay : The same as SciPy's class.
+    triangulate : From a cloud to a surface.
+    tile : More points than memory holds.
+    verify : An exact check of the result.
+
     Notes
     -----
     Divide and conquer on the lifted lower hull: F. P. Preparata and S. J. Hong (1977), D. T. Lee

@@ -51,6 +51,10 @@ class DynamicTriangulation:
     convex_hull : (h,) ndarray of int32
         The numbers of the points on the convex hull, counter-clockwise; empty without triangles.
 
+    See Also
+    --------
+    delaunay : All points at once.
+
     Notes
     -----
     A point takes away the triangles whose circle contains it (A. Bowyer, D. F. Watson, 1981), and
@@ -136,6 +140,10 @@ class DynamicTriangulation:
         NonFiniteError
             A row is not finite: then none is inserted.
 
+        See Also
+        --------
+        DynamicTriangulation.remove : The opposite.
+
         Examples
         --------
         >>> DynamicTriangulation().insert([[0, 0], [1, 0], [0, 0]]).tolist()
@@ -164,6 +172,10 @@ class DynamicTriangulation:
         ------
         InputError
             A number is not in use, or occurs twice: then none is removed.
+
+        See Also
+        --------
+        DynamicTriangulation.insert : The opposite.
 
         Examples
         --------
@@ -205,6 +217,10 @@ class DynamicTriangulation:
         InputError
             The shape or the type is wrong.
 
+        See Also
+        --------
+        Triangulation.find_simplex : The triangle of each point.
+
         Examples
         --------
         >>> DynamicTriangulation([[0, 0], [1, 0]]).find([[1, 0], [2, 2]]).tolist()
@@ -232,6 +248,10 @@ class DynamicTriangulation:
         ------
         DegenerateInputError
             There are fewer than three points, or all lie on one line.
+
+        See Also
+        --------
+        delaunay : The same from points.
 
         Examples
         --------

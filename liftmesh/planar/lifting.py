@@ -94,6 +94,10 @@ def project(points: ArrayLike) -> Floats:
     InputError
         Points are invalid.
 
+    See Also
+    --------
+    lift : The way there.
+
     Examples
     --------
     >>> project(lift([[3, 4]]))
@@ -212,6 +216,11 @@ class LowerHull(FrozenResult):
     counters : Counters, optional
         Work counters, if the hull was computed by the paper's procedure.
 
+    See Also
+    --------
+    Triangulation.lifted : The hull of lifted points.
+    lower_hull : The hull of any points in space.
+
     Examples
     --------
     >>> import liftmesh
@@ -261,6 +270,11 @@ class LowerHull(FrozenResult):
         Cloud
             Vertices and faces.
 
+        See Also
+        --------
+        LowerHull.to_trimesh : As a mesh of trimesh.
+        LowerHull.save : As a file.
+
         Examples
         --------
         >>> import liftmesh
@@ -279,6 +293,10 @@ class LowerHull(FrozenResult):
         -------
         trimesh.Trimesh
             The mesh.
+
+        See Also
+        --------
+        LowerHull.to_cloud : As a cloud with faces.
 
         Examples
         --------
@@ -309,6 +327,10 @@ class LowerHull(FrozenResult):
         ------
         FormatError
             The format is unknown, or the file cannot be written.
+
+        See Also
+        --------
+        write : Writes any cloud or mesh.
 
         Examples
         --------
@@ -343,6 +365,11 @@ class Counters:
         ``"4.3 (i)"`` to ``"4.3 (v)"``, below it for ``"4.4"``.
     undecided : int
         Evaluations whose sign was uncertain due to rounding, decided by the exact predicate.
+
+    See Also
+    --------
+    delaunay : Counts with ``algorithm="lf"`` and its like.
+    lower_hull : Counts with ``algorithm="lf"``.
 
     Examples
     --------

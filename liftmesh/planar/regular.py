@@ -84,6 +84,13 @@ def regular(
     UnsupportedTypeError
         `points` is a path, or a column for each axis was given.
 
+    See Also
+    --------
+    delaunay : Points without weights.
+    power_diagram : The dual cells, inside a domain.
+    apollonius : The graph of disks by the distance from their boundaries.
+    verify : An exact check of the result.
+
     Notes
     -----
     F. Aurenhammer, "Power diagrams: properties, algorithms and applications", SIAM J. Comput. 16
@@ -200,6 +207,11 @@ class RegularTriangulation(Triangulation):
     skipped : (j,) ndarray of int32
         Rows skipped because a coordinate or the weight is not finite.
 
+    See Also
+    --------
+    regular : Computes it.
+    Triangulation : Without weights.
+
     Examples
     --------
     >>> import liftmesh
@@ -281,6 +293,11 @@ class RegularTriangulation(Triangulation):
         InputError
             The last axis is not of length two.
 
+        See Also
+        --------
+        lift : Any apex.
+        RegularTriangulation.plane_distance : How far points are from the lifted triangles.
+
         Examples
         --------
         >>> import liftmesh
@@ -312,6 +329,10 @@ class RegularTriangulation(Triangulation):
         InputError
             The last axis is not of length two.
 
+        See Also
+        --------
+        RegularTriangulation.lift_points : The lift of points.
+
         Examples
         --------
         >>> import liftmesh
@@ -340,6 +361,11 @@ class RegularTriangulation(Triangulation):
         ------
         InputError
             The apex is not one of these.
+
+        See Also
+        --------
+        lift : The lift without weights.
+        lower_hull : The lower hull of any points in space.
 
         Examples
         --------

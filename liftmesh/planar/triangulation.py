@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Apex, Array, Floats, Reals, Rows
+from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
@@ -68,6 +68,12 @@ class Triangulation:
         2.
     furthest_site : bool
         False.
+
+    See Also
+    --------
+    delaunay : Computes it.
+    RegularTriangulation : Of weighted points.
+    liftmesh.scipy.Delaunay : The same as SciPy's class.
 
     Examples
     --------
@@ -263,6 +269,11 @@ class Triangulation:
         InputError
             The last axis is not of length two.
 
+        See Also
+        --------
+        lift : Any apex.
+        Triangulation.plane_distance : How far points are from the lifted triangles.
+
         Examples
         --------
         >>> import liftmesh
@@ -289,6 +300,11 @@ class Triangulation:
         ------
         InputError
             The last axis is not of length two.
+
+        See Also
+        --------
+        Triangulation.lift_points : The lift of points.
+        incircle : Exact signs.
 
         Examples
         --------
@@ -328,6 +344,11 @@ class Triangulation:
         ------
         InputError
             The last axis is not of length two, or LIFTMESH_NUM_THREADS is no number of threads.
+
+        See Also
+        --------
+        Surface.sample : Heights at points.
+        natural_neighbors : The rows around points, with weights.
 
         Notes
         -----
@@ -376,6 +397,11 @@ class Triangulation:
         InputError
             The apex is not one of these.
 
+        See Also
+        --------
+        lift : The lift of any points.
+        lower_hull : The lower hull of any points in space.
+
         Examples
         --------
         >>> import liftmesh
@@ -386,12 +412,16 @@ class Triangulation:
         lifted = self._heights.lifted_rows(self.points, place)
         return LowerHull(lifted, self.simplices, place, self.neighbors)
 
-    def verify(self, *, threads: int | None = None) -> Certificate:
+    def verify(
+        self, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Certificate:
         """Verify the triangles from scratch, as `liftmesh.verify` does for any triangulation.
 
         Parameters
         ----------
         threads : int, optional
+            As for `delaunay`. The certificate is the same for any number.
+        progress : callable, optional
             As for `delaunay`.
 
         Returns
@@ -403,7 +433,11 @@ class Triangulation:
         Raises
         ------
         InputError
-            `threads` is not a valid number.
+            `threads` is not a valid number, or `progress` cannot be called.
+
+        See Also
+        --------
+        verify : The check of triangles from any source.
 
         Examples
         --------
@@ -416,7 +450,12 @@ class Triangulation:
 
         nonfinite: NonFinite = "skip" if len(self.skipped) else "error"
         return verify(
-            self._rows, self.simplices, nonfinite=nonfinite, threads=threads, **options_of(self)
+            self._rows,
+            self.simplices,
+            nonfinite=nonfinite,
+            threads=threads,
+            progress=progress,
+            **options_of(self),
         )
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
@@ -426,6 +465,10 @@ class Triangulation:
         -------
         scipy.spatial.Delaunay
             An instance created without running Qhull.
+
+        See Also
+        --------
+        liftmesh.scipy.Delaunay : A class that SciPy takes without conversion.
 
         Notes
         -----

@@ -99,6 +99,12 @@ def verify(  # noqa: PLR0913 - options are keywords
     FormatError
         The file cannot be read.
 
+    See Also
+    --------
+    Triangulation.verify : The check of one's own triangles.
+    Tiled.verify : The check of more triangles than memory holds.
+    compare : Where trimesh's hull differs.
+
     Notes
     -----
     That the local test suffices was shown by B. Delaunay, "Sur la sphère vide" (1934). Edges are

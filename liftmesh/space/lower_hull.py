@@ -6,9 +6,7 @@ Each set of points has one canonical result, and every algorithm finds it.
 from __future__ import annotations
 
 import os
-from typing import get_args
-
-from numpy.typing import ArrayLike
+from typing import Any, get_args
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
@@ -24,7 +22,7 @@ _SECRET = int.from_bytes(os.urandom(8), "little")
 
 
 @of_one_array
-def lower_hull(points: ArrayLike, *, algorithm: HullAlgorithm = "auto") -> LowerHull:
+def lower_hull(cloud: Any, *, algorithm: HullAlgorithm = "auto") -> LowerHull:
     """Compute the lower convex hull of points in space, exact for every finite double.
 
     The result is unique. If four or more points lie on one plane, the facets are those of the
@@ -34,9 +32,10 @@ def lower_hull(points: ArrayLike, *, algorithm: HullAlgorithm = "auto") -> Lower
 
     Parameters
     ----------
-    points : array_like of shape (n, 3)
-        Points in space, or a cloud or mesh as for `delaunay`; z may be any height. Of points at one
-        planar position only the lowest can be on the lower hull, and of equal points the first row.
+    cloud : array_like of shape (n, 3), Cloud, mesh, table or path
+        Points in space, or what has such points, as the path of a file; z may be any height. Of
+        points at one planar position only the lowest can be on the lower hull, and of equal points
+        the first row.
     algorithm : {"auto", "lf"}, default "auto"
         The algorithm; both find the same facets. "auto" is randomised incremental construction, in
         O(n log n) expected time on every input, as each process draws its random numbers anew;
@@ -53,12 +52,19 @@ def lower_hull(points: ArrayLike, *, algorithm: HullAlgorithm = "auto") -> Lower
     Raises
     ------
     InputError
-        `points` has the wrong shape, values that are not real numbers, or too many rows; or the
+        `cloud` has the wrong shape, values that are not real numbers, or too many rows; or the
         algorithm is unknown, or needs planar points.
     NonFiniteError
         A row is not finite.
     DegenerateInputError
         There are fewer than three distinct planar positions, or all lie on one line.
+    FormatError
+        The file cannot be read.
+
+    See Also
+    --------
+    delaunay : Exact for planar points.
+    lift : From planar points to points in space.
 
     Notes
     -----
@@ -76,7 +82,11 @@ def lower_hull(points: ArrayLike, *, algorithm: HullAlgorithm = "auto") -> Lower
     (4, array([4], dtype=int32))
     """
     _check_algorithm(algorithm)
-    rows = as_coordinates(rows_of(points, has_heights=True))
+    if isinstance(cloud, str | os.PathLike):
+        from liftmesh.io.read import read  # noqa: PLC0415 - arrays do without
+
+        cloud = read(cloud)
+    rows = as_coordinates(rows_of(cloud, has_heights=True))
     if rows.shape[1] != 3:
         raise InputError(
             "points have two columns: a lower hull needs z; for planar points use "

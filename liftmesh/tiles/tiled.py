@@ -46,6 +46,7 @@ class Tiled(TiledData):
     --------
     >>> import tempfile
     >>> import liftmesh
+    >>> import numpy as np
     >>> points = np.random.default_rng(0).random((1000, 2))
     >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
     >>> len(tiled.shards) > 1, tiled.to_array().shape == liftmesh.delaunay(points).simplices.shape
@@ -322,6 +323,7 @@ class Tiled(TiledData):
         --------
         >>> import tempfile
         >>> import liftmesh
+        >>> import numpy as np
         >>> points = np.random.default_rng(0).random((1000, 2))
         >>> tiled = liftmesh.tile(points, tempfile.mkdtemp(), tile_rows=300)
         >>> print(tiled.verify(points))
@@ -348,6 +350,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
     --------
     >>> import tempfile
     >>> import liftmesh
+    >>> import numpy as np
     >>> points = np.random.default_rng(0).random((1000, 3))
     >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp(), tile_rows=300)
     >>> tiled

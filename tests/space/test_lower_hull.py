@@ -6,6 +6,7 @@ import io
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from itertools import permutations
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -403,3 +404,11 @@ def test_threads_at_once_give_what_one_gives() -> None:
     for (points, algorithm), actual in zip(jobs, at_once, strict=True):
         expected = liftmesh.lower_hull(points, algorithm=algorithm)
         np.testing.assert_array_equal(actual.faces, expected.faces)
+
+
+def test_the_path_of_a_file_is_read(tmp_path: Path) -> None:
+    points = np.random.default_rng(20).random((50, 3))
+    np.save(tmp_path / "cloud.npy", points)
+    for path in (tmp_path / "cloud.npy", str(tmp_path / "cloud.npy")):
+        found = liftmesh.lower_hull(path)
+        np.testing.assert_array_equal(found.faces, liftmesh.lower_hull(points).faces)

@@ -109,7 +109,9 @@ def test_ground_beyond_the_box_counts() -> None:
 
 def test_a_resolution_needs_an_index() -> None:
     plain = encoded(LAS, compressed=True)
-    with pytest.raises(FormatError, match=r"by resolution, for which the file has no index \(COPC"):
+    with pytest.raises(
+        FormatError, match=r"by copc_resolution, for which the file has no index \(COPC"
+    ):
         read(plain, copc_resolution=1.0)
     with pytest.raises(InputError, match="copc_resolution is 0: give a positive number"):
         read(copc_resolution=0)

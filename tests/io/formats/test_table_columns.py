@@ -219,7 +219,7 @@ def test_a_column_whose_name_is_taken_is_left_out_and_named() -> None:
         {"columns": "x="},
         {"columns": {"x": 1}},
         {"columns": [1, 2]},
-        {"flat": 1},
+        {"flat": 2},
         {"header": None},
         {"delimiter": ""},
         {"delimiter": "ab"},

@@ -210,7 +210,7 @@ def test_quotes_that_are_not_closed_name_the_line() -> None:
         ("x,y,z\n1,2,3\n(1 row)\n", {}, ("(1 row)' is a broken row", "end='(1 row)'")),
         ("a|b\n--+--\n", {}, ("has no column x or y",)),
         ("x|y\n--+--\n", {}, ("line 2, value 1: '--+--' is not a number",)),
-        ("x,y,z\n1,2,\\N\n", {}, ("a missing value, read it with nodata='\\N'",)),
+        ("x,y,z\n1,2,\\N\n", {}, ("a missing value, read it with nodata='\\\\N'",)),
         ("x;y\n512.345,25;1\n", {}, ("value 1: '512.345,25'", "the marks between thousands")),
         ("x;y\n1;5\u202f403,5\n", {}, ("value 2: '5\\u202f403,5'", "the marks between thous")),
         ("p,E,N\n,m,m\n1,2,3\n", {}, ("holds units", "skip_rows=2 and columns='p,E,N'")),

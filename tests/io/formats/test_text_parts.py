@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, Message
 from liftmesh.io.formats.text.column_ambiguity import _names, check_count, named_points
 from liftmesh.io.formats.text.columns import known_header
 from liftmesh.io.formats.text.layout import (
@@ -63,12 +63,12 @@ def test_known_headers() -> None:
 
 
 def test_options_as_messages_spell_them() -> None:
-    assert spelled(["X", "Y", "Scalar field"]) == "columns='X,Y,Scalar field'"
+    assert Message(spelled(["X", "Y", "Scalar field"])) == "columns='X,Y,Scalar field'"
     assert spelled(["X", "Depth, m"]) == ""
     assert _names(["id", "x", "y", "z"], 5) == "id,x,y,z,column_5"
     assert _names(["id", "x", "y", "z"], 50) == "x=2,y=3,z=4"
     usual = "read it with columns='id,x,y,z' (or 'id,y,x,z' if northing comes first)"
-    assert named_points(4) == usual
+    assert Message(named_points(4)) == usual
 
 
 def test_a_number_by_itself_may_be_a_count() -> None:
