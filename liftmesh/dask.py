@@ -29,19 +29,26 @@ from liftmesh.base.options import NonFinite, OnDuplicate, ShardFormat, check_pro
 from liftmesh.errors import InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.optional import load
-from liftmesh.tiles.context import label
+from liftmesh.tiles.build import triangulated
 from liftmesh.tiles.options import (
     ROW_BYTES,
     SURFACE_ROW_BYTES,
     TILE_ROWS,
     Options,
     SurfaceOptions,
+    label,
     rows_within,
 )
-from liftmesh.tiles.parquet import planar_columns
-from liftmesh.tiles.pipeline import triangulated
-from liftmesh.tiles.schedule import Meter, in_order, release
-from liftmesh.tiles.source_chunks import Origin, SavedChunk, SourceChunk, in_files, numbered, saved
+from liftmesh.tiles.schedule import Meter, in_order, node, release
+from liftmesh.tiles.source_chunks import (
+    Origin,
+    SavedChunk,
+    SourceChunk,
+    in_files,
+    numbered,
+    planar_columns,
+    saved,
+)
 from liftmesh.tiles.sources import (
     alike,
     check_no_options,
@@ -52,7 +59,6 @@ from liftmesh.tiles.sources import (
     source_chunks,
     stage_of,
 )
-from liftmesh.tiles.stages import node
 from liftmesh.tiles.tiled import open_tiled
 
 if TYPE_CHECKING:
@@ -60,7 +66,7 @@ if TYPE_CHECKING:
 
     from liftmesh._typing import Progress
     from liftmesh.io.options import ChunkOptions
-    from liftmesh.tiles.context import Done, RunContext
+    from liftmesh.tiles.options import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
     from liftmesh.tiles.tiled import Tiled, TiledSurface

@@ -1,12 +1,19 @@
-"""Optional packages: imported on first use, with a hint how to install a missing one."""
+"""Optional packages, imported on first use, and Python in a process of its own.
+
+A package that is missing is named with a hint how to install it. A process of their own have
+libraries that print, end the process or hear no Ctrl-C.
+"""
 
 from __future__ import annotations
 
 import importlib
+import json
+import sys
+from pathlib import Path
 from typing import Any
 
 from liftmesh.base.interruption import defer_signals
-from liftmesh.errors import MissingDependencyError
+from liftmesh.errors import LiftmeshError, MissingDependencyError
 
 _HINTS = {
     "libusb": "install the system library libusb-1.0 (Debian, Ubuntu: libusb-1.0-0)",
@@ -32,3 +39,24 @@ def _explain(package: str, extra: str | None, error: ImportError) -> str:
             return f"{package} is installed but cannot be loaded ({error}): {remedy}"
     target = f"liftmesh[{extra}]" if extra else package
     return f"this needs {package}, which cannot be imported ({error}): pip install '{target}'"
+
+
+def python_command(program: str, job: str) -> list[str]:
+    """Return the words that run a program in an interpreter with the modules of this one."""
+    return [_interpreter(job), "-I", "-S", "-c", program, json.dumps(sys.path)]
+
+
+def _interpreter(job: str) -> str:
+    """Return the Python to run: in programs that embed it, sys.executable is the program."""
+    places = [
+        sys.executable, getattr(sys, "_base_executable", None),
+        *(str(Path(sys.prefix, *each)) for each in (("bin", "python3"), ("python.exe",))),
+        *(str(Path(sys.base_prefix, *each)) for each in (("bin", "python3"), ("python.exe",))),
+    ]  # fmt: skip
+    for each in filter(None, places):
+        if Path(each).name.lower().startswith(("python", "pypy")) and Path(each).is_file():
+            return str(each)
+    raise LiftmeshError(
+        f"{job} needs a Python interpreter, and none is found beside {sys.executable}: use the "
+        "liftmesh command"
+    )

@@ -30,7 +30,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
-from liftmesh.base.arrays import as_coordinates, check_finite, non_finite, read_only, widened
+from liftmesh.base.arrays import (
+    as_coordinates,
+    check_finite,
+    non_finite,
+    pair_keys,
+    pairs_of_keys,
+    read_only,
+    widened,
+)
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
@@ -351,12 +359,12 @@ def _edges_in(simplices: Rows) -> Rows:
 
 def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
     """Return the neighbours of each row in any triangles, as SciPy does."""
-    start = simplices[:, [0, 1, 2, 0, 1, 2]].reshape(-1).astype(np.int64)
+    start = simplices[:, [0, 1, 2, 0, 1, 2]].reshape(-1)
     end = simplices[:, [1, 2, 0, 2, 0, 1]].reshape(-1)
-    pairs = np.unique(start << 32 | end)
+    rows, others = pairs_of_keys(np.unique(pair_keys(start, end)))
     indptr = np.zeros(npoints + 1, dtype=np.int32)
-    np.cumsum(np.bincount(pairs >> 32, minlength=npoints), out=indptr[1:])
-    return indptr, (pairs & 0xFFFFFFFF).astype(np.int32)
+    np.cumsum(np.bincount(rows, minlength=npoints), out=indptr[1:])
+    return indptr, others.astype(np.int32)
 
 
 class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]

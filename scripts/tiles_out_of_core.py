@@ -26,8 +26,8 @@ from benchmark.tasks.tiles import MIXERS, mark_of
 from distributions import Points
 from process_state import memory
 
+from liftmesh.tiles.build import triangulated
 from liftmesh.tiles.options import Options
-from liftmesh.tiles.pipeline import triangulated
 from liftmesh.tiles.schedule import Serial
 from liftmesh.tiles.schema import PLANAR, Schema, records_of_points
 from liftmesh.tiles.source_chunks import Origin
@@ -93,7 +93,7 @@ def hashed(n: int, tile_rows: int, folder: str | None) -> str:
     begin, before = perf_counter(), process_time()
     with (
         TemporaryDirectory(dir=folder) as place,
-        patch("liftmesh.tiles.stages.save_shard", hash_shard),
+        patch("liftmesh.tiles.schedule.save_shard", hash_shard),
     ):
         options = Options.validated(place, tile_rows, None, "error", True, "npy", False)
         found = open_tiled(triangulated(n, options, Generator(1)))

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Mask, Reals, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Reals, Rows
 from liftmesh.base.options import refused
 from liftmesh.errors import InputError, NonFiniteError, Option, UnsupportedTypeError
 
@@ -308,6 +308,17 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
         f"row {row} is not finite: ({shown}); remove such rows{advice if skippable else ' first'}",
         row=row,
     )
+
+
+def pair_keys(first: Array, second: Array) -> Integers:
+    """Pack each pair of rows into one integer; these are ordered as the pairs are."""
+    keys: Integers = first.astype(np.int64) << 32 | second
+    return keys
+
+
+def pairs_of_keys(keys: Integers) -> tuple[Integers, Integers]:
+    """Return the first and the second rows of such integers."""
+    return keys >> 32, keys & 0xFFFFFFFF
 
 
 def planar_bounds(points: Reals) -> tuple[float, float, float, float]:

@@ -9,12 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Rows
-from liftmesh.base.arrays import read_only
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
 from liftmesh.crs.description import look_up
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -369,7 +369,7 @@ def rows_of_corners(cells: ClippedCells) -> Integers:
 
 def sums_by_pair(pairs: Integers, values: Floats) -> tuple[Rows, Floats]:
     """Add up the values of equal pairs of rows; return each pair once, in ascending order."""
-    names, place = np.unique(pairs[:, 0] << 32 | pairs[:, 1], return_inverse=True)
-    rows = np.stack([names >> 32, names & 0xFFFFFFFF], axis=1).astype(np.int32)
+    names, place = np.unique(pair_keys(*pairs.T), return_inverse=True)
+    rows = np.stack(pairs_of_keys(names), axis=1).astype(np.int32)
     sums: Floats = np.bincount(place.reshape(-1), values, minlength=len(rows)).astype(np.float64)
     return rows, sums

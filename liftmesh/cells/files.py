@@ -38,7 +38,7 @@ from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 from liftmesh.io.formats.ply.header import name_statements, property_names
 from liftmesh.io.formats.ply.writer import PORTABLE, portable
 from liftmesh.io.metadata import OWN, crs_comment

@@ -26,7 +26,7 @@ from liftmesh.cells.clipped import rows_of_corners, sums_by_pair
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import binary_scale
 from liftmesh.errors import InputError
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.voronoi import Cells

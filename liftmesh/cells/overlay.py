@@ -21,7 +21,7 @@ from liftmesh._typing import Array, Floats, Indices, Integers, Mask, Rows
 from liftmesh.cells.crossings import Crossings, cell_at, crossings, lies_inside
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, between, resolve_ties, turn
 from liftmesh.errors import InputError
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

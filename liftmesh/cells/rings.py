@@ -34,7 +34,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Integers, Mask, Rows
 from liftmesh.cells.domain import Domain, following_corners
-from liftmesh.io.faces import places
+from liftmesh.io.columns import places
 from liftmesh.optional import load
 
 Exact = tuple[Fraction, Fraction]

@@ -59,7 +59,7 @@ def table(
     given |= {"header": False} if no_header else {}
     given |= options.given(skip_rows=skip_rows or None)
     if given:
-        from liftmesh.io.formats.text.options import validate_table_options
+        from liftmesh.io.options import validate_table_options
 
         with options.as_usage():
             validate_table_options(**given)
@@ -220,7 +220,7 @@ def _check_file(path: Path) -> None:
     """Raise if a folder of triangles in tiles is given."""
     if not path.is_dir():
         return
-    from liftmesh.tiles.manifest import MANIFEST
+    from liftmesh.tiles.store import MANIFEST
 
     if (path / MANIFEST).is_file():
         raise FormatError(
@@ -271,7 +271,7 @@ def read_rows(
 
     Of lidar a surface takes the ground, and no rows that are withheld, unless options say so.
     """
-    from liftmesh.io.surface_rows import check_some, for_surface
+    from liftmesh.io.read import check_some, for_surface
 
     def read_one(path: Path) -> Cloud:
         file_format = reading.get("format")

@@ -107,7 +107,7 @@ def listed(names: Sequence[str]) -> str:
 
 def provenance(held: Cloud | Surface) -> dict[str, Any]:
     """Return for JSON which classes the rows of a cloud or a surface are of, and their way here."""
-    from liftmesh.io.surface_rows import classes_of
+    from liftmesh.io.read import classes_of
 
     told = provenance_of(held).transformation or None
     return {"classes": classes_of(held.attributes), "transformation": told}
@@ -117,7 +117,7 @@ def lidar_counts(cloud: Cloud) -> dict[str, Any]:
     """Count the classes, returns and flags of lidar; say when and by what the file was made."""
     import numpy as np
 
-    from liftmesh.io.surface_rows import bytes_of, classes_of
+    from liftmesh.io.read import bytes_of, classes_of
 
     returns = cloud.attributes.get("return_number")
     counts = {"classes": classes_of(cloud.attributes)}

@@ -122,7 +122,7 @@ def _is_named(target: Path, source: Path) -> bool:
     is_model = source.suffix.lower() in (".gltf", ".glb") and source.is_file()
     if not is_model or not target.is_file():
         return False
-    from liftmesh.io.formats.gltf.beside import named_in
+    from liftmesh.io.formats.gltf.validation import named_in
 
     return any(_is_part(target, each) for each in named_in(source))
 

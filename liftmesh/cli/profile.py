@@ -118,7 +118,7 @@ def _lines(
 ) -> list[Any]:
     """Read lines, or the corners of one as a table or a cloud, in the system of the surface."""
     from liftmesh.terrain.surface_data import plane_system
-    from liftmesh.vector.lines import lines_of
+    from liftmesh.vector.files import lines_of
 
     crs = plane_system(surface)
     if table.are_shapes(path):

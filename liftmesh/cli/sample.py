@@ -71,7 +71,7 @@ def _asked(
     """Read the points, which have to be in the system of the surface."""
     if is_stream(at) or not points.are_shapes(at):
         return points.read(at, source, own, max_bytes, flat=None)
-    from liftmesh.vector.points import points_of
+    from liftmesh.vector.files import points_of
 
     with terminal.stage(f"reading {at.name}"):
         asked = points_of(at, own)

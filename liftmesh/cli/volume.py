@@ -83,7 +83,7 @@ def run(
 
 def _check_grounds(surfaces_: dict[Path, Any]) -> None:
     """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.surface_rows import check_grounds
+    from liftmesh.io.read import check_grounds
 
     check_grounds(
         (str(path), notes.provenance_of(each).selection) for path, each in surfaces_.items()

@@ -17,7 +17,7 @@ from liftmesh.comparison.hull import trimesh_hull
 from liftmesh.comparison.proofs import Evidence
 from liftmesh.comparison.report import Comparison
 from liftmesh.errors import InputError
-from liftmesh.io.surface_rows import read_rows
+from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import resolve_apex

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Mask, Rows
-from liftmesh.base.arrays import starts_of_runs
+from liftmesh.base.arrays import pair_keys, starts_of_runs
 from liftmesh.base.frozen import cached_property
 from liftmesh.optional import load
 from liftmesh.predicates import incircle
@@ -79,7 +79,7 @@ def _first_edge(triangles: Rows) -> tuple[Integers, Rows]:
     """Return the edge that starts at the lowest row, as one integer, and the opposite corner."""
     every, lowest = np.arange(len(triangles)), np.argmin(triangles, axis=1)
     corner = [triangles[every, (lowest + k) % 3] for k in range(3)]
-    return (corner[0].astype(np.int64) << 32) | corner[1], corner[2]
+    return pair_keys(corner[0], corner[1]), corner[2]
 
 
 def first_of_each(indices: Indices) -> Mask:

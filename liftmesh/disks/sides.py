@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Rows
+from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.base.options import shown
 from liftmesh.disks.arcs import Arcs, Box, TooManyPointsError
 from liftmesh.errors import InputError
@@ -138,19 +139,15 @@ def sides(simplices: Rows, neighbors: Rows, hull: Rows) -> Sides:
     right = neighbors.reshape(-1)
     edges = simplices[:, [1, 2, 2, 0, 0, 1]].reshape(-1, 2)
     once = right < left
-    bare = _named(hull)[~np.isin(_named(hull), _named(edges[right < 0]))]
-    lines = np.stack([bare >> 32, bare & 0xFFFFFFFF], axis=1)
+    rim = pair_keys(*hull.T)
+    bare = rim[~np.isin(rim, pair_keys(*edges[right < 0].T))]
+    lines = np.stack(pairs_of_keys(bare), axis=1)
     lines = lines[lines[:, 0] < lines[:, 1]]
     ends = np.stack([left, right], axis=1)[once]
     return Sides(
         np.concatenate([edges[once], lines]).astype(np.int32),
         np.concatenate([ends, np.full((len(lines), 2), -1)]).astype(np.int32),
     )
-
-
-def _named(pairs: Rows) -> Integers:
-    named: Integers = pairs[:, 0].astype(np.int64) << 32 | pairs[:, 1].astype(np.int64)
-    return named
 
 
 def merge_coinciding(all_sides: Sides, centers: Floats, vertices: Floats) -> Floats:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 
 from liftmesh.base.cloud import is_crs
-from liftmesh.io.json_text import ascii_string, parsed_or_none
+from liftmesh.io.markup import ascii_string, parsed_or_none
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -20,7 +20,7 @@ from pathlib import PurePath
 from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias, TypeVar, cast
 
 from liftmesh.errors import FormatError, InputError, Option
-from liftmesh.io.limits import limit_of
+from liftmesh.io.options import limit_of
 
 if TYPE_CHECKING:
     from _typeshed import WriteableBuffer

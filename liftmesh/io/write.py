@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.faces import checked_faces
+from liftmesh.io.columns import checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
 from liftmesh.io.registry import as_cloud, find_written
 from liftmesh.io.streams import (
@@ -29,8 +29,7 @@ from liftmesh.io.streams import (
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Format
-    from liftmesh.io.precision import Origin
+    from liftmesh.io.format import Format, Origin
 
 
 _KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only

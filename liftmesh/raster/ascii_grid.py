@@ -17,12 +17,11 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Mask
 from liftmesh.errors import FormatError
-from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.text_tables import quoted, ragged_numbers
-from liftmesh.raster.sidecars import Transform
+from liftmesh.io.text_tables import BLOCK, Lines, quoted, ragged_numbers
+from liftmesh.raster.pixels import Affine
 
 if TYPE_CHECKING:
-    from liftmesh.io.lines import Block
+    from liftmesh.io.text_tables import Block
 
 Section: TypeAlias = tuple[tuple[int, int], tuple[int, int]]  # of rows, and of columns
 
@@ -101,10 +100,10 @@ class AsciiGrid:
             raise self._wrong(f"{key} is {number:g}: it must be a whole number from 1")
         return int(number)
 
-    def _placed(self) -> Transform:
+    def _placed(self) -> Affine:
         width, height = (self._step(key) for key in ("dx", "dy"))
         left, lower = (self._corner(axis, step) for axis, step in (("x", width), ("y", height)))
-        return Transform(width, 0.0, left, 0.0, -height, lower + self.height * height)
+        return Affine(width, 0.0, left, 0.0, -height, lower + self.height * height)
 
     def _step(self, key: str) -> float:
         size = self._header.get(key, self._header.get("cellsize", 0.0))

@@ -31,7 +31,7 @@ from liftmesh.errors import FormatError
 
 if TYPE_CHECKING:
     from liftmesh.io.selection import Selection
-    from liftmesh.raster.sidecars import Transform
+    from liftmesh.raster.pixels import Affine
 
 _PIECE = 1 << 20  # bytes inflated at a time
 _OF_TAGS = re.compile(r"TIFF\w*(Directory|Tag)\b")
@@ -54,7 +54,7 @@ class Window(NamedTuple):
         return len(self.rows) * len(self.columns)
 
 
-def window_of(transform: Transform, width: int, height: int, selection: Selection | None) -> Window:
+def window_of(transform: Affine, width: int, height: int, selection: Selection | None) -> Window:
     """Find the samples to read."""
     step = 1 if selection is None else selection.every
     rows, columns = range(height), range(width)
@@ -67,7 +67,7 @@ def window_of(transform: Transform, width: int, height: int, selection: Selectio
 
 
 def _in_box(
-    place: Transform, rows: range, columns: range, box: tuple[float, float, float, float]
+    place: Affine, rows: range, columns: range, box: tuple[float, float, float, float]
 ) -> tuple[range, range]:
     if place.b == place.d == 0 and place.a and place.e:
         columns = _between(columns, lambda k: place.a * (k + 0.5) + place.c, box[0], box[2])

@@ -4,9 +4,8 @@ A sample becomes a row of the cloud, at the centre of its pixel: rows of the ras
 on, as they are stored. The transform of the file gives x and y, also if it is rotated; whether a
 pixel is an area or a point, GDAL has taken into account. Scale and offset of the band give z. What
 has no value (nodata, a mask, NaN) is left out and counted; where the file says of no number that it
-stands for none, one that looks so is refused (`missing`). What the file does not say of its place
-may stand beside it (`sidecars.py`). Without a transform a pixel has the size 1, and the first
-row is the northern one.
+stands for none, one that looks so is refused (`io.options.Outliers`). Without a transform a pixel
+has the size 1, and the first row is the northern one.
 
 A GeoTIFF is handed over in memory, to the driver of its format alone: so no other file is opened,
 such as those beside it or those that it names. What is read of it is compared with the limit before
@@ -30,9 +29,8 @@ from liftmesh.base.options import as_count, refused
 from liftmesh.crs.geokeys import READING, without_wkt, wkt_in
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import POSITION, CloudBuilder
-from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import noted
-from liftmesh.io.missing import Missing, Outliers, as_missing
+from liftmesh.io.options import Missing, Outliers, as_missing, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
 from liftmesh.optional import load
 from liftmesh.raster.ascii_grid import AsciiGrid, is_grid
@@ -45,7 +43,7 @@ from liftmesh.raster.blocks import (
     window_of,
     without_warnings,
 )
-from liftmesh.raster.sidecars import Transform, system_of, world_of
+from liftmesh.raster.pixels import Affine, system_of, world_of
 
 _ROW_BYTES = 24  # of three doubles
 _DENSEST = 200  # bytes in memory that a byte of a compressed raster is allowed
@@ -152,11 +150,11 @@ class _OpenRaster:
         return bool(self._transform.is_identity)
 
     @property
-    def _placed(self) -> Transform:
+    def _placed(self) -> Affine:
         """The transform; without one the first row is the northern one."""
         if self._is_plain:
-            return Transform(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
-        return Transform(*[*self._transform][:6])
+            return Affine(1.0, 0.0, 0.0, 0.0, -1.0, float(self._file.height))
+        return Affine(*[*self._transform][:6])
 
     def cloud(self, selection: Selection | None, data: bytes, max_bytes: int | None) -> Cloud:
         """Read the samples that are selected, a few rows at a time."""

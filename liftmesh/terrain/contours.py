@@ -26,7 +26,7 @@ from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.vector.lines import LINE_SUFFIXES, write_lines
+from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.base.options import OnDuplicate, check_option
 from liftmesh.errors import DuplicateHeightError, Option
 
@@ -139,9 +140,10 @@ class _Groups:
 
 def _sorted_pairs(first: Rows, second: Rows) -> tuple[Rows, Rows]:
     """Sort pairs of rows lexicographically, each packed into one integer for speed."""
-    pairs = first.astype(np.int64) << 32 | second
-    pairs.sort()
-    return (pairs >> 32).astype(np.int32), (pairs & 0xFFFFFFFF).astype(np.int32)
+    keys = pair_keys(first, second)
+    keys.sort()
+    rows, others = pairs_of_keys(keys)
+    return rows.astype(np.int32), others.astype(np.int32)
 
 
 def _means(heights: Floats, starts: Integers) -> Floats:

@@ -28,10 +28,10 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.options import GroundAlgorithm, as_count, as_positive, check_option, refused
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
-from liftmesh.io.interpreter import command
 from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
+from liftmesh.optional import python_command
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -188,7 +188,7 @@ def _filtered(points: Floats, resolution: float, rigidness: int, threshold: floa
             "pip install 'liftmesh[terrain]'"
         )
     options = map(str, (float(resolution), int(rigidness), float(threshold)))
-    words = [*command(_PROGRAM, "CSF"), *options]
+    words = [*python_command(_PROGRAM, "CSF"), *options]
     done = subprocess.run(  # noqa: S603 - our own program and numbers
         words,
         input=points.tobytes(),

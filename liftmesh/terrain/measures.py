@@ -29,7 +29,7 @@ from liftmesh.base.options import as_number, as_switch
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.surface_rows import check_grounds
+from liftmesh.io.read import check_grounds
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.predicates import orient2d

@@ -29,8 +29,7 @@ from liftmesh.crs.transformation import common_transformation
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import TRANSFORMATION, Label, Provenance, Unread, user_entries
-from liftmesh.io.read import read_cloud
-from liftmesh.io.surface_rows import check_grounds
+from liftmesh.io.read import check_grounds, read_cloud
 
 _LAYOUT = "las"  # the entry of lidar's scales
 _FLOWN = "flight_lines"

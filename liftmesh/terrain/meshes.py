@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.errors import InputError
-from liftmesh.io.faces import checked_faces
+from liftmesh.io.columns import checked_faces
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats

@@ -31,7 +31,7 @@ from liftmesh.io.write import WriteResult, write
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
-from liftmesh.vector.lines import LINE_SUFFIXES, write_lines
+from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]

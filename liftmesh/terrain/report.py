@@ -12,8 +12,8 @@ from liftmesh.base.options import counted
 from liftmesh.crs.transformation import transformation_text
 from liftmesh.io.formats.text.columns import coordinates_sentence
 from liftmesh.io.metadata import Provenance
+from liftmesh.io.read import classes_of
 from liftmesh.io.selection import selection_sentence
-from liftmesh.io.surface_rows import classes_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -52,7 +52,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.surface_rows import read_rows
+from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
 from liftmesh.terrain.meshes import as_surface

@@ -37,7 +37,7 @@ from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
 from liftmesh.io.metadata import LIFTED, Provenance
-from liftmesh.io.surface_rows import read_rows
+from liftmesh.io.read import read_rows
 from liftmesh.planar import delaunay, regular
 from liftmesh.planar.delaunay import Solution, triangulation_of
 from liftmesh.planar.kinds import (

@@ -22,9 +22,8 @@ from typing import TYPE_CHECKING
 
 from liftmesh.base.interruption import opened
 from liftmesh.errors import DegenerateInputError, FormatError, InputError, Option
-from liftmesh.tiles.context import JOB, RunContext
-from liftmesh.tiles.manifest import MANIFEST, manifest_of
-from liftmesh.tiles.store import load_json, save_json
+from liftmesh.tiles.options import JOB, RunContext
+from liftmesh.tiles.store import MANIFEST, load_json, manifest_of, save_json
 
 if TYPE_CHECKING:
     from liftmesh.tiles.source_chunks import SourceChunk

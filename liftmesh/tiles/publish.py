@@ -14,13 +14,21 @@ from liftmesh._typing import Integers
 from liftmesh.base.options import counted
 from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
-from liftmesh.tiles.context import Done, RunContext, label
-from liftmesh.tiles.manifest import KIND, MANIFEST, PLAN
 from liftmesh.tiles.node import overhangs_apart
-from liftmesh.tiles.store import digest_of, save_array, save_blocks, save_json, seal
+from liftmesh.tiles.options import Done, RunContext, label
+from liftmesh.tiles.store import (
+    KIND,
+    MANIFEST,
+    PLAN,
+    digest_of,
+    save_array,
+    save_blocks,
+    save_json,
+    seal,
+)
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.context import Runner
+    from liftmesh.tiles.options import Runner
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.source_chunks import SourceChunk
 

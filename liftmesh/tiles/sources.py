@@ -22,10 +22,8 @@ from liftmesh._typing import Array, Progress
 from liftmesh.base.arrays import MOST_ROWS
 from liftmesh.errors import InputError
 from liftmesh.io import streams
-from liftmesh.io.read import read_chunks
+from liftmesh.io.read import for_chunks, read_chunks
 from liftmesh.io.registry import as_cloud
-from liftmesh.io.surface_rows import for_chunks
-from liftmesh.tiles.parquet import parquet_chunks, parquet_clouds, parquet_files, planar_batches
 from liftmesh.tiles.schema import (
     PLANAR,
     Reading,
@@ -42,6 +40,10 @@ from liftmesh.tiles.source_chunks import (
     las_chunks,
     mapped_chunks,
     npy_chunks,
+    parquet_chunks,
+    parquet_clouds,
+    parquet_files,
+    planar_batches,
     saved,
 )
 from liftmesh.tiles.store import concatenated

@@ -24,6 +24,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
+from liftmesh.base.arrays import pair_keys
 from liftmesh.base.options import as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.write import WriteResult, written_file
@@ -257,9 +258,7 @@ def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None)
 def _names(triangles: Array) -> Integers:
     """Name triangles by their least corner and the next: no others have this directed edge."""
     first, every = np.argmin(triangles, axis=1), np.arange(len(triangles))
-    following = triangles[every, (first + 1) % 3].astype(np.int64)
-    names: Integers = triangles[every, first].astype(np.int64) << 32 | following
-    return names
+    return pair_keys(triangles[every, first], triangles[every, (first + 1) % 3])
 
 
 def _report(rows: int, faces: int) -> Report:

@@ -13,7 +13,7 @@ from liftmesh._typing import Array, Integers, Progress, Rows
 from liftmesh.base.options import as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
-from liftmesh.tiles.manifest import manifest_of
+from liftmesh.tiles.store import manifest_of
 from liftmesh.tiles.tiled_data import TiledData, TiledSurfaceData
 
 if TYPE_CHECKING:

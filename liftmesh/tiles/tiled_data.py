@@ -23,10 +23,19 @@ from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 from liftmesh.terrain.frame import Frame, resolve_plane
 from liftmesh.terrain.report import Report
-from liftmesh.tiles.manifest import faces_name, links_name, neighbors_name, vertices_name
 from liftmesh.tiles.schema import POSITION, ROW, Schema, cloud_from
 from liftmesh.tiles.shards import open_shard, read_shard
-from liftmesh.tiles.store import damaged, is_sound, mapped, sound, within
+from liftmesh.tiles.store import (
+    damaged,
+    faces_name,
+    is_sound,
+    links_name,
+    mapped,
+    neighbors_name,
+    sound,
+    vertices_name,
+    within,
+)
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

@@ -16,13 +16,12 @@ from liftmesh.base.options import as_folder, as_threads, check_progress
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
-from liftmesh.tiles.manifest import PLAN
 from liftmesh.tiles.plan import Plan
 from liftmesh.tiles.proof import proof_of
 from liftmesh.tiles.schema import Reading
 from liftmesh.tiles.sorted_chunks import digests_of
 from liftmesh.tiles.sources import files_of, source_chunks
-from liftmesh.tiles.store import concatenated, digest_of, load_json
+from liftmesh.tiles.store import PLAN, concatenated, digest_of, load_json
 from liftmesh.tiles.tiled_data import TiledData, UnprovedData, blocks_of, is_intact
 
 if TYPE_CHECKING:

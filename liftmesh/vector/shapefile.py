@@ -19,7 +19,7 @@ from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.options import shown
 from liftmesh.errors import FormatError
 from liftmesh.optional import load
-from liftmesh.raster.sidecars import text_beside
+from liftmesh.raster.pixels import text_beside
 
 MAGIC = b"\0\0\x27\x0a"
 

@@ -14,9 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh.base.colors import as_float, as_uint8
-from liftmesh.io.format import CONTENT
+from liftmesh.io.format import CONTENT, TOLERANCE
 from liftmesh.io.metadata import user_entries
-from liftmesh.io.precision import TOLERANCE
 
 if TYPE_CHECKING:
     from liftmesh import Cloud

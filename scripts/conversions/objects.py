@@ -24,10 +24,10 @@ from laspy.vlrs.known import WktCoordinateSystemVlr
 from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
 from liftmesh.base.colors import stated_depth
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.formats.text.names import meaning
+from liftmesh.io.format import DOUBLE, fits_whole
+from liftmesh.io.formats.text.columns import meaning
 from liftmesh.io.metadata import NOTE
 from liftmesh.io.objects import open3d, trimesh
-from liftmesh.io.precision import DOUBLE, fit
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
@@ -141,7 +141,7 @@ def to_named_rows(cloud: Cloud) -> Cloud:
 def _are_doubles(values: Array) -> bool:
     """Whether doubles hold all values."""
     if values.dtype.kind in "iu":
-        return fit(values, DOUBLE)
+        return fits_whole(values, DOUBLE)
     return values.dtype.kind == "b" or values.dtype.str[1:] in {"f2", "f4", "f8"}
 
 

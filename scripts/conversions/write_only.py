@@ -13,8 +13,8 @@ import meshio
 import numpy as np
 
 from liftmesh import Cloud, InputError
+from liftmesh.io.format import checked_origin, with_origin
 from liftmesh.io.metadata import Label
-from liftmesh.io.precision import checked_origin, with_origin
 
 _LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
 

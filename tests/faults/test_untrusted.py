@@ -22,7 +22,7 @@ import liftmesh as lm
 from liftmesh import Cloud, FormatError
 from liftmesh.cli import exit_codes
 from liftmesh.io.formats.gltf import buffers as gltf_buffers, reader as gltf_reader
-from liftmesh.io.limits import limit_of
+from liftmesh.io.options import limit_of
 from liftmesh.io.streams import read_most
 
 ROWS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4").tobytes()

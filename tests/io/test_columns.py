@@ -7,8 +7,8 @@ import pytest
 
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import taken_points, taken_together, type_in_text
+from liftmesh.io.format import checked_origin
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.precision import checked_origin
 from liftmesh.io.selection import class_column
 
 

@@ -10,8 +10,8 @@ import tracemalloc
 import pytest
 
 import liftmesh
-from liftmesh.io import json_text
-from liftmesh.io.limits import bytes_of_text, bytes_of_tree
+from liftmesh.io import markup
+from liftmesh.io.markup import bytes_of_text, bytes_of_tree
 
 SCENE = {
     "asset": {"version": "2.0"},
@@ -31,7 +31,7 @@ def read(scene: object, **options: int) -> liftmesh.Cloud:
 
 
 def test_long_json_is_refused_unless_a_limit_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(json_text, "_MOST", 2000)
+    monkeypatch.setattr(markup, "_MOST", 2000)
     long = {**SCENE, "extras": [1] * 2000}
     with pytest.raises(
         liftmesh.FormatError, match=r"JSON .* has 6,\d+ bytes, .* of 2,000: .*max_by"
@@ -41,7 +41,7 @@ def test_long_json_is_refused_unless_a_limit_is_given(monkeypatch: pytest.Monkey
 
 
 def test_embedded_buffers_do_not_count(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(json_text, "_MOST", 2000)
+    monkeypatch.setattr(markup, "_MOST", 2000)
     image = {"uri": "data:image/png;base64," + "A" * 100_000}
     assert len(read({**SCENE, "images": [image, image]})) == 3
 
@@ -63,7 +63,7 @@ SHAPES = {
 def test_the_memory_of_json_is_counted(shape: str) -> None:
     text = f'{{"extras":[{SHAPES[shape]}]}}'.encode()
     tracemalloc.start()
-    tree = json_text.parsed(text)
+    tree = markup.parsed(text)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert tree
@@ -94,7 +94,7 @@ def test_the_search_for_cycles_is_as_before(text: bytes, is_enabled: bool) -> No
     (gc.enable if is_enabled else gc.disable)()
     try:
         try:
-            json_text.parsed(text)
+            markup.parsed(text)
         except (ValueError, RecursionError):
             assert text != b"[1]"
         assert gc.isenabled() is is_enabled
@@ -104,5 +104,5 @@ def test_the_search_for_cycles_is_as_before(text: bytes, is_enabled: bool) -> No
 
 def test_no_search_for_cycles_while_json_is_parsed() -> None:
     passes = gc.get_stats()[0]["collections"]
-    json_text.parsed(b"[" + b"[]," * 200_000 + b"1]")
+    markup.parsed(b"[" + b"[]," * 200_000 + b"1]")
     assert gc.get_stats()[0]["collections"] <= passes + 1

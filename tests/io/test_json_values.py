@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from liftmesh.io.json_text import (
+from liftmesh.io.markup import (
     ascii_string,
     finite_numbers,
     parsed_or_none,
-    shown,
+    shown_json,
     without_buffers,
 )
 
@@ -56,5 +56,5 @@ def test_only_long_buffers_are_left_out() -> None:
 
 
 def test_values_of_messages_are_short() -> None:
-    assert shown([[1, 2], "b", 3, 4, 5]) == "list, 'b', 3, 4"
-    assert len(shown("a" * 1000)) <= 40
+    assert shown_json([[1, 2], "b", 3, 4, 5]) == "list, 'b', 3, 4"
+    assert len(shown_json("a" * 1000)) <= 40

@@ -14,7 +14,7 @@ import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError
 from liftmesh.cli import exit_codes, main, options
 from liftmesh.io import registry
-from liftmesh.io.limits import check_columns, check_expanded, most_columns
+from liftmesh.io.options import check_columns, check_expanded, most_columns
 
 GIVEN: list[int | None] = []
 

@@ -10,8 +10,8 @@ from file_samples import loaded
 from hypothesis import given, settings, strategies as st
 
 from liftmesh import FormatError
-from liftmesh.io import lines
-from liftmesh.io.lines import Block, Lines, Syntax
+from liftmesh.io import text_tables
+from liftmesh.io.text_tables import Block, Lines, Syntax
 
 TEXT = st.lists(
     st.sampled_from(
@@ -50,12 +50,12 @@ def expected(data: bytes, *, continued: bool) -> list[tuple[str, int]]:
 @given(TEXT, st.integers(1, 9), st.booleans())
 @settings(max_examples=500)
 def test_blocks_end_where_they_may(data: bytes, size: int, continued: bool) -> None:
-    usual = lines._BYTES
-    lines._BYTES = size
+    usual = text_tables._BYTES
+    text_tables._BYTES = size
     try:
         assert taken(data, continued=continued) == expected(data, continued=continued)
     finally:
-        lines._BYTES = usual
+        text_tables._BYTES = usual
 
 
 @pytest.mark.parametrize("shift", range(-3, 4))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from liftmesh.errors import InputError
-from liftmesh.io.missing import as_missing
+from liftmesh.io.options import as_missing
 
 
 @pytest.mark.parametrize(

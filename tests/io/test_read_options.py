@@ -8,8 +8,7 @@ import pytest
 from mypy import api
 
 import liftmesh
-from liftmesh.io.formats.text.options import validate_table_options
-from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions
+from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions, validate_table_options
 from liftmesh.raster.reader import validate_raster_options
 
 ROOT = Path(__file__).parents[2]

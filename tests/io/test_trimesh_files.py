@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.precision import needed_origin
+from liftmesh.io.format import needed_origin
 
 UTM = np.array([450000.0, 5200000.0, 0.0])
 SINGLE = ["stl", "glb", "gltf"]

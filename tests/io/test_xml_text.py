@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from liftmesh.io.xml_text import attribute, is_possible
+from liftmesh.io.markup import attribute, is_possible
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_ascii_grids(tmp_path: Path) -> None:
         "triangulate", "a.asc", "a.ply", "--input-format", "raster", "--json", cwd=tmp_path
     )
     report = json.loads(done.stdout)
-    assert (report["rows"], report["not_read"]) == (5, ["1 sample without a value"])
+    assert (report["n_rows"], report["not_read"]) == (5, ["1 sample without a value"])
 
 
 def test_without_a_keyword_the_mark_is_that_of_esri() -> None:

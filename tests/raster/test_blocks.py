@@ -10,11 +10,11 @@ from liftmesh import FormatError
 from liftmesh.io.selection import Selection
 from liftmesh.raster.ascii_grid import is_grid
 from liftmesh.raster.blocks import Window, window_of, without_warnings
-from liftmesh.raster.sidecars import Transform
+from liftmesh.raster.pixels import Affine
 
 
 def test_steps_are_counted_from_the_first_row_and_column() -> None:
-    place = Transform(2.0, 0.0, 100.0, 0.0, -2.0, 50.0)
+    place = Affine(2.0, 0.0, 100.0, 0.0, -2.0, 50.0)
     window = window_of(place, 10, 10, Selection(bounds=(103, 40, 107, 49), every=2))
     assert window == Window(range(0, 5, 2), range(2, 4, 2), outside=85, between=12)
 

@@ -8,7 +8,7 @@ import numpy as np
 from benchmark.tasks import lidar as bench_lidar
 
 import liftmesh
-from liftmesh.io.formats.las.points import Points
+from liftmesh.io.formats.las.reader import Points
 
 
 def test_the_steps_of_a_small_file(tmp_path: Path) -> None:

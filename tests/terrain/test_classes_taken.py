@@ -14,7 +14,7 @@ from files.las import encoded, records
 
 import liftmesh
 from liftmesh import InputError
-from liftmesh.io.surface_rows import bytes_of, classes_of, for_chunks
+from liftmesh.io.read import bytes_of, classes_of, for_chunks
 
 GROUND, TREES = 2, 5
 EMPTY = "b.las: no ground (class 2), while other files have some"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from liftmesh.tiles.context import Groups, group_suffix, label, node_of, row_files
+from liftmesh.tiles.options import Groups, group_suffix, label, node_of, row_files
 
 
 @pytest.mark.parametrize(

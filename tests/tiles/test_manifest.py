@@ -6,13 +6,13 @@ from collections.abc import Callable
 
 import pytest
 
-from liftmesh.tiles import manifest
+from liftmesh.tiles import store
 
 NAMES = [
-    (manifest.vertices_name, "tile-00007-vertices.npy"),
-    (manifest.faces_name, "tile-00007-faces.npy"),
-    (manifest.neighbors_name, "tile-00007-neighbors.npy"),
-    (manifest.links_name, "tile-00007-links.npy"),
+    (store.vertices_name, "tile-00007-vertices.npy"),
+    (store.faces_name, "tile-00007-faces.npy"),
+    (store.neighbors_name, "tile-00007-neighbors.npy"),
+    (store.links_name, "tile-00007-links.npy"),
 ]
 
 

@@ -17,7 +17,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, FormatError, InputError, NonFiniteError
-from liftmesh.tiles import lock, pipeline, plan
+from liftmesh.tiles import build, lock, plan
 
 POINTS = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 ROWS = 100
@@ -380,7 +380,7 @@ def test_the_size_of_tiles_is_that_of_the_run_that_goes_on(
 ) -> None:
     stopped(POINTS, tmp_path)
     assert liftmesh.tile(POINTS, tmp_path).manifest["tile_rows"] == ROWS
-    monkeypatch.setattr(pipeline, "TILE_ROWS", 70)
+    monkeypatch.setattr(build, "TILE_ROWS", 70)
     assert liftmesh.tile(POINTS, tmp_path).manifest["tile_rows"] == ROWS
 
 

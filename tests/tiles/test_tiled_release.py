@@ -18,8 +18,8 @@ from tilings import ordered
 import liftmesh
 from liftmesh import Tiled
 from liftmesh.errors import InputError
-from liftmesh.tiles import context, pipeline
-from liftmesh.tiles.context import Groups, RunContext
+from liftmesh.tiles import build, options
+from liftmesh.tiles.options import Groups, RunContext
 from liftmesh.tiles.schedule import release
 
 ROWS, TILE_ROWS = 6_000, 1_000
@@ -52,7 +52,7 @@ def bytes_in(folder: Path, pattern: str = "*.npy") -> int:
 def _many_groups() -> Iterator[None]:
     """Of chunks of a thousand rows there are files of two hundred, so there are five groups."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(context, "_ROWS", 200)
+        patch.setattr(options, "_ROWS", 200)
         yield
 
 
@@ -129,7 +129,7 @@ def test_shards_do_not_depend_on_groups(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     made("surface", source, tmp_path / "many")
-    monkeypatch.setattr(context, "_MOST", 1)
+    monkeypatch.setattr(options, "_MOST", 1)
     made("surface", source, tmp_path / "one")
     many, one = contents(tmp_path / "many"), contents(tmp_path / "one")
     assert many.pop("manifest.json") != one.pop("manifest.json")  # of another plan
@@ -176,8 +176,8 @@ def test_a_copy_that_is_no_copy_stays(tmp_path: Path) -> None:
 KILLED = """
 import os, signal, sys, liftmesh
 from pathlib import Path
-from liftmesh.tiles import context
-context._ROWS = 200
+from liftmesh.tiles import options
+options._ROWS = 200
 unlink, left = Path.unlink, int(sys.argv[3])
 def killing(path, **options):
     global left
@@ -284,7 +284,7 @@ def test_tiles_that_were_cut_again_and_are_done(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Their rows are gone: no sample of them can be drawn, and none is needed."""
-    monkeypatch.setattr(pipeline, "_LARGE", 0.9)  # of what a tile should have: some are cut
+    monkeypatch.setattr(build, "_LARGE", 0.9)  # of what a tile should have: some are cut
     whole = made("triangles", source, tmp_path / "expected")
     assert whole.manifest["merges"]["tiles"] > ROWS // TILE_ROWS + 2
     out = tmp_path / "out"

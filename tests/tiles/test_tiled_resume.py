@@ -16,7 +16,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import DegenerateInputError, InputError
-from liftmesh.tiles import pipeline, publish, shards, sorted_chunks, stages
+from liftmesh.tiles import build, publish, schedule, shards, sorted_chunks
 
 POINTS = np.random.default_rng(4).integers(0, 30, (600, 2)).astype(np.float64)
 TILE_ROWS = 100
@@ -55,7 +55,7 @@ def failing_at(patch: pytest.MonkeyPatch, number: int) -> Callable[[], int]:
 
         return call
 
-    for module in (pipeline, sorted_chunks, stages, shards, publish):
+    for module in (build, sorted_chunks, schedule, shards, publish):
         for name in ("save_array", "save_blocks", "save_json"):
             if hasattr(module, name):
                 patch.setattr(module, name, failing(getattr(module, name)))

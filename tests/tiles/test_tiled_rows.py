@@ -12,15 +12,7 @@ import pytest
 
 import liftmesh
 from liftmesh.errors import FormatError, InputError, NonFiniteError
-from liftmesh.tiles import (
-    node,
-    parquet as parquet_module,
-    pipeline,
-    publish,
-    schedule,
-    sources,
-    stages,
-)
+from liftmesh.tiles import build, node, publish, schedule, source_chunks, sources
 from liftmesh.tiles.options import rows_within
 from liftmesh.tiles.schema import Reading, planar_of
 from liftmesh.tiles.source_chunks import Origin, SourceChunk
@@ -85,7 +77,7 @@ def test_rows_in_groups_of_one_are_put_together_one_by_one(tmp_path: Path) -> No
     assert [part.rows for part in parts] == [250, 250, 100]
     assert np.array_equal(np.concatenate([planar_of(part.records()) for part in parts]), TIES)
     sizes = Counted(1 for _ in range(5000))
-    assert len([*parquet_module._grouped(sizes, 5000)]) == 1
+    assert len([*source_chunks._grouped(sizes, 5000)]) == 1
     assert sizes.looks == 0  # each size comes once, and none is looked up again
 
 
@@ -143,7 +135,7 @@ def test_a_large_file_among_many_small_ones(tmp_path: Path) -> None:
         np.save(paths[-1], rows)
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stages, "merge", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         liftmesh.tile(paths, tmp_path / "out", tile_rows=4_000)
     assert max(sizes) < 5_000
 
@@ -165,7 +157,7 @@ def test_survey_lines_are_merged_level_by_level(tmp_path: Path) -> None:
     points = np.column_stack((along.ravel(), lines.ravel())) + rng.normal(0, 0.3, (20_000, 2))
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stages, "merge", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=500)
     assert found.nsimplex == liftmesh.delaunay(points).nsimplex
     assert max(sizes) < 3_500
@@ -193,7 +185,7 @@ def test_what_waits_for_a_merge_is_named(tmp_path: Path) -> None:
     passed: dict[int, int] = {}
 
     class Watched(schedule.Serial):
-        def tree(self, *arguments: Any) -> list[stages.Done]:
+        def tree(self, *arguments: Any) -> list[schedule.Done]:
             done = super().tree(*arguments)
             passed.update({each.name: len(each.frontier) for each in done})
             return done
@@ -211,10 +203,10 @@ def test_tiles_that_are_too_large_are_cut_again(
     rng = np.random.default_rng(3)
     centers = rng.random((40, 2)) ** 4
     points = centers[rng.integers(0, 40, 20_000)] + rng.normal(0, 1e-3, (20_000, 2))
-    monkeypatch.setattr(pipeline, "_SAMPLED", 1)
+    monkeypatch.setattr(build, "_SAMPLED", 1)
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stages, "merge", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=1_000)
     assert max(sizes) <= 2_000
     assert found.verify(points).canonical
@@ -252,7 +244,7 @@ def test_one_position_repeated_very_often_takes_no_room(tmp_path: Path) -> None:
     points[[7, 8]] = 0.5
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(stages, "merge", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=4_000, nonfinite="skip")
     expected = liftmesh.delaunay(points, nonfinite="skip")
     assert max(sizes) < 4_500

@@ -21,7 +21,7 @@ from liftmesh.errors import (
     InputError,
     NonFiniteError,
 )
-from liftmesh.tiles import shards, sorted_chunks, stages
+from liftmesh.tiles import schedule, shards, sorted_chunks
 
 CLOUD = steep_cloud()
 POINTS = CLOUD.points
@@ -344,7 +344,7 @@ def test_a_run_that_broke_off_goes_on(
     options: dict[str, Any] = {"on_duplicate": "mean", "tile_rows": 200}
     expected = liftmesh.tile_surface(CLOUD, tmp_path / "expected", **options)
     asked = [0]
-    save = stages.save_array  # the same function in all three
+    save = schedule.save_array  # the same function in all three
 
     def failing(path: Path, array: Any) -> str:
         asked[0] += 1
@@ -352,7 +352,7 @@ def test_a_run_that_broke_off_goes_on(
             raise DiskFullError(28, "No space left on device", str(path))
         return save(path, array)
 
-    for module in (sorted_chunks, shards, stages):
+    for module in (sorted_chunks, shards, schedule):
         monkeypatch.setattr(module, "save_array", failing)
     with pytest.raises(DiskFullError):
         liftmesh.tile_surface(CLOUD, tmp_path / "out", **options)

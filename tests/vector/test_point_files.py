@@ -15,7 +15,7 @@ from hypothesis import given, strategies as st
 
 import liftmesh
 from liftmesh.errors import FormatError
-from liftmesh.vector.points import points_of
+from liftmesh.vector.files import points_of
 
 ROWS = [[0, 0, 1], [10, 0, 5], [0, 10, 3], [10, 10, 9], [4, 6, 7.5]]
 PLACES = [[2.0, 3.0], [4.0, 6.0], [8.5, 1.25], [99.0, 5.0]]

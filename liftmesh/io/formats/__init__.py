@@ -62,7 +62,7 @@ FORMATS = (
         check=_code("io.formats.text.writer", "check"),
         read_chunks=_code("io.formats.text.reader", "read_text_chunks"),
         expands=True,
-        options=_code("io.formats.text.options", "validate_table_options"),
+        options=_code("io.options", "validate_table_options"),
         gzip=True,
     ),
     Format(

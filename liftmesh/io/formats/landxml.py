@@ -19,9 +19,9 @@ import numpy as np
 from liftmesh.crs.description import is_number, urn_of
 from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import faces_of
+from liftmesh.io.columns import faces_of
+from liftmesh.io.markup import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
-from liftmesh.io.xml_text import attribute, is_possible
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

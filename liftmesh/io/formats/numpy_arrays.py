@@ -34,7 +34,7 @@ from numpy.lib import format as npy
 from liftmesh._typing import Array
 from liftmesh.base.frozen import cached_property
 from liftmesh.errors import FormatError
-from liftmesh.io.limits import check_expanded, limit_of
+from liftmesh.io.options import check_expanded, limit_of
 from liftmesh.io.streams import Source, read_into, read_most, remaining
 from liftmesh.io.text_tables import shortened
 

@@ -20,8 +20,7 @@ from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import confirmed_depth, stated_depth
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.columns import CloudBuilder
-from liftmesh.io.faces import checked_faces
+from liftmesh.io.columns import CloudBuilder, checked_faces
 from liftmesh.io.formats.numpy_arrays import (
     Layout,
     array_parts,

@@ -24,7 +24,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, fits_eight_bits, recognized
 from liftmesh.base.options import ObjColors, check_option
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import face_counts, triangulated
+from liftmesh.io.columns import face_counts, triangulated
 from liftmesh.io.formats.obj_faces import (
     MARK,
     Corners,
@@ -34,12 +34,20 @@ from liftmesh.io.formats.obj_faces import (
     parse_corners,
     write_comments,
 )
-from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.metadata import header_comments, others, stated, stated_crs, storable
-from liftmesh.io.text_tables import number_table, shortened, write_rows
+from liftmesh.io.text_tables import (
+    BLOCK,
+    Block,
+    Lines,
+    Syntax,
+    leading_comments,
+    number_table,
+    shortened,
+    write_rows,
+)
 
 if TYPE_CHECKING:
-    from liftmesh.io.faces import Ragged
+    from liftmesh.io.columns import Ragged
 
 _SYNTAX = Syntax(comments=("#",), continued=True)
 _KEYWORDS = ("v", "vn", "f")

@@ -24,12 +24,11 @@ from liftmesh._typing import Array, Integers
 from liftmesh.base.colors import as_float, as_uint8
 from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged
-from liftmesh.io.lines import BLOCK, Lines
-from liftmesh.io.text_tables import quoted, words_of
+from liftmesh.io.columns import Ragged
+from liftmesh.io.text_tables import BLOCK, Lines, quoted, words_of
 
 if TYPE_CHECKING:
-    from liftmesh.io.lines import Block
+    from liftmesh.io.text_tables import Block
 
 
 _CORNER = re.compile(r"([+-]?\d{1,9})(?:/(?:[+-]?\d{1,18})?(?:/([+-]?\d{1,9}))?)?", re.ASCII)

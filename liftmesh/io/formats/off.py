@@ -17,11 +17,15 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged, face_counts, faces_of, gathered, triangulated
-from liftmesh.io.lines import HASH, Block, Lines, check_end, promised
+from liftmesh.io.columns import Ragged, face_counts, faces_of, gathered, triangulated
 from liftmesh.io.text_tables import (
+    HASH,
+    Block,
+    Lines,
+    check_end,
     is_count,
     number_table,
+    promised,
     quoted,
     ragged_numbers,
     whole,

@@ -23,10 +23,19 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import NORMAL, POSITION, taken_points, taken_together, type_in_text
-from liftmesh.io.limits import check_columns, check_expanded, limit_of
-from liftmesh.io.lines import HASH, Lines, check_end, promised
+from liftmesh.io.options import check_columns, check_expanded, limit_of
 from liftmesh.io.streams import read_exactly, remaining
-from liftmesh.io.text_tables import exact_values, is_count, is_number, number_table, quoted
+from liftmesh.io.text_tables import (
+    HASH,
+    Lines,
+    check_end,
+    exact_values,
+    is_count,
+    is_number,
+    number_table,
+    promised,
+    quoted,
+)
 
 _SIZES = struct.Struct("<II")
 _NORMALS = ("normal_x", "normal_y", "normal_z")

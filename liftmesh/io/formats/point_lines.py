@@ -17,8 +17,17 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth, recognized
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, NORMAL, POSITION
-from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, promised
-from liftmesh.io.text_tables import is_count, number_table, quoted, regrouped
+from liftmesh.io.text_tables import (
+    BLOCK,
+    Block,
+    Lines,
+    Syntax,
+    is_count,
+    number_table,
+    promised,
+    quoted,
+    regrouped,
+)
 
 _SYNTAX = Syntax(comments=("#", "//"))
 _TOGETHER = 1 << 14  # rows: small scans are joined, since each array takes memory of its own

@@ -45,15 +45,14 @@ from liftmesh._typing import Array, Floats, Integers, Mask
 from liftmesh.base.arrays import used_rows, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import faces_of
-from liftmesh.io.lines import BLOCK, Block, Lines, Syntax
+from liftmesh.io.columns import faces_of
+from liftmesh.io.format import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.metadata import noted
-from liftmesh.io.precision import checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.streams import read_exactly, remaining
-from liftmesh.io.text_tables import number_table, quoted
+from liftmesh.io.text_tables import BLOCK, Block, Lines, Syntax, number_table, quoted
 
 if TYPE_CHECKING:
-    from liftmesh.io.precision import Origin
+    from liftmesh.io.format import Origin
 
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

@@ -18,16 +18,16 @@ from typing import TYPE_CHECKING, BinaryIO, cast
 import numpy as np
 
 from liftmesh._typing import Rows
-from liftmesh.base.arrays import used_rows
+from liftmesh.base.arrays import pair_keys, used_rows
 from liftmesh.base.options import Unit3MF as Unit, check_option
 from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError, Option
-from liftmesh.io.precision import needed_origin, without_origin
+from liftmesh.io.format import needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.precision import Origin
+    from liftmesh.io.format import Origin
 
 _SPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _TYPES = """<?xml version="1.0" encoding="UTF-8"?>
@@ -129,9 +129,8 @@ def _check_corners(faces: Rows) -> None:
 
 def _is_closed(faces: Rows) -> bool:
     """Whether every edge has two faces, which go along it in opposite directions."""
-    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)]).astype(np.int64)
-    keys = edges[:, 0] << 32 | edges[:, 1]
-    turned = edges[:, 1] << 32 | edges[:, 0]
+    edges = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    keys, turned = pair_keys(*edges.T), pair_keys(*edges.T[::-1])
     keys.sort()
     turned.sort()
     is_once = bool((keys[1:] != keys[:-1]).all())

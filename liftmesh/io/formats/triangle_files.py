@@ -21,12 +21,20 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import checked_faces
-from liftmesh.io.limits import check_columns
-from liftmesh.io.lines import HASH, Lines, check_end, promised
+from liftmesh.io.columns import checked_faces
 from liftmesh.io.metadata import noted
+from liftmesh.io.options import check_columns
 from liftmesh.io.streams import decompressed
-from liftmesh.io.text_tables import exact_values, is_count, number_table, quoted
+from liftmesh.io.text_tables import (
+    HASH,
+    Lines,
+    check_end,
+    exact_values,
+    is_count,
+    number_table,
+    promised,
+    quoted,
+)
 
 _MARKER = "boundary_marker"
 

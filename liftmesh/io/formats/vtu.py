@@ -20,7 +20,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits
 from liftmesh.io.format import dropped_values
-from liftmesh.io.xml_text import attribute, is_possible
+from liftmesh.io.markup import attribute, is_possible
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud

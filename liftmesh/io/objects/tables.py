@@ -25,7 +25,6 @@ from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
-from liftmesh.io.formats.text.options import TableOptions, validate_table_options
 from liftmesh.io.metadata import NotedColumns, Unread, noted
 from liftmesh.io.objects.plain import (
     AS_TABLE,
@@ -37,6 +36,7 @@ from liftmesh.io.objects.plain import (
     is_table,
     qualified_name,
 )
+from liftmesh.io.options import TableOptions, validate_table_options
 from liftmesh.io.text_tables import is_number, shortened
 
 _CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")

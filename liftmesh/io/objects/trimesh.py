@@ -25,7 +25,7 @@ from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import as_uint8, with_alpha
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.io.faces import checked_faces, faces_of, narrowed
+from liftmesh.io.columns import checked_faces, faces_of, narrowed
 from liftmesh.io.metadata import NOTE, Provenance, Unread, user_entries
 from liftmesh.optional import load
 

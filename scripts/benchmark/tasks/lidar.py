@@ -30,7 +30,7 @@ from benchmark.measuring import add_common, in_process
 from process_state import memory
 
 import liftmesh
-from liftmesh.io.formats.las.points import Points
+from liftmesh.io.formats.las.reader import Points
 
 THREADS = "2"
 GROUND = 0.7

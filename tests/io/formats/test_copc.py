@@ -14,8 +14,8 @@ from files.las import copc, encoded, patched, tile
 
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
-from liftmesh.io.formats.las.copc import Index
-from liftmesh.io.formats.las.points import Points
+from liftmesh.io.formats.las.laz import Index
+from liftmesh.io.formats.las.reader import Points
 
 COUNT = 4000
 LAS = tile(COUNT, point_format=6, version="1.4")

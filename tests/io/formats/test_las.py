@@ -19,7 +19,7 @@ from files.las import UTM, copc, encoded, geo_keys, patched, record, records, ti
 
 import liftmesh
 from liftmesh import Cloud, FormatError
-from liftmesh.io.formats.las.points import WAVE_PACKETS
+from liftmesh.io.formats.las.reader import WAVE_PACKETS
 
 COLORS = ("red", "green", "blue")
 VERSIONS = {k: "1.2" if k < 4 else "1.3" if k < 6 else "1.4" for k in range(11)}

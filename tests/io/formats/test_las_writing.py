@@ -18,7 +18,7 @@ from files.las import encoded, geo_keys, patched, record, tile, with_records
 import liftmesh
 from liftmesh import Cloud, FormatError, InputError
 from liftmesh.io.formats.las.layout import steps_of
-from liftmesh.io.formats.las.points import WAVE_PACKETS
+from liftmesh.io.formats.las.reader import WAVE_PACKETS
 
 VERSIONS = {k: "1.2" if k < 4 else "1.3" if k < 6 else "1.4" for k in range(11)}
 POINTS = np.array([[512000.25, 5400000.5, 1.75], [512004.0, 5400000.0, 2.0], [512000, 5400003, 3]])

@@ -13,7 +13,7 @@ from hypothesis import given, strategies as st
 
 import liftmesh
 from liftmesh import FormatError
-from liftmesh.io.faces import Ragged, gathered, runs
+from liftmesh.io.columns import Ragged, gathered, runs
 
 SQUARE = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))
 VERTICES = ("element vertex 4", "property float x", "property float y", "property float z")

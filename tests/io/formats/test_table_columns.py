@@ -10,8 +10,8 @@ import pytest
 
 import liftmesh
 from liftmesh import Cloud, DataWarning, FormatError, InputError
-from liftmesh.io.formats.text.names import meaning
-from liftmesh.io.formats.text.options import validate_table_options
+from liftmesh.io.formats.text.columns import meaning
+from liftmesh.io.options import validate_table_options
 
 ROW = "1.5,2.5,3.5\n"
 POINT = [[1.5, 2.5, 3.5]]

@@ -20,7 +20,7 @@ from liftmesh.io.formats.text.layout import (
     with_point,
     without_remark,
 )
-from liftmesh.io.formats.text.options import TableOptions, spelled
+from liftmesh.io.options import TableOptions, spelled
 
 
 def test_lines_are_skipped_whatever_ends_them() -> None:

@@ -16,7 +16,7 @@ from growth.resident import MOST_PER_BYTE, forked
 import liftmesh
 from liftmesh import Cloud, FormatError
 from liftmesh.cli import exit_codes, main
-from liftmesh.io.limits import COLUMN_BYTES, MOST_COLUMNS
+from liftmesh.io.options import COLUMN_BYTES, MOST_COLUMNS
 
 MANY = 20_000  # columns
 NAMES = ["z", *(f"a{k}" for k in range(3, MANY))]

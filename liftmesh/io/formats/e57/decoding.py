@@ -19,7 +19,7 @@ import numpy as np
 from liftmesh._typing import Array
 from liftmesh.errors import FormatError, MissingDependencyError, Option
 from liftmesh.io.formats.e57.program import PROGRAM
-from liftmesh.io.interpreter import command
+from liftmesh.optional import python_command
 
 PIECE = 1 << 16  # rows
 _MOST_HEAD = 1 << 26  # bytes of the description of all scans
@@ -126,7 +126,7 @@ def decoded(stream: BinaryIO, name: str, limits: Limits) -> Iterator[Decoder]:
     """Start the process that decodes a file."""
     with _path_of(stream, name) as path, tempfile.TemporaryFile() as messages:
         bounds = map(str, (PIECE, limits.memory, limits.seconds))
-        words = [*command(PROGRAM, "libE57"), path, *bounds]
+        words = [*python_command(PROGRAM, "libE57"), path, *bounds]
         process = subprocess.Popen(  # noqa: S603 - our own program and a path
             words,
             stdin=subprocess.DEVNULL,

@@ -27,8 +27,8 @@ from liftmesh.errors import FormatError
 from liftmesh.io.columns import COLOR, POSITION, CloudBuilder
 from liftmesh.io.formats.e57.decoding import Decoder, Limits, Scan, decoded
 from liftmesh.io.formats.e57.header import check_header
-from liftmesh.io.limits import check_columns, check_expanded, limit_of
 from liftmesh.io.metadata import noted
+from liftmesh.io.options import check_columns, check_expanded, limit_of
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.e57.decoding import Scan

@@ -16,13 +16,20 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.gltf.meshes import ROUNDED, Primitive, decoded, primitives
-from liftmesh.io.formats.gltf.nodes import Scene, default_scene, put_exactly
+from liftmesh.io.format import checked_origin, with_origin
+from liftmesh.io.formats.gltf.meshes import (
+    ROUNDED,
+    Primitive,
+    Scene,
+    decoded,
+    default_scene,
+    primitives,
+    put_exactly,
+)
 from liftmesh.io.formats.gltf.validation import Document
-from liftmesh.io.limits import check_expanded, limit_of
 from liftmesh.io.metadata import NOTE, noted, of_extras
 from liftmesh.io.objects.trimesh import transformed
-from liftmesh.io.precision import checked_origin, with_origin
+from liftmesh.io.options import check_expanded, limit_of
 
 # By default content may take so many times the file and what it uses of files beside it.
 _GROWTH = 20

@@ -10,12 +10,21 @@ from __future__ import annotations
 
 import struct
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, BinaryIO
+from urllib.parse import unquote
 
-from liftmesh.errors import FormatError
+from liftmesh.errors import FormatError, LiftmeshError
 from liftmesh.io.formats.gltf.buffers import Buffers, Chunk, StatedBuffer
-from liftmesh.io.json_text import check_length, parsed, shown, without_buffers
-from liftmesh.io.limits import bytes_of_text, bytes_of_tree, check_expanded, limit_of
+from liftmesh.io.markup import (
+    bytes_of_text,
+    bytes_of_tree,
+    check_length,
+    parsed,
+    shown_json,
+    without_buffers,
+)
+from liftmesh.io.options import check_expanded, limit_of
 from liftmesh.io.streams import remaining
 
 Tree = dict[str, Any]
@@ -96,7 +105,9 @@ class Document:
         """Return a whole number from 0; 0 if there is none."""
         count = part.get(key, 0)
         if type(count) is not int or count < 0:
-            raise self.error(f"{what}: {key} is {shown(count)}: expected a whole number from 0")
+            raise self.error(
+                f"{what}: {key} is {shown_json(count)}: expected a whole number from 0"
+            )
         return count
 
     def index(self, part: Tree, key: str, limit: int, what: str) -> int:
@@ -176,8 +187,8 @@ class Document:
         unknown = [each for each in required if not is_harmless(each) and each not in _NAMED]
         if unknown:
             raise self.error(
-                f"it requires the extension {shown(unknown[0])}, which liftmesh does not read: "
-                "save the file without it"
+                f"it requires the extension {shown_json(unknown[0])}, which liftmesh does not "
+                "read: save the file without it"
             )
 
     def _stated(self) -> list[StatedBuffer]:
@@ -289,3 +300,20 @@ def _binary_chunk(stream: BinaryIO, name: str, begin: int) -> Chunk | None:
             return Chunk(stream, at, size)
         stream.seek(at + size)
     return None
+
+
+def named_in(path: Path) -> list[Path]:
+    """List the files that a glTF file is read with, or shown with."""
+    try:
+        with path.open("rb") as stream:
+            tree = Document(stream, str(path), path.suffix.lower().removeprefix("."), None).tree
+    except (LiftmeshError, OSError):
+        return []  # which the command that reads it says
+    listed = (tree.get(key) for key in ("buffers", "images"))
+    parts = [part for each in listed if isinstance(each, list) for part in each]
+    names = [part.get("uri") for part in parts if isinstance(part, dict)]
+    return [
+        path.absolute().parent / unquote(each)
+        for each in names
+        if isinstance(each, str) and not each.startswith("data:")
+    ]

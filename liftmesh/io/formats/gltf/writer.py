@@ -27,13 +27,13 @@ from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.errors import FormatError
+from liftmesh.io.format import SINGLE, TOLERANCE, fits_whole, needed_origin, without_origin
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
-from liftmesh.io.precision import SINGLE, TOLERANCE, fit, needed_origin, without_origin
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.precision import Origin
+    from liftmesh.io.format import Origin
 
 
 _OTHER = re.compile(r"[^A-Z0-9_]+")
@@ -192,7 +192,7 @@ def _reason(values: Array) -> str:
 def _is_exact(values: Array) -> bool:
     """Whether single precision holds all values."""
     if values.dtype.kind in "iu":
-        return fit(values, SINGLE)
+        return fits_whole(values, SINGLE)
     return np.array_equal(_single(values).astype(values.dtype), values)
 
 

@@ -24,7 +24,7 @@ from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import COLOR, NORMAL, PARTS
 from liftmesh.io.format import dropped_values
-from liftmesh.io.formats.las.vlrs import DEPTH
+from liftmesh.io.formats.las.header import DEPTH
 from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
 

@@ -31,15 +31,17 @@ from liftmesh.io.formats.las.fields import (
     fields_of,
     with_colors,
 )
-from liftmesh.io.formats.las.header import POINT_SIZES, SIZES, Record
-from liftmesh.io.formats.las.vlrs import (
+from liftmesh.io.formats.las.header import (
     EXTRA_BYTES,
     LAYOUT,
     LIBLAS,
     LIFTMESH_VLR,
+    POINT_SIZES,
     PROJECTION,
+    SIZES,
     WKT,
     LiftmeshVlr,
+    Record,
     Vlrs,
     crs_of,
     is_layout,

@@ -20,10 +20,16 @@ from liftmesh._typing import Array
 from liftmesh.base.colors import as_float
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.las.fields import depth_of, levels
-from liftmesh.io.formats.las.header import ENCODING_WKT, PACKING, SIZES, Record
+from liftmesh.io.formats.las.header import (
+    ENCODING_WKT,
+    PACKING,
+    SIZES,
+    Record,
+    make_record,
+    replace_records,
+)
 from liftmesh.io.formats.las.layout import Layout, layout_of
-from liftmesh.io.formats.las.points import BLOCK, may_use_threads
-from liftmesh.io.formats.las.vlrs import make_record, replace_records
+from liftmesh.io.formats.las.reader import BLOCK, may_use_threads
 from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
 

@@ -16,8 +16,14 @@ import numpy as np
 from liftmesh._typing import Array, Rows
 from liftmesh.base.options import counted
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import COLOR, CloudBuilder, built_in_chunks
-from liftmesh.io.faces import Ragged, face_counts, triangulated
+from liftmesh.io.columns import (
+    COLOR,
+    CloudBuilder,
+    Ragged,
+    built_in_chunks,
+    face_counts,
+    triangulated,
+)
 from liftmesh.io.formats.ply.ascii_body import AsciiBody
 from liftmesh.io.formats.ply.binary_body import BinaryBody
 from liftmesh.io.formats.ply.header import Element, depth_of_comments, old_names, read_header

@@ -13,11 +13,17 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers, Mask
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import type_in_text
-from liftmesh.io.faces import Ragged, gathered
-from liftmesh.io.lines import BLOCK, Block, Lines, check_end
+from liftmesh.io.columns import Ragged, gathered, type_in_text
 from liftmesh.io.streams import remaining
-from liftmesh.io.text_tables import exact_values, number_table, ragged_numbers
+from liftmesh.io.text_tables import (
+    BLOCK,
+    Block,
+    Lines,
+    check_end,
+    exact_values,
+    number_table,
+    ragged_numbers,
+)
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.ply.header import Element, Property

@@ -18,7 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Integers
 from liftmesh.errors import FormatError
-from liftmesh.io.faces import Ragged, gathered
+from liftmesh.io.columns import Ragged, gathered
 from liftmesh.io.streams import read_exactly, read_most, remaining
 
 if TYPE_CHECKING:

@@ -27,8 +27,8 @@ from liftmesh._typing import Array
 from liftmesh.base.colors import stated_depth
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
-from liftmesh.io.json_text import ascii_string, parsed_or_none
-from liftmesh.io.limits import check_columns, most_columns
+from liftmesh.io.markup import ascii_string, parsed_or_none
+from liftmesh.io.options import check_columns, most_columns
 from liftmesh.io.text_tables import is_count, quoted
 
 # The last three rows are not part of the format, but other programs write them.

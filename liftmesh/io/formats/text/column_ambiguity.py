@@ -18,12 +18,11 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.formats.text.options import MOST_LISTED, spelled
-from liftmesh.io.missing import Outliers
+from liftmesh.io.options import MOST_LISTED, Outliers, spelled
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.text.columns import Columns
-    from liftmesh.io.formats.text.options import TableOptions
+    from liftmesh.io.options import TableOptions
 
 
 _PIECE = 1 << 10  # rows

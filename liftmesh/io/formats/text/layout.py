@@ -18,8 +18,7 @@ from typing import BinaryIO
 
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.formats.text.columns import known_header
-from liftmesh.io.formats.text.options import TableOptions
-from liftmesh.io.limits import check_columns, most_columns
+from liftmesh.io.options import TableOptions, check_columns, most_columns
 from liftmesh.io.text_tables import is_number, values_at_most
 
 _SEPARATOR = re.compile(r"sep=(.)", re.IGNORECASE)  # the first line of a spreadsheet's file

@@ -29,11 +29,10 @@ from liftmesh.io.formats.text.layout import (
     sniff,
     stated_separator,
 )
-from liftmesh.io.formats.text.options import TableOptions
 from liftmesh.io.formats.text.values import TableValues
-from liftmesh.io.lines import BLOCK, Block, Lines, Syntax, leading_comments
 from liftmesh.io.metadata import NotedColumns, noted
-from liftmesh.io.text_tables import quoted, regrouped
+from liftmesh.io.options import TableOptions
+from liftmesh.io.text_tables import BLOCK, Block, Lines, Syntax, leading_comments, quoted, regrouped
 
 _COMMENTS = ("#", "//")
 _EXACT, _MOST_OF_IDS = 2.0**53, 2.0**64  # doubles hold every whole number up to the first

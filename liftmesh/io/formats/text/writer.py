@@ -19,14 +19,12 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits, recognized
 from liftmesh.base.options import refused
 from liftmesh.errors import FormatError
-from liftmesh.io import precision
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.format import DOUBLE, fits_whole
 from liftmesh.io.formats.text import reader
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
 from liftmesh.io.formats.text.columns import unnamed
-from liftmesh.io.formats.text.options import TableOptions
-from liftmesh.io.limits import COLUMN_BYTES
-from liftmesh.io.precision import DOUBLE
+from liftmesh.io.options import COLUMN_BYTES, TableOptions
 from liftmesh.io.text_tables import quoted, write_rows
 
 if TYPE_CHECKING:
@@ -160,7 +158,7 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
 def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     """Numbers are read as doubles, and colours close to those of 8 bits as these."""
     whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
-    wide = [name for name, values in whole.items() if not precision.fit(values, DOUBLE)]
+    wide = [name for name, values in whole.items() if not fits_whole(values, DOUBLE)]
     return (*(f"whole numbers of {name} beyond 2**53" for name in wide), *_lost_colors(cloud))
 
 
