@@ -89,7 +89,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "apollonius": (
         liftmesh.apollonius,
         liftmesh.apollonius,
-        {"centers": PLANAR, "radii": PLANAR[:, 0] ** 2},
+        {"points": PLANAR, "radii": PLANAR[:, 0] ** 2},
     ),
     "apollonius_diagram": (
         liftmesh.apollonius_diagram,
@@ -123,9 +123,9 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.write,
         {"target": b"", "mesh": SURFACE, "format": "ply"},
     ),
-    "tile": (tiles, liftmesh.tile, {"source": PLANAR}),
-    "tile_surface": (tiled_surface, liftmesh.tile_surface, {"source": ROWS}),
-    "open_tiled": (liftmesh.open_tiled, liftmesh.open_tiled, {"directory": "missing"}),
+    "tile": (tiles, liftmesh.tile, {"points": PLANAR}),
+    "tile_surface": (tiled_surface, liftmesh.tile_surface, {"cloud": ROWS}),
+    "open_tiled": (liftmesh.open_tiled, liftmesh.open_tiled, {"folder": "missing"}),
     "save": (
         partial(SURFACE.save, format="ply"),
         liftmesh.Surface.save,

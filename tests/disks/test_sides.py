@@ -80,7 +80,7 @@ def test_tolerances_of_chords() -> None:
 @pytest.mark.parametrize(
     ("max_deviation", "message"),
     [
-        ("wide", "max_deviation is 'wide': give real numbers"),
+        ("wide", "max_deviation is 'wide': give a positive, finite number"),
         (True, "max_deviation is True: give a positive, finite number"),
         (0, "max_deviation is 0: give a positive, finite number"),
         (1e-20, "max_deviation is 1e-20, near the rounding of coordinates there: give"),

@@ -24,7 +24,7 @@ def test_triangles_in_any_order() -> None:
         for threads in (1, 3):
             judged = liftmesh.verify(POINTS, simplices, weights=WEIGHTS, threads=threads)
             assert judged.canonical
-            assert (judged.hidden, judged.duplicates) == (hidden, 0)
+            assert (judged.n_hidden, judged.n_duplicates) == (hidden, 0)
 
 
 @pytest.mark.parametrize("more", [0, 5])
@@ -34,8 +34,8 @@ def test_triangles_that_share_no_rows(more: int) -> None:
     simplices = np.arange(FOUND.simplices.size).reshape(-1, 3)
     judged = liftmesh.verify(POINTS[rows], simplices, weights=WEIGHTS[rows])
     assert judged.canonical
-    assert judged.vertices == len(POINTS) - len(FOUND.hidden)
-    assert (judged.hidden, judged.duplicates) == (more, judged.merged)
+    assert judged.n_vertices == len(POINTS) - len(FOUND.hidden)
+    assert (judged.n_hidden, judged.n_duplicates) == (more, judged.n_merged)
 
 
 def test_a_row_that_is_not_hidden_is_found_among_many() -> None:
