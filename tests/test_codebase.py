@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 import operator
+import pydoc
 import re
 import textwrap
 from functools import cached_property
@@ -25,7 +26,15 @@ SUFFIXES = {".py", ".pyi", ".c", ".h", ".cpp", ".hpp", ".txt", ".md", ".toml", "
 MADE_HERE = ("build", "out", "dist")
 
 
+def in_full(value: object) -> object:
+    """Return what a docstring names as described in full, or what has the docstring."""
+    named = re.search(r"^In full: `([\w.]+)`\.$", inspect.getdoc(value) or "", flags=re.MULTILINE)
+    return pydoc.locate(named[1]) if named else value
+
+
 CALLABLES = {**METHODS, **{n: v for n, v in NAMES.items() if inspect.isfunction(v)}}
+FULL = {name: in_full(value) for name, value in {**NAMES, **METHODS}.items()}
+SHORT = [name for name in CALLABLES if FULL[name] is not CALLABLES[name]]
 
 
 def sections(value: object) -> dict[str, str]:
@@ -43,24 +52,35 @@ def entries(section: str) -> list[str]:
 
 @pytest.mark.parametrize("name", [*NAMES, *METHODS])
 def test_every_public_name_is_described_with_an_example(name: str) -> None:
-    found = sections({**NAMES, **METHODS}[name])
+    found = sections(FULL[name])
     assert found[""].strip()
+    assert sections({**NAMES, **METHODS}[name])[""].strip()
     assert ">>> " in found.get("Examples", "")
 
 
 @pytest.mark.parametrize("name", CALLABLES)
 def test_parameters_and_results_are_described(name: str) -> None:
-    signature = inspect.signature(CALLABLES[name])  # type: ignore[arg-type]
-    found = sections(CALLABLES[name])
-    assert entries(found.get("Parameters", "")) == [p for p in signature.parameters if p != "self"]
-    assert ("Returns" in found or "Yields" in found) == (
-        signature.return_annotation not in {"None", None}
+    for each in (CALLABLES[name], FULL[name]):
+        signature = inspect.signature(each)  # type: ignore[arg-type]
+        found = entries(sections(each).get("Parameters", ""))
+        assert found == [p for p in signature.parameters if p != "self"]
+    gives = signature.return_annotation not in {"None", None}
+    assert bool({"Returns", "Yields"} & {*sections(FULL[name])}) == gives
+
+
+@pytest.mark.parametrize("name", SHORT)
+def test_what_describes_a_method_in_full_has_its_defaults(name: str) -> None:
+    own, full = (
+        inspect.signature(each).parameters  # type: ignore[arg-type]
+        for each in (CALLABLES[name], FULL[name])
     )
+    for key in {*own} & {*full} - {"self"}:
+        assert full[key].default in {own[key].default, inspect.Parameter.empty}, key
 
 
 @pytest.mark.parametrize("name", [*NAMES, *METHODS])
 def test_documented_errors_exist(name: str) -> None:
-    raised = entries(sections({**NAMES, **METHODS}[name]).get("Raises", ""))
+    raised = entries(sections(FULL[name]).get("Raises", ""))
     assert set(raised) <= EXCEPTIONS
 
 
@@ -76,18 +96,20 @@ def is_there(path: str) -> bool:
 def test_what_else_to_see_is_there(name: str) -> None:
     """By its name, or beside a method by that in the class alone."""
     kind = name.rpartition(".")[0]
-    for other in entries(sections({**NAMES, **METHODS}[name]).get("See Also", "")):
+    for other in entries(sections(FULL[name]).get("See Also", "")):
         assert is_there(other.removeprefix("liftmesh.")) or is_there(f"{kind}.{other}"), other
 
 
 @pytest.mark.parametrize("name", CALLABLES)
 def test_errors_raised_in_a_body_are_documented(name: str) -> None:
-    tree = ast.parse(textwrap.dedent(inspect.getsource(CALLABLES[name])))  # type: ignore[arg-type]
-    calls = [node.exc for node in ast.walk(tree) if isinstance(node, ast.Raise)]
+    bodies = [inspect.getsource(each) for each in (CALLABLES[name], FULL[name])]  # type: ignore[arg-type]
+    trees = [ast.parse(textwrap.dedent(body)) for body in bodies]
+    nodes = [node for tree in trees for node in ast.walk(tree)]
+    calls = [node.exc for node in nodes if isinstance(node, ast.Raise)]
     raised = {
         call.func.id for call in calls if isinstance(call, ast.Call) and hasattr(call.func, "id")
     }
-    assert raised & EXCEPTIONS <= set(entries(sections(CALLABLES[name]).get("Raises", "")))
+    assert raised & EXCEPTIONS <= set(entries(sections(FULL[name]).get("Raises", "")))
 
 
 @pytest.mark.parametrize("name", [name for name, value in NAMES.items() if inspect.isclass(value)])

@@ -128,6 +128,11 @@ def write(
     OSError
         The file cannot be written; the message gives the reason.
 
+    See Also
+    --------
+    read : Reads such a file.
+    Surface.save : The method of a surface.
+
     Examples
     --------
     >>> import io
@@ -138,6 +143,15 @@ def write(
     28
     >>> stream.getvalue()
     b'# liftmesh\nv 0.1 2.0 1e+300\n'
+
+    Surfaces have it as a method:
+
+    >>> import liftmesh
+    >>> file = io.BytesIO()
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    >>> written = surface.save(file, format="ply")
+    >>> file.getvalue()[:3]
+    b'ply'
     """
     target = at_home(target)
     name = name_of(target)

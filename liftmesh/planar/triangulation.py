@@ -445,6 +445,8 @@ class Triangulation:
         >>> certificate = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]]).verify()
         >>> certificate.valid, certificate.canonical
         (True, True)
+        >>> bool(liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).verify())
+        True
         """
         from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 

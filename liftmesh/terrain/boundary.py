@@ -35,12 +35,63 @@ if TYPE_CHECKING:
 def trim(
     surface: AnySurface,
     *,
-    max_edge: float | None,
-    boundary_only: bool,
-    max_radius: float | None,
-    polygon: object,
+    max_edge: float | None = None,
+    boundary_only: bool = False,
+    max_radius: float | None = None,
+    polygon: object = None,
 ) -> AnySurface:
-    """Make a copy without some of the faces; vertices and triangulation stay as they are."""
+    """Make a copy without some of the faces; vertices and triangulation stay as they are.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface to copy.
+    max_edge : float, optional
+        Leave out faces with a side that is longer in the plane.
+    boundary_only : bool, default False
+        Leave out only those that such a side connects with the outside: faces whose long side
+        is on the boundary, then those whose long side has become part of it, and so on. Gaps
+        inside stay closed.
+    max_radius : float, optional
+        Leave out faces whose circumcircle has a larger radius: what is left is the alpha shape
+        of the points for this alpha.
+    polygon : object, optional
+        Leave out faces whose centroid is outside: a polygon with holes, or several, which may
+        overlap, as GeoJSON (a dict or a file), a GeoPackage or a shapefile, any object with
+        ``__geo_interface__`` as those of shapely, or an array of shape (k, 2). Coordinates are
+        those of the plane.
+
+    Returns
+    -------
+    Surface
+        Shares everything with this one but ``faces`` and ``mask``. Faces that were left out
+        before stay so.
+
+    Raises
+    ------
+    InputError
+        A length is not positive, the polygon is none or known to be in another coordinate
+        system, nothing is asked for, or no face is left.
+    FormatError
+        A file of a polygon is invalid.
+    MissingDependencyError
+        Polygons of a shapefile that have several rings need shapely.
+    OSError
+        It cannot be opened.
+
+    See Also
+    --------
+    Surface.boundary : The rings around the faces that are left.
+    Surface.replace : Other changes.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1], [9, 2, 1]]
+    >>> surface = liftmesh.triangulate(points)
+    >>> surface.trim(max_edge=2), surface.trim(max_radius=1).mask.tolist()
+    (<Surface of 2 triangles over 5 vertices>, [False, False, True, True])
+    """
     left_out = mask_of(surface).copy()
     corners = surface.triangulation.points[surface.triangulation.simplices]
     inwards = as_switch("boundary_only", boundary_only)
@@ -61,7 +112,32 @@ def trim(
 
 
 def boundary(surface: SurfaceData) -> list[Rows]:
-    """Return the boundary of the faces as closed rings."""
+    """Return the boundary of the faces as closed rings.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+
+    Returns
+    -------
+    list of (k,) ndarray of int32
+        Rows of the vertices, the first not repeated. Faces are to the left: outer rings turn
+        counter-clockwise, those around gaps clockwise. No ring visits a vertex twice; two may
+        share some. Each begins at its lexicographically least vertex, and they are in the order
+        of these.
+
+    See Also
+    --------
+    Surface.trim : Leave out faces.
+    Surface.solid : Close the faces by walls and a base.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.triangulate([[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]).boundary()
+    [array([0, 1, 3, 2], dtype=int32)]
+    """
     solved = surface.triangulation
     rows, starts = _kernel.rings(
         solved.points,
@@ -133,14 +209,58 @@ def _length(name: str, value: Any) -> float:
 
 def closed_solid(
     surface: SurfaceData,
-    base_height: float | None,
+    base_height: float | None = None,
     *,
-    thickness: float | None,
-    pinched: Pinched,
-    longest: float | None,
-    z_factor: float | None,
+    thickness: float | None = None,
+    pinched: Pinched = "error",
+    longest: float | None = None,
+    z_factor: float | None = None,
 ) -> Cloud:
-    """Close the faces by walls and a base."""
+    """Close the faces by walls and a base.
+
+    Parameters
+    ----------
+    surface : Surface
+        What is closed.
+    base_height : float, optional
+        The height of a flat base, below all faces; they may touch it in single corners.
+    thickness : float, optional
+        In place of it: the base is the surface itself, lower by so much.
+    pinched : {"error", "trim"}, default "error"
+        Where faces touch in a vertex only, which no solid can: refuse, or leave out all faces
+        at such vertices.
+    longest : float, optional
+        Scale the solid to this length in x or y, whichever is longer, in millimetres to print
+        it, and move it: it begins at 0 in all directions. Without it, it stays in its place.
+    z_factor : float, optional
+        With ``longest``: what heights are multiplied by before, as for `slopes_at`.
+
+    Returns
+    -------
+    Cloud
+        A closed mesh: the rows of the faces, then those of the base. Faces are
+        counter-clockwise from outside. Colours and named values are not part of it.
+
+    Raises
+    ------
+    InputError
+        There is not either `base_height` or `thickness`, a number is none that it can be, the
+        surface reaches its base, or faces touch in a vertex only.
+
+    See Also
+    --------
+    Surface.trim : Fewer faces.
+    Surface.boundary : The rings that the walls stand on.
+    write : Write it to a file, as STL or 3MF.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> hill = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [2, 2, 4]])
+    >>> block = hill.solid(base_height=0)
+    >>> block.points.shape, block.faces.shape
+    ((9, 3), (14, 3))
+    """
     check_option("pinched", pinched, Pinched)
     depth = _depth(base_height, thickness)
     scale = None if longest is None else as_positive("longest", longest, "a positive length")

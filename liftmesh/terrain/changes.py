@@ -33,18 +33,63 @@ if TYPE_CHECKING:
 _WIDTHS = {"colors": (3, 4), "normals": (3,)}
 
 
-def replaced(surface: AnySurface, depth: int | None = None, **given: Any) -> AnySurface:
-    """Make a copy of a surface with other values for some of its parts, those that are not `...`.
+def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: Any) -> AnySurface:
+    """Make a changed copy; what is not given stays.
 
-    The depth is that of integer colours; None lets new values decide.
+    Parameters
+    ----------
+    surface : Surface
+        The surface to copy.
+    color_depth : int, optional
+        Bits per channel that integer colours mean; by default new values decide, see `Cloud`.
+    **given
+        The parts that change, by name:
+
+        - ``vertices``: (n, 3) array_like. Moved vertices, one for each row. Faces, frame and
+          report stay; if the planar coordinates change, as those of shifted or scaled points
+          do, the triangles must be the canonical ones of the new coordinates too, which is
+          verified exactly. Weights, radii and a metric stay as they are.
+        - ``colors``: (n, 3) or (n, 4) array_like or None. New colours; None removes them.
+        - ``normals``: (n, 3) array_like or None. New normals; None removes them.
+        - ``attributes``: mapping of str to (n, ...) array_like. The named values, in place of
+          the present ones; `with_attributes` adds to them. Those by which the surface was
+          triangulated may be left out, but not changed: a file without them can be verified
+          only if they are given to `verify`. What says which rows are ``hidden`` is not changed
+          either.
+        - ``metadata``: mapping. Information about the surface as a whole.
+        - ``crs``: str or None. The coordinate reference system.
+
+    Returns
+    -------
+    Surface
+        Shares the arrays that stay with this surface, and those given with the caller.
+
+    Raises
+    ------
+    InputError
+        An array does not have one row per vertex, the moved vertices have another
+        triangulation: triangulate them; or weights or radii are other ones.
+
+    See Also
+    --------
+    Surface.with_attributes : Further named values.
+    Surface.trim : Fewer faces.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    >>> raised = surface.vertices * (1, 1, 10)
+    >>> surface.replace(vertices=raised).vertices[:, 2], surface.vertices[:, 2]
+    (array([50., 60., 70.]), array([5., 6., 7.]))
     """
     parts = as_parts({name: value for name, value in given.items() if value is not ...})
     if "vertices" in parts:
         parts["vertices"] = _vertices(parts["vertices"], surface)
-    if depth is not None:
+    if color_depth is not None:
         parts.setdefault("colors", surface.colors)
     if parts.get("colors") is not None:
-        parts["colors"] = _colors(parts["colors"], surface.colors, depth)
+        parts["colors"] = _colors(parts["colors"], surface.colors, color_depth)
     _check_lifting(surface, parts.get("attributes", {}))
     changed = replace(surface, **parts)
     as_cloud(changed)  # which checks that the parts belong together
@@ -58,7 +103,38 @@ def with_attributes(
     attributes: Mapping[str, ArrayLike] | None,
     named: Mapping[str, ArrayLike],
 ) -> AnySurface:
-    """Make a copy of a surface with further named values."""
+    """Make a copy with further named values, or with others of the same names.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface to copy.
+    attributes : mapping of str to (n, ...) array_like, or None
+        Values by name, for names that are no keywords.
+    named : mapping of str to (n, ...) array_like
+        Further ones, one value for each vertex.
+
+    Returns
+    -------
+    Surface
+        As from `replaced`.
+
+    Raises
+    ------
+    InputError
+        An array does not have one row per vertex.
+
+    See Also
+    --------
+    Surface.replace : Other vertices, colours or metadata.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    >>> surface.with_attributes(depth=-surface.vertices[:, 2]).attributes["depth"]
+    array([-5., -6., -7.])
+    """
     added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
     return replaced(surface, attributes={**surface.attributes, **added, **named})
 

@@ -50,6 +50,11 @@ class Contour:
     is_index : bool
         Whether it is an index contour.
 
+    See Also
+    --------
+    Contours : All lines.
+    Surface.contours : Computes them.
+
     Examples
     --------
     >>> import liftmesh
@@ -85,6 +90,11 @@ class Contours(FrozenResult):
         Whether it is an index contour, which maps draw thicker.
     crs : str, optional
         The coordinate reference system.
+
+    See Also
+    --------
+    Surface.contours : Computes them.
+    Profile : Heights along a line.
 
     Examples
     --------
@@ -154,6 +164,10 @@ class Contours(FrozenResult):
         InputError
             The length is no number, or negative.
 
+        See Also
+        --------
+        Contours.lengths : The length of each line.
+
         Examples
         --------
         >>> import liftmesh
@@ -201,6 +215,10 @@ class Contours(FrozenResult):
         OSError
             The file cannot be written.
 
+        See Also
+        --------
+        Profile.save : The same for profiles.
+
         Notes
         -----
         In GeoJSON the coordinate system stands in the member ``crs``, as GDAL writes and reads it:
@@ -233,14 +251,59 @@ def check_name(path: Path) -> None:
 
 def contour_lines(
     surface: SurfaceData,
-    levels: ArrayLike | None,
+    levels: ArrayLike | None = None,
     *,
-    interval: float | None,
-    contour_base: float,
-    index_every: int,
-    threads: int | None,
+    interval: float | None = None,
+    contour_base: float = 0.0,
+    index_every: int = 5,
+    threads: int | None = None,
 ) -> Contours:
-    """Compute lines of equal height."""
+    """Compute lines of equal height.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    levels : array_like of float, optional
+        The heights.
+    interval : float, optional
+        In place of levels: all multiples of it that the surface has, counted from
+        `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
+    contour_base : float, default 0
+        Where the interval is counted from.
+    index_every : int, default 5
+        Every so many multiples of the interval are index contours.
+    threads : int, optional
+        As for `delaunay`. Threads share the levels.
+
+    Returns
+    -------
+    Contours
+        The lines, by ascending level. They do not depend on the order of the rows.
+
+    Raises
+    ------
+    InputError
+        Neither levels nor interval are given, or both; a number is not finite, or the interval
+        not positive; there are more than a million levels.
+
+    See Also
+    --------
+    Surface.profile : Heights along a line.
+    Contours.save : Write them to a file.
+
+    Notes
+    -----
+    A corner at a level is above it. So a plateau at the level has a line around it, a ridge one
+    there and back, and a summit none; no line has a point twice in succession.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+    >>> slope.contours([2])[0].points.tolist()
+    [[1.0, 3.0], [1.0, 0.0]]
+    """
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: _heights_of(relief, *limit)

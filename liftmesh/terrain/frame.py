@@ -59,6 +59,11 @@ class Frame(FrozenResult):
     axes : (3, 3) ndarray of float64
         The rows u, v and normal: unit vectors, right-handed.
 
+    See Also
+    --------
+    triangulate : Its option ``plane`` makes a frame.
+    Surface.frame : The frame of a surface.
+
     Examples
     --------
     >>> import liftmesh
@@ -104,6 +109,10 @@ class Frame(FrozenResult):
         InputError
             The rows are not in space.
 
+        See Also
+        --------
+        heights : The third coordinate.
+
         Examples
         --------
         >>> Frame("xy", np.zeros(3), np.eye(3)).planar(np.array([[1.0, 2.0, 3.0]]))
@@ -135,6 +144,11 @@ class Frame(FrozenResult):
         ------
         InputError
             The rows are not in space.
+
+        See Also
+        --------
+        planar : The other two coordinates.
+        raised : Points with other heights.
 
         Examples
         --------
@@ -168,6 +182,10 @@ class Frame(FrozenResult):
         ------
         InputError
             The rows are not in space, or there is not one height of each kind for each.
+
+        See Also
+        --------
+        heights : The present heights.
 
         Examples
         --------

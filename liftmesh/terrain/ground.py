@@ -96,6 +96,11 @@ def classify_ground(
         More than a tenth of the cells have no ground: on slopes, a cloth that is too coarse loses
         most of it.
 
+    See Also
+    --------
+    read : Its option ``classes`` selects ground that is classified already.
+    thin : Fewer rows.
+
     Notes
     -----
     Of even slopes with 0.7 rows a square metre, a fifth of them in trees, this share of the ground

@@ -71,6 +71,11 @@ class VolumeResult:
         How many cubic metres a unit of the volumes has; None if the coordinate system does not say
         the units of x, y and z, which may differ.
 
+    See Also
+    --------
+    Surface.volume, Surface.volume_by_polygon
+    CutFillResult : Between two surfaces.
+
     Examples
     --------
     >>> import liftmesh
@@ -107,6 +112,11 @@ class CutFillResult:
     cubic_metres : float or None
         As in `VolumeResult`.
 
+    See Also
+    --------
+    Surface.cut_and_fill, Surface.cut_and_fill_by_polygon
+    VolumeResult : Between a surface and a level.
+
     Examples
     --------
     >>> import liftmesh
@@ -129,7 +139,39 @@ class CutFillResult:
 
 
 def area_of(surface: SurfaceData, *, planar: bool = False, z_factor: float | None = None) -> float:
-    """Compute the area of the faces."""
+    """Compute the area of the faces.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    planar : bool, default False
+        Measure their projections to the plane instead.
+    z_factor : float, optional
+        As for `slopes_at`.
+
+    Returns
+    -------
+    float
+        In square units of x, which y shares.
+
+    Raises
+    ------
+    InputError
+        The area is beyond the largest double, the factor is not positive, or `planar` is
+        neither True nor False.
+
+    See Also
+    --------
+    Surface.volume : Between the faces and a level.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> roof = liftmesh.triangulate([[0, 0, 0], [3, 0, 4], [0, 2, 0], [3, 2, 4]])
+    >>> roof.area(), roof.area(planar=True)
+    (10.0, 6.0)
+    """
     is_planar = as_switch("planar", planar)
     corners, heights = _faces(surface)
     rise, _ = slope_scale(surface, z_factor)
@@ -139,7 +181,46 @@ def area_of(surface: SurfaceData, *, planar: bool = False, z_factor: float | Non
 
 
 def volume_of(surface: SurfaceData, level: float = 0.0, *, within: object = None) -> VolumeResult:
-    """Compute the volumes between the faces and a level."""
+    """Compute the volumes between the faces and a level.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    level : float, default 0
+        A height above the plane.
+    within : object, optional
+        As for `cut_and_fill`.
+
+    Returns
+    -------
+    VolumeResult
+        What is above the level, and what is below; only where there are faces.
+
+    Raises
+    ------
+    InputError
+        The level is no finite number, or a volume is beyond the largest double; or the polygon
+        is invalid, or has no area in common with the faces.
+    FormatError
+        A file of a polygon is invalid.
+    MissingDependencyError
+        shapely is not installed.
+    OSError
+        A file of a polygon cannot be opened.
+
+    See Also
+    --------
+    Surface.volume_by_polygon : In each of several polygons.
+    Surface.cut_and_fill : Between two surfaces.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 6]])
+    >>> hill.volume().above, hill.volume(3).above
+    (32.0, 4.0)
+    """
     at = as_number("level", level, "a finite height")
     if within is not None:
         measure = partial(_level_within, surface, at)
@@ -155,7 +236,44 @@ def volume_of(surface: SurfaceData, level: float = 0.0, *, within: object = None
 def volumes_by_polygon(
     surface: SurfaceData, within: object, level: float = 0.0, *, by: str = "name"
 ) -> dict[str | int, VolumeResult]:
-    """Compute the volumes between the faces and a level in each of several polygons."""
+    """Compute the volumes between the faces and a level in each of several polygons.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    within : object
+        As for `cut_and_fill_by_polygon`.
+    level : float, default 0
+        A height above the plane.
+    by : str, default "name"
+        As for `cut_and_fill_by_polygon`.
+
+    Returns
+    -------
+    dict of str or int to VolumeResult
+        As from `volume_of`, for each polygon; zeros where it has no area in common with the faces.
+
+    Raises
+    ------
+    InputError
+        As for `volume_of`, or two polygons have one name, or none has the property.
+    FormatError, MissingDependencyError, OSError
+        As for `volume_of`.
+
+    See Also
+    --------
+    Surface.volume : In all of them together.
+    Surface.cut_and_fill_by_polygon : Between two surfaces.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
+    >>> found = slope.volume_by_polygon([[1, 1], [3, 1], [3, 3], [1, 3]])
+    >>> round(found[0].above, 9)
+    8.0
+    """
     at, unit = as_number("level", level, "a finite height"), cubic_metres_of(surface)
     volumes = _in_each(surface, within, partial(_level_within, surface, at), by)
     return {name: VolumeResult(*each, at, unit) for name, each in volumes}
@@ -164,7 +282,62 @@ def volumes_by_polygon(
 def cut_and_fill(
     surface: SurfaceData, other: SurfaceData, *, within: object = None
 ) -> CutFillResult:
-    """Compute the volumes between this surface and another one."""
+    """Compute the volumes between this surface and another one.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    other : Surface
+        What this one becomes, over the same plane. The surfaces need not have the same points,
+        nor cover the same area.
+    within : object, optional
+        Measure inside of it alone, cut at its border: as for `trim`, and valid. Of several,
+        what they cover together; it needs ``pip install 'liftmesh[shapes]'``.
+
+    Returns
+    -------
+    CutFillResult
+        What is to be cut, and to be filled; only where both have faces.
+
+    Raises
+    ------
+    InputError
+        The surfaces are over different planes or in different coordinate systems, have no area
+        in common, or are one of ground and one of a file without any, of which all rows were
+        read; the polygon is invalid; or a volume is beyond the largest double.
+    FormatError
+        A file of a polygon is invalid.
+    MissingDependencyError
+        shapely is not installed.
+    OSError
+        A file of a polygon cannot be opened.
+
+    See Also
+    --------
+    Surface.cut_and_fill_by_polygon : In each of several polygons.
+    Surface.volume : Between the faces and a level.
+
+    Notes
+    -----
+    Which faces overlap, and how, is decided exactly. Volumes have an error of at most 1e-12 of
+    the area times the largest distance of the surfaces; only where all that they have in common
+    is below 1e-16 of the squares of the sides of its faces may it be larger.
+    Where both surfaces are exchanged, so are cut and fill, to the bit; neither the order of the
+    points changes a bit, nor a shift or a power of two that rounds no coordinate.
+
+    A polygon that reaches beyond the hull of either surface is cut there, and its new corners
+    are rounded to doubles. That error comes on top, and a shift changes bits: at an offset of
+    4.5e5 it is about 1e-10 of an area of some units. Subtract the offset where this matters.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+    >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 6]])
+    >>> round(flat.cut_and_fill(hill).fill, 9), round(hill.cut_and_fill(flat).cut, 9)
+    (32.0, 32.0)
+    """
     _check(surface, other)
     if within is not None:
         fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
@@ -182,7 +355,54 @@ def cut_and_fill(
 def cut_and_fill_by_polygon(
     surface: SurfaceData, other: SurfaceData, within: object, *, by: str = "name"
 ) -> dict[str | int, CutFillResult]:
-    """Compute the volumes between this surface and another one in each of several polygons."""
+    """Compute the volumes between this surface and another one in each of several polygons.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    other : Surface
+        As for `cut_and_fill`.
+    within : object
+        As for `cut_and_fill`. Each feature of GeoJSON and each row of a table is measured by
+        itself, whatever others cover.
+    by : str, default "name"
+        The property or column that has the names of polygons.
+
+    Returns
+    -------
+    dict of str or int to CutFillResult
+        By the property or column `by` where it is a text, or any number if it is not ``name``,
+        as text; else by the number of the polygon, from 0; zeros for a polygon that has no area
+        in common with the faces.
+
+    Raises
+    ------
+    InputError
+        The surfaces are over different planes or in different coordinate systems, a polygon is
+        invalid, two have one name, none has the property, or a volume is beyond the largest
+        double.
+    FormatError, MissingDependencyError, OSError
+        As for `cut_and_fill`.
+
+    See Also
+    --------
+    Surface.cut_and_fill : In all of them together.
+    Surface.volume_by_polygon : Between the faces and a level.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> flat = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 4], [0, 4, 0], [4, 4, 4]])
+    >>> lot = {"type": "Polygon", "coordinates": [[[0, 0], [2, 0], [2, 2], [0, 2]]]}
+    >>> lots = [{"type": "Feature", "properties": {"name": "A 7"}, "geometry": lot}]
+    >>> found = flat.cut_and_fill_by_polygon(
+    ...     slope, {"type": "FeatureCollection", "features": lots}
+    ... )
+    >>> round(found["A 7"].fill, 9)
+    4.0
+    """
     _check(surface, other)
     unit = cubic_metres_of(surface)
     volumes = _in_each(surface, within, partial(_between_within, surface, other), by)

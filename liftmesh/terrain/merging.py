@@ -81,6 +81,12 @@ def merge(clouds: Iterable[object]) -> Cloud:
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
+    See Also
+    --------
+    read : Reads one cloud.
+    thin : Fewer rows.
+    TiledSurface : Of clouds larger than memory.
+
     Examples
     --------
     >>> found = merge([[[0, 0, 1], [4, 4, 1]], [[4, 4, 1], [9, 0, 1]]])

@@ -66,6 +66,12 @@ def as_surface(
     OSError
         A file does not exist or cannot be opened.
 
+    See Also
+    --------
+    Surface.to_cloud : The way back.
+    triangulate : Makes surfaces of clouds.
+    verify : Checks a mesh without making a surface.
+
     Examples
     --------
     >>> import liftmesh

@@ -165,7 +165,45 @@ class Profile(FrozenResult):
 
 
 def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
-    """Drape a line over the faces."""
+    """Drape a line over the faces.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    line : (k, 2) array_like
+        Its corners in the plane, two at least.
+
+    Returns
+    -------
+    Profile
+        Linear between its points, as the faces are.
+
+    Raises
+    ------
+    InputError
+        There are fewer than two corners, or one is not finite; or the line is longer than the
+        largest double.
+
+    See Also
+    --------
+    Surface.sample : Heights at points.
+    Surface.contours : Lines of equal height.
+
+    Notes
+    -----
+    The line is halved, again and again, and each half looks only at the faces that are near the
+    one that it is of. So a piece takes time for the faces near it; one piece across the whole
+    surface, for all of them. Corners are draped by `heights_at`. No bit depends on the order of the
+    rows.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0]])
+    >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
+    [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
+    """
     corners = _corners(line)
     before = _distances(corners)
     pieces = LineCrossings(surface).of(corners)

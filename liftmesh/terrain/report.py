@@ -67,6 +67,11 @@ class Report(FrozenResult):
         How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
 
+    See Also
+    --------
+    triangulate : Makes a report on every surface.
+    Surface.report : The report of a surface.
+
     Examples
     --------
     >>> import liftmesh

@@ -53,7 +53,59 @@ def heights_at(
     *,
     threads: int | None = None,
 ) -> Floats:
-    """Interpolate heights at points of the plane."""
+    """Interpolate heights at points of the plane.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    points : array_like of shape (..., 2)
+        Coordinates in the plane of the surface: x and y, unless it was triangulated on another.
+    interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+        Linear in each face; the height of the nearest vertex, of several the lexicographically
+        least; or, smooth but for the vertices, from natural neighbours: by the lengths of the
+        sides that Voronoi cells would share ("laplace"), or by the areas that a cell would take
+        from others ("sibson"). At a vertex the height is the vertex's own; on an edge, linear,
+        and on the hull by all but the nearest, it comes from the two ends.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    (...) ndarray of float64
+        Heights above the plane; NaN where no face contains the point, and for points that are
+        not finite. The same bits for any order of the rows and of the points.
+
+    Raises
+    ------
+    InputError
+        The last axis is not of length two, an option is unknown, or another interpolation
+        than "linear" is asked of a surface with weights, radii or a metric.
+
+    See Also
+    --------
+    Surface.raster : At the centres of pixels.
+    Surface.profile : Along a line.
+    Surface.gradient, Surface.slope, Surface.aspect
+
+    Notes
+    -----
+    A linear height is never beyond those of the corners of its face. In faces that fill less
+    than a thousandth of their bounding box the weights come from exact determinants.
+
+    Which vertices are natural neighbours is decided exactly; vertices of faces that are left
+    out are among them. Weights are right to 1e-12 of the largest. By them a point takes time
+    for each of its neighbours: many, near the centre of a circle of vertices. The nearest
+    vertex takes longer where many vertices are about as near, as in the middle of a circle.
+    Slopes and aspects are those of faces, whatever the interpolation.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> surface.sample([[1, 1], [2, 2], [0, 4], [3, 3]])
+    array([ 5.,  5.,  1., nan])
+    """
     check_option("interpolation", interpolation, Interpolation)
     solved = surface.triangulation
     if interpolation != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
@@ -74,7 +126,41 @@ def heights_at(
 
 
 def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:
-    """Compute the gradient of the face at points of the plane."""
+    """Compute the gradient of the face at points of the plane.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    points : array_like of shape (..., 2)
+        As for `heights_at`.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    (..., 2) ndarray of float64
+        dz/dx and dz/dy, in heights per length; NaN where no face contains the point. On an edge
+        or at a vertex they are those of one face: the first counter-clockwise, from the
+        direction just above that of x on.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`.
+
+    See Also
+    --------
+    Surface.slope, Surface.aspect
+    Surface.sample : Heights.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> surface.gradient([1, 1])
+    array([ 1., -1.])
+    """
     pairs = as_pairs(points)
     gradients = np.empty(pairs.shape)
     kernel_surface(surface).gradients(
@@ -93,14 +179,85 @@ def slopes_at(
     z_factor: float | None = None,
     threads: int | None = None,
 ) -> Floats:
-    """Compute how steep the face is at points of the plane."""
+    """Compute how steep the face is at points of the plane.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    points : array_like of shape (..., 2)
+        As for `heights_at`.
+    z_factor : float, optional
+        What heights are multiplied by; by default what gives them the unit of x and y, if the
+        coordinate system says the units of all three.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    (...) ndarray of float64
+        Degrees from the plane, 0 to 90; NaN where no face contains the point. On edges as
+        `gradients_at`.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`, the factor is not positive, or x and y are degrees and it is not given.
+
+    See Also
+    --------
+    Surface.aspect : Which way the face descends.
+    Surface.gradient : In heights per length.
+    Surface.raster : At the centres of pixels.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 5]])
+    >>> surface.slope([1, 1]).round(9)
+    np.float64(45.0)
+    """
     return slope_degrees(
         gradients_at(surface, points, threads=threads) * steepness(surface, z_factor)
     )
 
 
 def aspects_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:
-    """Compute which way the face descends at points of the plane."""
+    """Compute which way the face descends at points of the plane.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    points : array_like of shape (..., 2)
+        As for `heights_at`.
+    threads : int, optional
+        As for `delaunay`.
+
+    Returns
+    -------
+    (...) ndarray of float64
+        Degrees clockwise from the direction of y, which is north on maps, from 0 up to 360; NaN
+        on level faces and where no face contains the point. On edges as `gradients_at`.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`, or x and y are degrees.
+
+    See Also
+    --------
+    Surface.slope : How steep the face is.
+    Surface.gradient : In heights per length.
+    Surface.raster : At the centres of pixels.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 5]])
+    >>> surface.aspect([1, 1])  # down to the west
+    np.float64(270.0)
+    """
     return aspect_degrees(gradients_at(surface, points, threads=threads) * steepness(surface, None))
 
 
@@ -157,7 +314,60 @@ def rasterize(
     resolution: float | Sequence[float] | None = None,
     **options: Unpack[RasterOptions],
 ) -> Raster:
-    """Compute heights, or what follows from them, at the centres of pixels."""
+    """Compute heights, or what follows from them, at the centres of pixels.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    resolution : float or pair of float, optional
+        Width and height of a pixel. The edges of pixels are multiples of it, so that rasters of
+        neighbouring surfaces fit together; row 0 is the one with the largest y.
+    **options
+        What else is asked for:
+
+        - ``bounds``: xmin, ymin, xmax and ymax to cover; by default those of the faces.
+        - ``transform`` and ``shape``, in place of the resolution: a, b, c, d, e and f of a
+          `Raster`, any affine transform, as that of another raster; rows and columns.
+        - ``quantity``: "height", above the plane; or what the face that owns the centre has:
+          "slope" or "aspect", in degrees as of `slopes_at` and `aspects_at`, or
+          "hillshade", brightness from 0 to 255.
+        - ``interpolation``: of heights, as for `heights_at`.
+        - ``light``, default (315, 45): azimuth of the light, in degrees clockwise from the
+          direction of y, and altitude above the plane, for "hillshade".
+        - ``z_factor``: as for `slopes_at`; other than 1, it exaggerates shades.
+        - ``dtype``: "float64", or "float32"; heights are rounded once.
+        - ``threads``: as for `delaunay`.
+
+    Returns
+    -------
+    Raster
+        The values; NaN where no face contains the centre of a pixel.
+
+    Raises
+    ------
+    InputError
+        An option is unknown, or what is given does not determine a raster.
+
+    See Also
+    --------
+    Surface.sample, Surface.slope, Surface.aspect : The same at any points.
+    Raster.save : Write it to a file.
+
+    Notes
+    -----
+    Pixels near the distance of doubles (0.1 at 1e15) may end one too early: subtract an offset.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]])
+    >>> surface.raster(2).values
+    array([[2., 6.],
+           [2., 6.]])
+    >>> surface.raster((4, 2), quantity="aspect").values.ravel()
+    array([270., 270.])
+    """
     plan = RasterPlan.of(surface, resolution, lambda: bounds_of_faces(surface), options)
     values = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
     scan = scanner(surface, plan.layout, plan.threads)

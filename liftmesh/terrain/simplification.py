@@ -134,6 +134,11 @@ def simplify(  # noqa: PLR0913 - options are keywords
     NonFiniteError, DuplicateHeightError, DegenerateInputError, UnsupportedTypeError, FormatError
         As for `triangulate`.
 
+    See Also
+    --------
+    thin : Fewer rows without a bound.
+    triangulate : A surface of all rows.
+
     Notes
     -----
     Greedy insertion: M. Garland and P. S. Heckbert, "Fast polygonal approximation of terrains and

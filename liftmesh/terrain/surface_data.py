@@ -31,7 +31,49 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class SurfaceData(FrozenResult):
-    """The fields of a `Surface`, which describes them."""
+    """The fields of a `Surface`: read-only arrays, of which `Surface.replace` makes changed copies.
+
+    Parameters
+    ----------
+    vertices : (n, 3) ndarray of float64
+        All rows of the input in their order: a view of the caller's array if that is float64, which
+        writes to that array change.
+    faces : (m, 3) ndarray of int32
+        Triangles as rows of ``vertices``, counter-clockwise seen from above the plane.
+    triangulation : Triangulation
+        The planar problem and its solution. Its ``simplices`` are the faces, unless some are left
+        out: at a shared planar position it has the row that ``report`` names, whose height is the
+        surface's.
+    frame : Frame
+        The projection plane and its axes.
+    report : Report
+        Summary of the use of every row.
+    colors : (n, 3) or (n, 4) ndarray, optional
+        Colours of the vertices.
+    normals : (n, 3) ndarray, optional
+        Normals of the input's rows, unchanged.
+    attributes : mapping of str to (n, ...) ndarray
+        Further named values of the vertices.
+    metadata : mapping
+        Information about the input as a whole.
+    crs : str, optional
+        The coordinate reference system of the input: WKT or ``EPSG:n``.
+    mask : (t,) ndarray of bool, optional
+        True for the triangles of ``triangulation`` that are no faces, as `trim` leaves them out;
+        None if all are.
+
+    See Also
+    --------
+    triangulate : Makes surfaces of clouds.
+    as_surface : Of meshes.
+    TiledSurface : Of clouds larger than memory.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
+    <Surface of 2 triangles over 4 vertices>
+    """
 
     vertices: Floats
     faces: Rows
@@ -51,7 +93,30 @@ AnySurface = TypeVar("AnySurface", bound=SurfaceData)  # of functions that chang
 
 
 def as_cloud(surface: SurfaceData) -> Cloud:
-    """Convert a surface to a cloud with faces; both share their arrays."""
+    """Convert the surface to a cloud with faces.
+
+    Parameters
+    ----------
+    surface : Surface
+        What is converted; both share their arrays.
+
+    Returns
+    -------
+    Cloud
+        The same arrays, without the triangulation and the report.
+
+    See Also
+    --------
+    as_surface : The way back.
+    Surface.save : Write the surface to a file.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]])
+    >>> surface.to_cloud().faces.shape
+    (1, 3)
+    """
     return Cloud(
         points=surface.vertices,
         colors=surface.colors,

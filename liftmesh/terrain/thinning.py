@@ -110,6 +110,11 @@ def thin(  # noqa: PLR0913 - options are keywords
     FormatError, UnsupportedTypeError
         As for `read` and `as_cloud`.
 
+    See Also
+    --------
+    simplify : A surface with fewer vertices, within a bound.
+    merge : Several clouds in one.
+
     Examples
     --------
     >>> found = thin([[0.2, 0.2, 5], [0.7, 0.1, 4], [1.5, 0, 6]], cell=1.0)

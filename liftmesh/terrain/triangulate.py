@@ -187,6 +187,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         The coordinate system has degrees, or units that differ; or, with weights or radii, values
         named ``hidden`` are replaced.
 
+    See Also
+    --------
+    delaunay : Planar points, without heights.
+    as_surface : Of a mesh.
+    simplify : Fewer vertices, within a bound.
+    tile_surface : Of clouds larger than memory.
+
     Examples
     --------
     >>> surface = triangulate([[0, 0, 5], [4, 0, 6], [0, 3, 7], [4, 3, 9], [4, 3, 8]])

@@ -58,7 +58,36 @@ def to_cloud(source: Any) -> Cloud:
 
 
 def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
-    """Convert a cloud with faces to a legacy Open3D mesh."""
+    """Convert a cloud with faces to a legacy Open3D mesh.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points with faces, as `Surface.to_cloud` makes them.
+
+    Returns
+    -------
+    open3d.geometry.TriangleMesh
+        Every vertex in its place, with RGB colours from 0 to 1 and normals. Legacy meshes have
+        no named values: `to_tensor` keeps them.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range.
+    MissingDependencyError
+        Open3D, or a system library it needs, is not installed.
+
+    See Also
+    --------
+    Surface.to_open3d_t : A tensor mesh, which keeps named values.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_open3d()
+    TriangleMesh with 3 points and 1 triangles.
+    """
     library = load("open3d", extra="open3d")
     vectors = library.utility.Vector3dVector
     indices = library.utility.Vector3iVector(_writable(faces_of(cloud), np.int32))
@@ -75,7 +104,43 @@ def to_legacy(cloud: Cloud) -> o3d.geometry.TriangleMesh:
 def to_tensor(
     cloud: Cloud, dtype: object = "float64", origin: ArrayLike | None = None
 ) -> o3d.t.geometry.TriangleMesh:
-    """Convert a cloud with faces to a tensor Open3D mesh."""
+    """Convert a cloud with faces to a tensor Open3D mesh.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points with faces, as `Surface.to_cloud` makes them.
+    dtype : {"float64", "float32"}, or a type of NumPy or Open3D
+        Of positions and normals. ``RaycastingScene`` needs Float32.
+    origin : (3,) array_like, optional
+        Subtracted from the positions before they are rounded; add it to what Open3D returns.
+
+    Returns
+    -------
+    open3d.t.geometry.TriangleMesh
+        Every vertex in its place, indices Int64, with RGB colours from 0 to 1, normals and
+        named values as vertex attributes.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range, an attribute has a type that tensors do not support, or
+        Float32 would move a vertex by more than a millionth of the cloud's size: the message
+        gives the origin to subtract.
+    MissingDependencyError
+        Open3D, or a system library it needs, is not installed.
+
+    See Also
+    --------
+    Surface.to_open3d : A legacy mesh.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> mesh = liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_open3d_t()
+    >>> mesh.triangle["indices"].shape
+    SizeVector[1, 3]
+    """
     precision = _precision(dtype)
     cloud = replace(cloud, points=_positions(cloud, precision, origin))
     library = load("open3d", extra="open3d")

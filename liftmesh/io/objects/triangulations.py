@@ -15,7 +15,37 @@ if TYPE_CHECKING:
 
 
 def to_triangulation(x: Floats, y: Floats, triangles: Rows) -> matplotlib.tri.Triangulation:
-    """Convert planar triangles to a ``Triangulation`` for matplotlib's plots and interpolators."""
+    """Convert planar triangles to a matplotlib triangulation.
+
+    Parameters
+    ----------
+    x, y : (n,) ndarray of float64
+        Planar coordinates.
+    triangles : (m, 3) ndarray of int32
+        Triangles as rows of them.
+
+    Returns
+    -------
+    matplotlib.tri.Triangulation
+        Planar coordinates and faces, for plots of ``surface.vertices[:, 2]`` or of any array
+        of one value per vertex. Give matplotlib's cubic interpolator a copy of the values: it
+        writes to them if there are rows in no face.
+
+    Raises
+    ------
+    MissingDependencyError
+        matplotlib is not installed.
+
+    See Also
+    --------
+    Surface.to_trimesh, Surface.to_open3d : Meshes in space.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_matplotlib().x
+    array([0., 1., 0.])
+    """
     tri = load("matplotlib.tri", extra="plot")
     triangulation: matplotlib.tri.Triangulation = tri.Triangulation(x, y, triangles)
     return triangulation

@@ -91,7 +91,34 @@ def scene_to_cloud(scene: trimesh.Scene) -> Cloud:
 
 
 def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
-    """Convert a cloud with faces to a trimesh mesh."""
+    """Convert a cloud with faces to a trimesh mesh.
+
+    Parameters
+    ----------
+    cloud : Cloud
+        Points with faces, as `Surface.to_cloud` makes them.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Unprocessed: every vertex in its place, used or not, with 8-bit RGBA colours, normals
+        and vertex attributes. Coordinates are copied: edits do not affect the cloud.
+
+    Raises
+    ------
+    InputError
+        A colour is outside its range.
+
+    See Also
+    --------
+    Surface.to_cloud, Surface.to_open3d, Surface.to_matplotlib
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_trimesh().faces.shape
+    (1, 3)
+    """
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
     with preserve_signals():
