@@ -4,9 +4,9 @@
 #include <array>
 #include <cstdio>
 
-#include "predicates/seen_from_base.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
+#include "predicates/seen_from_base.hpp"
 
 namespace {
 
