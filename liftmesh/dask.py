@@ -139,6 +139,11 @@ def delaunay(  # noqa: PLR0913 - options are keywords
     MissingDependencyError
         Dask is not installed, or Parquet is read or written without pyarrow.
 
+    See Also
+    --------
+    tile : The same in one process.
+    dask.triangulate : Surfaces.
+
     Examples
     --------
     >>> import tempfile

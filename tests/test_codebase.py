@@ -96,7 +96,9 @@ def is_there(path: str) -> bool:
 def test_what_else_to_see_is_there(name: str) -> None:
     """By its name, or beside a method by that in the class alone."""
     kind = name.rpartition(".")[0]
-    for other in entries(sections(FULL[name]).get("See Also", "")):
+    others = entries(sections(FULL[name])["See Also"])
+    assert others
+    for other in others:
         assert is_there(other.removeprefix("liftmesh.")) or is_there(f"{kind}.{other}"), other
 
 

@@ -53,6 +53,12 @@ class Cloud(FrozenResult):
         An array does not have one row per point, a part has another shape or type, or a colour is
         too large for ``color_depth``.
 
+    See Also
+    --------
+    as_cloud : Convert objects of other libraries.
+    read : Read a file.
+    Surface : A cloud that is triangulated.
+
     Examples
     --------
     >>> import numpy as np
@@ -168,6 +174,10 @@ class Cloud(FrozenResult):
         InputError
             The depth is another, or a colour is too large for it; the message gives the row.
 
+        See Also
+        --------
+        read : Takes `color_depth`, too.
+
         Examples
         --------
         >>> import numpy as np
@@ -197,6 +207,11 @@ class Cloud(FrozenResult):
         ------
         InputError
             There are no such rows.
+
+        See Also
+        --------
+        thin : Keep few rows of a cloud.
+        read : Read rows that are selected.
 
         Examples
         --------

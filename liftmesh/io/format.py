@@ -130,6 +130,12 @@ class Format:
     InputError
         ``keeps`` or ``needs`` holds an unknown word.
 
+    See Also
+    --------
+    Adapter : The same for objects.
+    read : Reads by formats.
+    write : Writes by formats.
+
     Examples
     --------
     >>> import numpy as np

@@ -171,6 +171,12 @@ def read(  # noqa: PLR0913 - options are keywords
     DataWarning
         Coordinates are degrees, or have different units.
 
+    See Also
+    --------
+    read_chunks : Files that memory does not hold.
+    as_cloud : Objects of other libraries.
+    write : Write a file.
+
     Examples
     --------
     >>> import io
@@ -257,6 +263,11 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         As for `read`, apart from faces: before the first chunk, or at the invalid chunk.
     OSError
         The file does not exist or cannot be opened.
+
+    See Also
+    --------
+    read : A file at once.
+    tile : Triangulate such files.
 
     Examples
     --------

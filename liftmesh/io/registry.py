@@ -57,6 +57,11 @@ class Adapter:
     to_cloud : callable
         Converts an accepted object to a `Cloud`, one row per point, in the object's own order.
 
+    See Also
+    --------
+    Format : The same for files.
+    as_cloud : Uses adapters.
+
     Examples
     --------
     >>> import numpy as np
@@ -184,6 +189,11 @@ def as_cloud(source: Any, **options: Unpack[ObjectOptions]) -> Cloud:
         A face of a trimesh scene refers to a vertex that does not exist.
     UnsupportedTypeError
         No adapter accepts the object, or it is a path.
+
+    See Also
+    --------
+    read : Read a file.
+    triangulate : Takes the same objects.
 
     Examples
     --------

@@ -58,6 +58,10 @@ class WriteResult:
         Attributes whose names the format cannot hold, and their names in the file. Reading the
         file gives the old names back.
 
+    See Also
+    --------
+    write : Returns it.
+
     Examples
     --------
     >>> import io

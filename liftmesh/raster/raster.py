@@ -39,6 +39,11 @@ class Raster(FrozenResult):
     unit : str, optional
         Of the values: that of heights, if the surface says it; degrees; none of shades.
 
+    See Also
+    --------
+    Surface.raster : Makes rasters.
+    TiledSurface.raster : Of surfaces in tiles.
+
     Examples
     --------
     >>> import liftmesh
@@ -73,6 +78,10 @@ class Raster(FrozenResult):
         -------
         (rows, columns, 2) ndarray of float64
             x and y, rounded as the values assume it.
+
+        See Also
+        --------
+        Surface.raster : Heights at these places.
 
         Examples
         --------
@@ -123,6 +132,11 @@ class Raster(FrozenResult):
         Notes
         -----
         The file is made in memory, beside the values, and written at once.
+
+        See Also
+        --------
+        TiledSurface.save_raster : Write rasters that memory does not hold.
+        read : Read a GeoTIFF as a cloud.
 
         Examples
         --------

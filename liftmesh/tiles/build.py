@@ -149,6 +149,12 @@ def tile(  # noqa: PLR0913 - options are keywords
     one circle, the last merge takes all points, and as much memory as `delaunay`; the large arrays
     of merges that are larger than two tiles are in files of the scratch folder.
 
+    See Also
+    --------
+    delaunay : Points in memory.
+    tile_surface : With heights and values.
+    dask.delaunay : On workers of Dask.
+
     Examples
     --------
     >>> import tempfile
@@ -258,6 +264,12 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     Equal positions share a tile, which therefore chooses among all rows at a position. Of a
     position with very many rows it is given only those that the policy needs: one or two of each
     chunk, but for "mean" and "error" one for each different height.
+
+    See Also
+    --------
+    triangulate : A cloud in memory.
+    tile : Triangles alone.
+    dask.triangulate : On workers of Dask.
 
     Examples
     --------

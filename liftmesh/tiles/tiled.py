@@ -42,6 +42,12 @@ class Tiled(TiledData):
         What the folder holds: counts, the files of the source with their first rows, the shards
         with their SHA-256, and the SHA-256 of each chunk of the source.
 
+    See Also
+    --------
+    tile : Makes such triangulations.
+    open_tiled : Open a folder.
+    TiledSurface : With heights and values.
+
     Examples
     --------
     >>> import tempfile
@@ -94,6 +100,11 @@ class Tiled(TiledData):
         OSError
             A file cannot be read.
 
+        See Also
+        --------
+        to_array : All triangles at once.
+        iter_neighbor_blocks : Their neighbours.
+
         Examples
         --------
         >>> import tempfile
@@ -120,6 +131,11 @@ class Tiled(TiledData):
             A file cannot be read.
         MemoryError
             There are too many.
+
+        See Also
+        --------
+        iter_blocks : The same, shard by shard.
+        to_delayed : As tasks of Dask.
 
         Examples
         --------
@@ -149,6 +165,11 @@ class Tiled(TiledData):
         OSError
             A file cannot be read.
 
+        See Also
+        --------
+        iter_blocks : The triangles.
+        neighbors_to_array : All at once.
+
         Examples
         --------
         >>> import tempfile
@@ -174,6 +195,10 @@ class Tiled(TiledData):
             As for `iter_neighbor_blocks`.
         MemoryError
             There are too many.
+
+        See Also
+        --------
+        iter_neighbor_blocks : The same, shard by shard.
 
         Examples
         --------
@@ -215,6 +240,11 @@ class Tiled(TiledData):
         MissingDependencyError
             Dask is not installed.
 
+        See Also
+        --------
+        to_dask_dataframe : As columns.
+        dask.delaunay : Make them on workers, too.
+
         Examples
         --------
         >>> import tempfile
@@ -238,6 +268,10 @@ class Tiled(TiledData):
         MissingDependencyError
             Dask, or its DataFrame, is not installed.
 
+        See Also
+        --------
+        to_delayed : A task for each shard.
+
         Examples
         --------
         >>> import tempfile
@@ -260,6 +294,10 @@ class Tiled(TiledData):
         ------
         OSError
             A file cannot be read.
+
+        See Also
+        --------
+        verify : Prove the triangles against the points.
 
         Examples
         --------
@@ -319,6 +357,11 @@ class Tiled(TiledData):
         the tiles, as for points on one circle, the last part holds all points, and takes as much
         memory as `liftmesh.verify`.
 
+        See Also
+        --------
+        Triangulation.verify : The same for one call.
+        is_sound : Only compare the files with the manifest.
+
         Examples
         --------
         >>> import tempfile
@@ -345,6 +388,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
         The folder with the shards.
     manifest : dict
         As of a `Tiled`; the entry "surface" says policy, coordinate system, values and box.
+
+    See Also
+    --------
+    tile_surface : Makes such surfaces.
+    Surface : A surface in memory.
 
     Examples
     --------
@@ -387,6 +435,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
         OSError
             A file cannot be read.
 
+        See Also
+        --------
+        iter_faces : The faces.
+        iter_meshes : Both, part by part.
+
         Examples
         --------
         >>> import tempfile
@@ -411,6 +464,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
             A file is damaged.
         OSError
             A file cannot be read.
+
+        See Also
+        --------
+        iter_vertices : What they are indices of.
+        iter_meshes : Both, part by part.
 
         Examples
         --------
@@ -437,6 +495,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
             A file is damaged.
         OSError
             A file cannot be read.
+
+        See Also
+        --------
+        iter_vertices : Vertices alone.
+        iter_faces : Faces alone.
 
         Examples
         --------
@@ -481,6 +544,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
             A file is damaged.
         OSError
             A file cannot be read.
+
+        See Also
+        --------
+        Surface.raster : The same for a surface in memory.
+        save_raster : Write one that memory does not hold.
 
         Examples
         --------
@@ -536,6 +604,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
         OSError
             A file cannot be read or written.
 
+        See Also
+        --------
+        raster : As an array.
+        Raster.save : Write a raster in memory.
+
         Examples
         --------
         >>> import tempfile
@@ -580,6 +653,10 @@ class TiledSurface(TiledSurfaceData, Tiled):
         OSError
             A file cannot be read.
 
+        See Also
+        --------
+        Surface.contours : The same for a surface in memory.
+
         Examples
         --------
         >>> import tempfile
@@ -613,6 +690,11 @@ def open_tiled(folder: str | os.PathLike[str]) -> Tiled:
         The folder holds no finished triangulation, or files of it are missing or truncated.
     OSError
         It cannot be read.
+
+    See Also
+    --------
+    tile : Makes such folders.
+    tile_surface : With heights and values.
 
     Examples
     --------
