@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import operator
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, TypeAlias
@@ -38,6 +38,7 @@ Unit3MF: TypeAlias = Literal["micron", "millimeter", "centimeter", "inch", "foot
 Interpolation: TypeAlias = Literal["linear", "nearest", "laplace", "sibson"]
 Pinched: TypeAlias = Literal["error", "trim"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
+ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 Returns: TypeAlias = Literal["first", "last", "only"]
 ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
 OnDuplicate: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]

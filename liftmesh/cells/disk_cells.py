@@ -12,9 +12,10 @@ from liftmesh._typing import Floats, Indices, Progress, Rows
 from liftmesh.base.arrays import as_coordinates
 from liftmesh.base.frozen import cached_property
 from liftmesh.base.options import check_progress, part_of
-from liftmesh.cells.clipped import ClippedCells, rows_of_corners
+from liftmesh.cells.clipped import rows_of_corners
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import dual_of, sites_of, values_of
+from liftmesh.cells.files import SavableCells
 from liftmesh.cells.overlay import overlay_cells
 from liftmesh.cells.rings import binary_scale
 from liftmesh.cells.voronoi import clip
@@ -124,7 +125,7 @@ def _side_of_cells(domain: Domain, count: int) -> float:
     return float(np.ldexp(np.sqrt(area / count), scale))
 
 
-class ApolloniusCells(ClippedCells):
+class ApolloniusCells(SavableCells):
     """Cells of disks inside a domain, as returned by `apollonius_diagram`.
 
     The arrays are those of `Cells`: row i has the parts from ``parts[i]`` to ``parts[i + 1]``, part

@@ -26,13 +26,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Mask
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.base.options import counted, refused, shown
+from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import Domain, as_domain, following_corners, shapes_of, unite
 from liftmesh.crs.comparison import common_system, crs_of, given_system
 from liftmesh.crs.description import look_up
@@ -50,9 +51,6 @@ from liftmesh.predicates import orient2d
 from liftmesh.vector.files import own_system, read_features
 from liftmesh.vector.geojson import crs_member
 from liftmesh.vector.geopackage import write_shapes
-
-if TYPE_CHECKING:
-    from liftmesh.cells.clipped import ClippedCells
 
 _SUFFIXES = {
     ".geojson": "geojson", ".json": "geojson", ".gpkg": "gpkg", ".ply": "ply", ".svg": "svg",
@@ -456,3 +454,113 @@ def read_domain(path: Path) -> Domain:
         error.within(path)
         raise
     return as_domain(shape, np.empty((0, 2)), own_system(tree, shape.bounds))
+
+
+class SavableCells(ClippedCells):
+    """Cells that become tables and files."""
+
+    def to_geodataframe(self, data: Any = None, *, crs: Any = None) -> Any:
+        """Return the cells as a GeoDataFrame.
+
+        Parameters
+        ----------
+        data : mapping of str to (n,) array_like, DataFrame or GeoDataFrame, optional
+            Values of the rows, which become columns, and their index. The cells take the place of
+            the geometry of a GeoDataFrame.
+        crs : object, optional
+            The coordinate system, as geopandas takes it; by default that of `data`, or `crs`.
+
+        Returns
+        -------
+        geopandas.GeoDataFrame
+            One row for each point, with the columns of `data`, ``area`` and ``geometry``. If `data`
+            has a column of such a name, ours is called ``cell_area`` or ``cell_geometry``.
+
+        Raises
+        ------
+        InputError
+            A column has not one value for each row; or the systems of `data`, of the cells and
+            `crs` differ, or one is unknown.
+        MissingDependencyError
+            geopandas is missing.
+
+        See Also
+        --------
+        Cells.to_shapely : The polygons alone.
+        Cells.save : The polygons in a file, which needs no geopandas but for GeoPackages.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
+        >>> cells.to_geodataframe({"name": ["a", "b"]}).columns.tolist()
+        ['name', 'area', 'geometry']
+        """
+        geopandas = load("geopandas", extra="shapes")
+        frame = frame_of(data, len(self.points))
+        frame[free_name("area", frame)] = self.areas
+        text = common_crs(data, crs, self.crs)
+        system = None if text is None else look_up(text, extra="shapes")
+        shapes = geopandas.GeoSeries(self.to_shapely(), frame.index, crs=system)
+        name = free_name("geometry", frame)
+        frame[name] = shapes
+        return geopandas.GeoDataFrame(frame, geometry=name)
+
+    def save(
+        self,
+        path: str | os.PathLike[str] | BinaryIO,
+        data: Any = None,
+        *,
+        format: str | None = None,  # noqa: A002
+        crs: Any = None,
+    ) -> WriteResult:
+        """Write the cells with values of their rows.
+
+        Each cell has the number of its row as ``row``, its columns of `data`, and its ``area``.
+
+        Parameters
+        ----------
+        path : path or binary file
+            Where to write; the suffix determines the format. A file is written completely or not at
+            all.
+        data : mapping of str to (n,) array_like, DataFrame or GeoDataFrame, optional
+            Values of the rows, which become columns.
+        format : {"geojson", "gpkg", "ply", "svg"}, optional
+            The format; by default that of the suffix. GeoJSON and GeoPackage hold polygons, PLY a
+            mesh whose faces carry the values of their rows, and SVG outlines alone.
+        crs : object, optional
+            The coordinate system, as for `to_geodataframe`.
+
+        Returns
+        -------
+        WriteResult
+            The format, the number of bytes, and in ``dropped`` what the file does not keep. If
+            `data` has a column ``row`` or ``area``, ``renamed`` says what that of the cells is
+            called.
+
+        Raises
+        ------
+        InputError
+            As for `to_geodataframe`.
+        FormatError
+            The format is unknown, or cannot hold a column.
+        MissingDependencyError
+            geopandas is missing, which writes GeoPackages; or shapely, of PLY with concave cells.
+        OSError
+            The file cannot be written; the message gives the reason.
+
+        See Also
+        --------
+        Cells.to_geodataframe : The same as a table.
+        write : Write clouds and meshes.
+
+        Examples
+        --------
+        >>> import io
+        >>> import liftmesh
+        >>> cells = liftmesh.voronoi([[0, 0], [2, 0]], domain=(-1, -1, 3, 1))
+        >>> stream = io.BytesIO()
+        >>> cells.save(stream, {"name": ["a", "b"]}, format="geojson").bytes
+        423
+        """
+        return save_cells(self, path, data, format, crs)

@@ -16,9 +16,9 @@ from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import check_progress, counted, part_of
-from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import Domain, as_domain
 from liftmesh.cells.dual import Dual, dual_of, sites_of, values_of
+from liftmesh.cells.files import SavableCells
 from liftmesh.cells.rings import DomainCorners, Exact, Rings, as_exact, between, resolve_ties
 from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import InputError
@@ -177,7 +177,7 @@ def cells_of(
     return Cells(dual, inside, part_of(progress, _DUAL, 1.0))
 
 
-class Cells(ClippedCells):
+class Cells(SavableCells):
     """Voronoi or power cells inside a domain, as returned by `voronoi` and `power_diagram`.
 
     Row i has the parts from ``parts[i]`` to ``parts[i + 1]``: none if its cell lies outside the

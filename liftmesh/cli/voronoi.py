@@ -14,7 +14,7 @@ from liftmesh.cli.surfaces import is_table
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.cells.clipped import ClippedCells
+    from liftmesh.cells.files import SavableCells
 
 SHORT_HELP = "Write the Voronoi or power cells of a cloud, or cells of disks, as polygons."
 HELP = (
@@ -134,7 +134,7 @@ def _domain(text: str | None) -> Any:
     return read_domain(path)
 
 
-def _cells(cloud: Cloud, kinds: Mapping[str, str | None], choices: dict[str, Any]) -> ClippedCells:
+def _cells(cloud: Cloud, kinds: Mapping[str, str | None], choices: dict[str, Any]) -> SavableCells:
     import liftmesh
     from liftmesh.planar.kinds import named_values
 
@@ -145,7 +145,7 @@ def _cells(cloud: Cloud, kinds: Mapping[str, str | None], choices: dict[str, Any
     return liftmesh.power_diagram(cloud, weights=kinds["weights"], radii=kinds["radii"], **choices)
 
 
-def _note_rows_elsewhere(cells: ClippedCells) -> None:
+def _note_rows_elsewhere(cells: SavableCells) -> None:
     """Say so if no row is near the domain: most often it is in another coordinate system."""
     left, low, right, high = cells.domain.bounds
     x, y = cells.points.T
@@ -163,7 +163,7 @@ def _columns(cloud: Cloud) -> dict[str, Any]:
 
 
 def _report(
-    target: Path, kind: str, size: int, cells: ClippedCells, dropped: list[str], *, as_json: bool
+    target: Path, kind: str, size: int, cells: SavableCells, dropped: list[str], *, as_json: bool
 ) -> None:
     counts = {
         "rows": len(cells),

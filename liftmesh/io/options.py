@@ -34,8 +34,7 @@ from liftmesh.errors import FormatError, InputError, Option
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from liftmesh.base.options import Returns
-    from liftmesh.io.selection import ClassChoice
+    from liftmesh.base.options import ClassChoice, Returns
 
 
 class ObjectOptions(TypedDict, total=False):

@@ -23,7 +23,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
-from liftmesh.base.options import Returns, as_count, refused
+from liftmesh.base.options import ClassChoice, Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
@@ -37,7 +37,6 @@ from liftmesh.io.registry import as_cloud, find_format
 from liftmesh.io.selection import (
     GROUND,
     MOST_CLASSES,
-    ClassChoice,
     Selection,
     Selector,
     class_column,

@@ -10,12 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.options import (
+    ClassChoice,
     Returns,
     as_count,
     as_positive,
@@ -34,7 +35,6 @@ GROUND = 2  # the class of the ground, ASPRS
 MOST_CLASSES = 256
 _MOST = 1 << 62  # rows, which 64 bits count
 
-ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 
 _CLASS, _RETURN, _RETURNS = ("classification", "class"), ("returnnumber",), ("numberofreturns",)
 _LEFT_OUT = {  # the conditions, and what is said of the rows that do not meet them

@@ -19,7 +19,7 @@ edge can be left out: its partner would be stated on one side only, and be left 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -34,7 +34,6 @@ from liftmesh.tiles.store import links_name, mapped, neighbors_name, save_array
 if TYPE_CHECKING:
     from liftmesh.tiles.options import Runner
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.proof import Findings
     from liftmesh.tiles.tiled_data import TiledData
 
 _SHARDS = "shards.npy"
@@ -96,11 +95,13 @@ def paired(edges: Integers) -> tuple[Integers, Integers]:
 class AdjacencyProof:
     """Collects what is wrong with the neighbours of a folder."""
 
-    def __init__(self, tiled: TiledData, plan: Plan, scratch: Path, findings: Findings) -> None:
+    def __init__(
+        self, tiled: TiledData, plan: Plan, scratch: Path, add: Callable[[str, int], None]
+    ) -> None:
         self._tiled = tiled
         self._plan = plan
         self._scratch = scratch
-        self._findings = findings
+        self._add = add
         self._shards = {path.stem: path for path in tiled.shards}
         self._waiting: dict[int, Integers] = {}
 
@@ -119,7 +120,7 @@ class AdjacencyProof:
         triangles = open_shard(path)
         neighbors: Array = mapped(self._tiled.folder / neighbors_name(path.name))
         if neighbors.shape != triangles.shape or neighbors.dtype != np.int32:
-            self._findings.add("other_neighbors", 1)
+            self._add("other_neighbors", 1)
             neighbors = np.full(triangles.shape, -1, dtype=np.int32)
         for begin in range(0, len(triangles), _BLOCK):
             block = slice(begin, begin + _BLOCK)
@@ -138,12 +139,12 @@ class AdjacencyProof:
             for k in range(3):
                 has_edge |= (beyond[:, k] == head) & (beyond[:, (k + 1) % 3] == tail)
             wrong += int((~has_edge).sum())
-        self._findings.add("other_neighbors", wrong)
+        self._add("other_neighbors", wrong)
 
     def finish(self, hull_edges: int) -> None:
         """Compare the links of all shards, and count what is left."""
         (left,) = self._waiting.values()
-        self._findings.add("other_neighbors", abs(len(left) - hull_edges))
+        self._add("other_neighbors", abs(len(left) - hull_edges))
         names = [node_of(path.stem) for path in self._tiled.shards]
         for name, path in zip(names, self._tiled.shards, strict=True):
             above = [name, *self._plan.above(name)]
@@ -153,6 +154,6 @@ class AdjacencyProof:
 
     def _compare(self, expected: Integers, stated: Array) -> None:
         if stated.shape != expected.shape:
-            self._findings.add("other_neighbors", max(1, abs(len(expected) - len(stated))))
+            self._add("other_neighbors", max(1, abs(len(expected) - len(stated))))
         else:
-            self._findings.add("other_neighbors", int((stated != expected).any(axis=1).sum()))
+            self._add("other_neighbors", int((stated != expected).any(axis=1).sum()))

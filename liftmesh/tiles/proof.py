@@ -73,7 +73,7 @@ class Proof:
         self._shards = {path.stem: path for path in tiled.shards}
         self.findings = Findings()
         self._adjacency = (
-            AdjacencyProof(tiled, plan, scratch, self.findings)
+            AdjacencyProof(tiled, plan, scratch, self.findings.add)
             if tiled.manifest["neighbors"]
             else None
         )
