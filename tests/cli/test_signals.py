@@ -10,12 +10,10 @@ import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import FrameType
-from typing import Any
 
 import numpy as np
 import pytest
-from commands import COMMAND, PLAIN, computed, liftmesh as command
+from commands import COMMAND, PLAIN, computed, handlers, liftmesh as command
 
 import liftmesh
 from liftmesh.base import interruption
@@ -381,12 +379,6 @@ def test_the_help_says_that_an_ignored_signal_stays_ignored() -> None:
 # `liftmesh.cli.main` within a process that goes on: its handlers come and go.
 
 
-def state() -> tuple[object, ...]:
-    here = [signal.getsignal(number) for number in ENDS]
-    wakeup = signal.set_wakeup_fd(-1)
-    return *here, wakeup, sys.unraisablehook
-
-
 @pytest.fixture(autouse=True)
 def _no_thread_is_left() -> Iterator[None]:
     """See that a test leaves no thread behind; those of others may end meanwhile."""
@@ -396,17 +388,17 @@ def _no_thread_is_left() -> Iterator[None]:
 
 
 def test_main_restores_all_it_changes(folder: Path) -> None:
-    before = state()
+    before = handlers()
     assert command("info", "mesh.ply", cwd=folder).returncode == exit_codes.DONE
     assert command("info", "nowhere.ply", cwd=folder).returncode == exit_codes.BAD_INPUT
-    assert state() == before
+    assert handlers() == before
 
 
 @pytest.mark.parametrize("number", ENDS)
 def test_main_ends_at_a_signal_and_can_run_again(
     number: int, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    before = state()
+    before = handlers()
 
     def send(*_: object, **__: object) -> None:
         signal.raise_signal(number)
@@ -416,7 +408,7 @@ def test_main_ends_at_a_signal_and_can_run_again(
         done = command("triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
         assert (done.returncode, done.stderr) == ENDS[number]
     assert_nothing_was_written(folder)
-    assert state() == before
+    assert handlers() == before
     done = command("triangulate", "mesh.ply", "out.ply", "--overwrite", cwd=folder)
     assert done.returncode == exit_codes.DONE
 
@@ -424,7 +416,7 @@ def test_main_ends_at_a_signal_and_can_run_again(
 def test_main_leaves_a_signal_that_comes_after_its_result_to_its_process(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    before = state()
+    before = handlers()
     real = Ending.stop
 
     def stop(ending: Ending) -> None:
@@ -434,7 +426,7 @@ def test_main_leaves_a_signal_that_comes_after_its_result_to_its_process(
     monkeypatch.setattr(Ending, "stop", stop)
     with pytest.raises(KeyboardInterrupt):
         command("--version")
-    assert state() == before
+    assert handlers() == before
     interruption.check()
 
 
@@ -479,38 +471,3 @@ liftmesh.io.read.read = forking
     code, out, err = ended(started(change, "info", "mesh.ply", cwd=folder))
     assert (code, err) == (exit_codes.DONE, "")
     assert out
-
-
-def interrupted_stop(at: int) -> int:
-    """Run a command whose `stop` meets Ctrl-C at an instruction; return how many there are."""
-    seen = 0
-
-    def look(frame: FrameType, event: str, _: Any) -> Any:
-        nonlocal seen
-        if frame.f_code is not Ending.stop.__code__:
-            return None
-        frame.f_trace_opcodes = True
-        if event == "opcode":
-            seen += 1
-            if seen == at:
-                sys.settrace(None)
-                signal.raise_signal(signal.SIGINT)
-        return look
-
-    sys.settrace(look)
-    try:
-        command("--version")
-    finally:
-        sys.settrace(None)
-    return seen
-
-
-def test_ctrl_c_amid_the_end_of_main_leaves_no_handler_behind() -> None:
-    before = state()
-    count = interrupted_stop(0)
-    assert count > 30
-    for at in range(1, count + 1):
-        with pytest.raises(KeyboardInterrupt):
-            interrupted_stop(at)
-        assert state() == before
-        interruption.check()

@@ -122,3 +122,9 @@ def failed(done, code, *parts):
     assert not {"\ufdd0", "\ufdd1"} & {*done.stderr}  # the marks of options
     for part in parts:
         assert part in done.stderr
+
+
+def handlers() -> tuple[object, ...]:
+    here = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
+    wakeup = signal.set_wakeup_fd(-1)
+    return *here, wakeup, sys.unraisablehook
