@@ -509,7 +509,7 @@ def for_chunks(
     names: Sequence[str | os.PathLike[str]], choices: Mapping[str, Any]
 ) -> list[dict[str, Any]]:
     """Return the conditions on the rows of files that are read in chunks."""
-    conditions = [for_surface(name, choices) for name in names]
+    conditions = [for_surface(name, choices, choices.get("format")) for name in names]
     asked = {k: each for k, each in enumerate(conditions) if each.get("classes") == "ground"}
     counts = {k: _ground_of(os.fspath(names[k]), each) for k, each in asked.items()}
     check_grounds((os.fspath(names[k]), each) for k, each in counts.items())

@@ -6,7 +6,7 @@ the triangle by which an edge was reached, or on threads (`_core/surface/facet.h
 
 The centre of a pixel is the point that the transform gives for it, in doubles (`pixels.py`), and
 its value is that of the surface there: the kernel scans the faces, row by row, and gives every
-centre to one of them (`_core/surface/scan.hpp`). So the heights are bit for bit those of
+centre to one of them (`_core/surface/scan.cpp`). So the heights are bit for bit those of
 `Surface.sample`. Other quantities follow from the gradients of faces.
 """
 

@@ -313,4 +313,4 @@ class Runner(Protocol):
         """Call a task with each of some arguments, in any order; return its results in order."""
 
     def tree(self, context: RunContext, plan: Plan, sizes: Sequence[int]) -> list[Done]:
-        """Call `stages.node` for all nodes of a plan, children first; the root is the last."""
+        """Call `schedule.node` for all nodes of a plan, children first; the root is the last."""

@@ -1,8 +1,8 @@
 """The tasks of chunks of a source, a first reading and sorting by tile; and the rows so sorted.
 
-As in `stages.py`, what is done and sound is not done again. No table has the tiles of all chunks at
-once: with 10,000 of each it would have 10^8 numbers. A tile reads from each sorted chunk where its
-rows are, then these rows.
+As in `schedule.py`, what is done and sound is not done again. No table has the tiles of all chunks
+at once: with 10,000 of each it would have 10^8 numbers. A tile reads from each sorted chunk where
+its rows are, then these rows.
 """
 
 from __future__ import annotations

@@ -101,7 +101,8 @@ def readings(names: Sequence[str], reading: Reading) -> list[Reading]:
     of_files = [reading] * len(names)
     if reading.is_planar:
         return of_files
-    lidar = [k for k, name in enumerate(names) if name.lower().endswith((".las", ".laz"))]
+    kinds = [reading.options.get("format") or Path(name).suffix[1:] for name in names]
+    lidar = [k for k, kind in enumerate(kinds) if kind.lower() in {"las", "laz"}]
     chosen = for_chunks([names[k] for k in lidar], reading.options)
     for k, options in zip(lidar, chosen, strict=True):
         of_files[k] = replace(reading, options=options)

@@ -51,6 +51,14 @@ def test_the_library_takes_the_rows_that_the_command_takes(folder: Path) -> None
     assert pickle.loads(pickle.dumps(surface)).report.classes == surface.report.classes
 
 
+def test_a_file_of_another_suffix_is_lidar_if_its_format_says_so(folder: Path) -> None:
+    other = (folder / "a.las").rename(folder / "a.bin")
+    surface = liftmesh.triangulate(other, format="las")
+    tiled = liftmesh.tile_surface(other, folder / "tiles", format="las")
+    assert tiled.report.n_used == surface.report.n_used == 38
+    assert tiled.report.classes == surface.report.classes == {GROUND: 38}
+
+
 @pytest.mark.parametrize(("classes", "taken"), [("all", {2: 38, 5: 19}), (5, {5: 19})])
 def test_other_classes_are_taken_if_asked(
     classes: Any, taken: dict[int, int], folder: Path
