@@ -14,6 +14,7 @@ nox.options.default_venv_backend = "none"
 nox.options.sessions = ["fast"]
 
 PYTEST = (".venv-test/bin/python", "-m", "pytest", "-n", "auto", "--dist", "worksteal")
+MUTATION = "cosmic-ray>=8.3"  # no wheel of what it needs: only for this
 CAMPAIGNS = (  # each runs for some minutes by itself
     "fuzz kernel --seconds 600",
     "fuzz changing --seconds 300",
@@ -60,6 +61,7 @@ def full(session: nox.Session) -> None:
 def nightly(session: nox.Session) -> None:
     """Run what takes hours: the tests of campaigns, new examples, and the campaigns of scripts/."""
     seed = random.SystemRandom().randrange(2**32)
+    session.run(".venv-test/bin/python", "-m", "pip", "install", "-q", MUTATION, external=True)
     session.run(*PYTEST, "-m", "campaign", "tests", external=True)
     new = ("--hypothesis-profile=new", f"--hypothesis-seed={seed}")
     session.run(*PYTEST, "-m", "hypothesis", *new, "tests", external=True)

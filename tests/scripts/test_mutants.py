@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import importlib
 import random
 from pathlib import Path
+from typing import Any
 
-import mutants
 import pytest
+
+pytestmark = pytest.mark.campaign  # `nox -s nightly` installs what draws the mutants
 
 SOURCE = '''
 """Prose with 1 + 1."""
@@ -42,7 +45,12 @@ def test_half():
 
 
 @pytest.fixture
-def tile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def mutants() -> Any:
+    return importlib.import_module("mutants")
+
+
+@pytest.fixture
+def tile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, mutants: Any) -> Path:
     files = {
         "liftmesh/__init__.py": "",
         "liftmesh/roof/__init__.py": "",
@@ -60,7 +68,7 @@ def tile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "house" / "liftmesh" / "roof" / "tile.py"
 
 
-def test_what_no_test_should_notice_is_counted_and_not_drawn(tile: Path) -> None:
+def test_what_no_test_should_notice_is_counted_and_not_drawn(tile: Path, mutants: Any) -> None:
     places, counts = mutants.sites_of(tile)
     lines = SOURCE.splitlines()
     assert {lines[row - 1].strip() for row, _ in places} == {
@@ -71,7 +79,7 @@ def test_what_no_test_should_notice_is_counted_and_not_drawn(tile: Path) -> None
     }  # fmt: skip
 
 
-def test_a_draw_is_repeated_by_its_seed_and_shows_what_is_changed(tile: Path) -> None:
+def test_a_draw_is_repeated_by_its_seed_and_shows_what_is_changed(tile: Path, mutants: Any) -> None:
     one, two = (mutants.drawn(mutants.files_of(["roof"]), 5, random.Random(1)) for _ in range(2))
     assert one == two
     assert len(set(one)) == 5
@@ -81,8 +89,7 @@ def test_a_draw_is_repeated_by_its_seed_and_shows_what_is_changed(tile: Path) ->
     assert mutants.tests_of(tile) == ["tests/roof/test_tile.py", "tests/roof/test_broken.py"]
 
 
-@pytest.mark.slow
-def test_mutants_are_killed_or_survive_in_a_copy(tile: Path, tmp_path: Path) -> None:
+def test_mutants_are_killed_or_survive_in_a_copy(tile: Path, tmp_path: Path, mutants: Any) -> None:
     places, _ = mutants.sites_of(tile)
     tree = mutants.copied(tmp_path / "copy")
     found = {}
@@ -96,9 +103,8 @@ def test_mutants_are_killed_or_survive_in_a_copy(tile: Path, tmp_path: Path) -> 
     assert (tree / "liftmesh" / "roof" / "tile.py").read_text() == tile.read_text() == SOURCE
 
 
-@pytest.mark.slow
 def test_the_campaign_tells_what_survives(
-    tile: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tile: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], mutants: Any
 ) -> None:
     monkeypatch.setattr("sys.argv", ["mutants", "--count", "4", "--seed", "2", "--rooms", "roof"])
     mutants.main()
