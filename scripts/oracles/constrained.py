@@ -12,7 +12,7 @@ Nothing here is shared with the program. Points are pairs of integers, as in `or
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import combinations, pairwise
@@ -28,10 +28,13 @@ from oracles.planar import (
     cross,
     dot,
     exact,
+    hull_edges,
     is_delaunay_side,
 )
 
 Rows = tuple[int, int]
+
+MOST_FOR_TRIPLES = 14  # points
 
 
 def is_between(a: Point, b: Point, p: Point) -> bool:
@@ -164,11 +167,43 @@ def check(found: tuple[Any, ...], points: NDArray[Any], edges: NDArray[Any]) -> 
     parts = [members[i:j].tolist() for i, j in pairwise(starts)]
     assert parts == [*expected.members.values()]
     corners = [tuple(expected.points[row] for row in t) for t in simplices.tolist()]
-    assert sorted(turned(t) for t in corners) == sorted(expected.triangles)
+    if len(points) > MOST_FOR_TRIPLES:
+        judge(corners, expected.first_rows, expected.pieces)
+    else:
+        assert sorted(turned(t) for t in corners) == sorted(expected.triangles)
     sides = {frozenset(piece) for piece in expected.pieces}
     marked = [[k for k in range(3) if frozenset({*t} - {t[k]}) in sides] for t in corners]
     assert [[k for k in range(3) if bits >> k & 1] for bits in marks.tolist()] == marked
     return expected
+
+
+def judge(triangles: list[Triangle], points: Iterable[Point], pieces: Iterable[Edge]) -> None:
+    """Assert in linear time that triangles are the canonical ones of points and pieces.
+
+    All are counter-clockwise, every side is used once in its direction, the sides without a partner
+    are the hull, every position is a corner, every piece a side, and across each other inner side
+    the two triangles are those that two cocircular or empty circles demand. This holds for one set
+    of triangles only.
+    """
+    assert all(cross(*corners) > 0 for corners in triangles), "a row is not ccw"
+    apex: dict[Edge, Point] = {}
+    for a, b, c in triangles:
+        for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b)):
+            assert side not in apex, f"two triangles on one side of {side}"
+            apex[side] = opposite
+    positions, fixed = {*points}, {frozenset(piece) for piece in pieces}
+    border = {(a, b) for a, b in apex if (b, a) not in apex}
+    assert border == {*hull_edges(positions)}, "the border is not the hull"
+    assert {corner for side in apex for corner in side} == positions, "positions are missing"
+    assert fixed <= {frozenset(side) for side in apex}, "pieces are missing"
+    wrong = [
+        (a, b)
+        for (a, b), left in apex.items()
+        if (b, a) in apex
+        and frozenset((a, b)) not in fixed
+        and not is_delaunay_side(a, b, left, apex[b, a])
+    ]
+    assert not wrong, f"{len(wrong)} sides are not Delaunay, such as {wrong[:2]}"
 
 
 def turned(triangle: tuple[Point, ...]) -> tuple[Point, ...]:
