@@ -4,12 +4,6 @@
 
 namespace liftmesh::constrained {
 
-namespace {
-
-constexpr std::uint32_t nowhere = ~std::uint32_t{0};
-
-}  // namespace
-
 void Pocket::fill(Ground& ground, Guard guard) {
     ground_ = &ground;
     guard_ = guard;
@@ -32,51 +26,50 @@ bool Pocket::is_convex(Index i) const {
     return orient2d(at(previous_[i]), at(i), at(next_[i])) > 0;
 }
 
-// Puts a corner among those that may go, or takes it out.
-void Pocket::consider(Index i) {
-    const bool may_go = is_convex(i);
-    if (may_go == (place_[i] != nowhere)) return;
-    if (may_go) {
-        place_[i] = static_cast<Index>(convex_.size());
-        convex_.push_back(i);
-        return;
-    }
-    const Index last = convex_.back();
-    convex_[place_[i]] = last;
-    place_[last] = place_[i];
-    place_[i] = nowhere;
-    convex_.pop_back();
-}
-
+// In rounds, each along the chain: of the corners that may go about every second one goes. So each
+// round of those that come back goes along the chain, too, and finds what it reads in the cache.
+// Corners are looked at again once a neighbour has gone.
 void Pocket::cut_corners() {
     const auto last = static_cast<Index>(chain_.size() - 1);
     next_.resize(chain_.size());
     previous_.resize(chain_.size());
     for (Index i = 0; i <= last; ++i) next_[i] = i + 1, previous_[i] = i - 1;
     next_[last] = 0;
-    place_.assign(chain_.size(), nowhere);
-    convex_.clear();
+    round_.resize(chain_.size() - 2);
+    std::iota(round_.begin(), round_.end(), Index{1});
+    is_listed_.assign(chain_.size(), 1);
     order_.clear();
-    state_ = golden_section;
-    for (Index i = 1; i < last; ++i) consider(i);
-    for (std::size_t left = chain_.size() - 3; left > 0; --left) {
-        const Index place = random(convex_.size()), i = convex_[place];
-        place_[convex_.back()] = place;
-        convex_[place] = convex_.back();
-        convex_.pop_back();
-        order_.push_back(i);
-        const Index before = previous_[i], after = next_[i];
-        next_[before] = after;
-        previous_[after] = before;
-        if (before != 0) consider(before);
-        if (after != last) consider(after);
+    random_ = golden_section;
+    while (order_.size() + 3 < chain_.size()) {
+        later_.clear();
+        for (const Index i : round_) {
+            is_listed_[i] = 0;
+            if (order_.size() + 3 == chain_.size() || !is_convex(i)) continue;
+            if (draw()) {
+                list(i);
+                continue;
+            }
+            order_.push_back(i);
+            next_[previous_[i]] = next_[i];
+            previous_[next_[i]] = previous_[i];
+            list(previous_[i]);
+            list(next_[i]);
+        }
+        std::swap(round_, later_);
     }
 }
 
-// A linear congruential generator of Knuth; the upper bits are used.
-Pocket::Index Pocket::random(std::size_t below) {
-    state_ = state_ * 6364136223846793005u + 1442695040888963407u;
-    return static_cast<Index>(((state_ >> 32) * below) >> 32);
+// For the next round. The ends are never listed.
+void Pocket::list(Index i) {
+    if (is_listed_[i]) return;
+    is_listed_[i] = 1;
+    later_.push_back(i);
+}
+
+// A linear congruential generator of Knuth, whose upper bits are random.
+bool Pocket::draw() {
+    random_ = random_ * 6364136223846793005u + 1442695040888963407u;
+    return random_ >> 63;
 }
 
 // The triangles in conflict with a corner that comes back are a path or a tree that begins at the

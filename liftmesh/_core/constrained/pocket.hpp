@@ -54,22 +54,23 @@ class Pocket {
 
     Point at(Index i) const { return ground_->points[chain_[i]]; }
     bool is_convex(Index i) const;
-    void consider(Index i);
     void cut_corners();
+    void list(Index i);
+    bool draw();
     void restore(Index i);
     void dig(Vertex v, Edge side);
     TriangleId make(Vertex a, Vertex b, Vertex c);
     void connect(Edge e, Word beyond);
-    Index random(std::size_t below);
 
     Ground* ground_ = nullptr;
     Guard guard_ = Guard::in_window();
-    std::uint64_t state_ = 0;
+    std::uint64_t random_ = 0;
     std::vector<Vertex> chain_;
     std::vector<Edge> side_;
     std::vector<Index> next_, previous_;
-    std::vector<Index> convex_, place_;  // those that may go, and where each is among them
-    std::vector<Index> order_;           // of the corners that went
+    std::vector<Index> round_, later_;     // the corners to look at, and those of the next round
+    std::vector<std::uint8_t> is_listed_;  // for one of these; the ends always
+    std::vector<Index> order_;             // of the corners that went
     std::vector<Word> stack_;
     std::vector<Border> border_;
 };
