@@ -27,6 +27,7 @@ from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
 from liftmesh.base.options import as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
@@ -76,7 +77,7 @@ def save_raster(
 ) -> WriteResult:
     """Write a raster as GeoTIFF, window by window."""
     check_progress(progress)
-    target = Path(path)
+    target = Path(at_home(path))
     check_name(target)
     is_cog = as_switch("cog", cog)
     windows = _Windows(tiled, _plan(tiled, resolution, {"dtype": np.float32, **options}))
