@@ -79,7 +79,7 @@ class Tiled(TiledData):
         >>> points = [[0, 0], [1, 0], [0, 1], [1, 0], [float("nan"), 2]]
         >>> report = liftmesh.tile(points, tempfile.mkdtemp(), nonfinite="skip").report
         >>> print(report)
-        5 rows, 3 of them used in 1 triangle. Left out: 1 duplicate, 1 row not finite.
+        5 rows, 3 of them used in 1 triangle. Left out: 1 duplicate, 1 row skipped.
         >>> report.left_out.tolist(), report.representatives.tolist()
         ([3, 4], [1, -1])
         """
