@@ -87,7 +87,10 @@ def run(
 
 def _heights(surface: Any) -> tuple[float, float]:
     """Return the least and the greatest height of a surface, or of one in tiles."""
-    if hasattr(surface, "box"):
-        return surface.box[2], surface.box[5]
+    from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
+
+    if isinstance(surface, TiledSurfaceData):
+        _, _, low, _, _, high = box_of(surface)
+        return low, high
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

@@ -37,7 +37,7 @@ from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.sampling import RasterOptions, RasterPlan
 from liftmesh.terrain.surface import Surface
-from liftmesh.tiles.tiled_data import TiledSurfaceData, shard_faces, shard_vertices
+from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
 
 Bounds: TypeAlias = tuple[float, float, float, float]
 Window: TypeAlias = tuple[range, range]
@@ -99,7 +99,7 @@ def save_raster(
 def _plan(
     tiled: TiledSurfaceData, resolution: float | Sequence[float] | None, options: RasterOptions
 ) -> RasterPlan:
-    west, south, low, east, north, high = tiled.box
+    west, south, low, east, north, high = box_of(tiled)
     plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
