@@ -251,7 +251,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
             return io.read(source, **reading)
         rest = {**reading}
         crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
-        check_system(crs)
+        check_system("src_crs", crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
 

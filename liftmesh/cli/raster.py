@@ -109,6 +109,7 @@ def _check(
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
+    from liftmesh.crs.description import check_system
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
     from liftmesh.terrain.sampling import check_interpolation
@@ -118,6 +119,8 @@ def _check(
         if bounds is not None:
             bounds_of(bounds, "raster_bounds")
         check_interpolation(quantity, interpolation)
+        if crs is not None:
+            check_system("crs", crs)
         writer.validate_geotiff_options(crs, compress)
 
 
