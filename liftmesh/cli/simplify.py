@@ -101,7 +101,7 @@ def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_
             }
         )
         return
-    content = f"{told['kept']:,} of {told['positions']:,} positions"
+    content = f"{told['n_kept']:,} of {told['n_positions']:,} positions"
     content += f", {len(surface.faces):,} triangles"
     terminal.sentence(outputs.headline(written, content), "good")
     lines = [("largest distance", f"{told['error']:.6g}")]

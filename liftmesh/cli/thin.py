@@ -107,6 +107,6 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)
     told = notes.provenance_of(kept).thinning.items()
-    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
+    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"n_rows", "n_kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
     return kept

@@ -89,10 +89,10 @@ def test_info_counts_classes_returns_and_flags(folder: Path) -> None:
     assert re.search(r"returns +1: 300, 2: 200, 3: 100", shown)
     assert re.search(r"flags +withheld 12, synthetic 10, overlap 120", shown)
     found = json.loads(liftmesh("info", "tile.laz", "--json", cwd=folder).stdout)
-    assert found["rows"] == COUNT
+    assert found["n_rows"] == COUNT
     assert found["lidar"]["classes"] == {"2": 300, "5": 100, "7": 100, "9": 100}
     part = json.loads(liftmesh("info", "tile.laz", "--classes", "9", "--json", cwd=folder).stdout)
-    assert part["rows"] == 100
+    assert part["n_rows"] == 100
     assert part["notes"][0] == "100 of 600 rows; left out: 500 of other classes"
 
 

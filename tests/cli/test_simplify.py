@@ -17,9 +17,9 @@ def test_a_terrain_within_a_distance(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     mesh = lm.read(tmp_path / "few.ply")
-    assert (told["kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
+    assert (told["n_kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
     assert told["error"] <= 40
-    assert told["kept"] < told["positions"] / 10
+    assert told["n_kept"] < told["n_positions"] / 10
     assert lm.verify(tmp_path / "few.ply").canonical
 
 

@@ -115,6 +115,7 @@ def test_a_solid_is_written(tin, tmp_path) -> None:
     assert found.is_volume
     assert said["volume"] == pytest.approx(found.volume, rel=1e-6)
     assert max(said["size"][:2]) == 100
+    assert said["n_triangles"] == len(found.faces)
     done = run("solid", tin, tmp_path / "s.3mf", "--thickness", "3", "--pinched", "trim")
     assert "triangles, volume " in done.stdout
 
