@@ -237,6 +237,10 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     )
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
+    (folder / "a.csv").write_text("x,y,z\n1,2,3\n")
+    done = liftmesh("info", "a.csv", "--copc-resolution", "5", cwd=folder)
+    assert "--copc-resolution, for which the file has no index (COPC)" in done.stderr
+    assert "leave it out, or take every k-th row by --every\n" in done.stderr
     done = liftmesh("info", "tile.laz", "--copc-resolution", "0", cwd=folder)
     assert "--copc-resolution is 0: give a positive number" in done.stderr
 
