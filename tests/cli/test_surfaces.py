@@ -275,6 +275,11 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("contour", "tin.ply", "out.geojson"), 2, "either --interval or --levels"),
         (("contour", "tin.ply", "out.geojson", "--levels", "1,x"), 2, "is 'x': give a"),
         (
+            ("contour", "tin.ply", "out.geojson", "--levels", "1", "--contour-base", "3"),
+            2,
+            "--contour-base is of --interval only, and --levels is given: leave one out",
+        ),
+        (
             ("contour", "tin.ply", "o.gpkg", "--levels", "1", "--trim-polygon", "none.gpkg"),
             3,
             "none",
