@@ -53,6 +53,7 @@ def run(
     *,
     reading: inputs.ColoredReading,
     nonfinite: options.SkipNonFinite = "error",
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
@@ -78,6 +79,7 @@ def run(
                 plane=plane.value,
                 on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
+                threads=threads,
                 progress=progress,
             )
     written = target.write(surface)
