@@ -15,8 +15,8 @@ _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
 HELP = (
-    "A pixel has the height of the surface at its centre, by default linear in each face, and no "
-    "value where no face contains the centre. The edges of pixels are multiples of the resolution. "
+    "A pixel has the height of the surface at its center, by default linear in each face, and no "
+    "value where no face contains the center. The edges of pixels are multiples of the resolution. "
     "IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [

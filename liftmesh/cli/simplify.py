@@ -19,7 +19,7 @@ SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
 HELP = (
     "No point is further away from the mesh, along z, than --max-error: exactly. The mesh covers "
     "the hull of the points: simplify first, then trim with liftmesh triangulate. Where heights "
-    "are whole numbers, a bound of 1.000001 in place of 1 needs fewer triangles: centres of pixels "
+    "are whole numbers, a bound of 1.000001 in place of 1 needs fewer triangles: centers of pixels "
     "are rounded, and a distance of 1 is a little more."
 )
 EXAMPLES = [
