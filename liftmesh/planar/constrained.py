@@ -156,7 +156,7 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
 
-    def build(points: Reals, edges: Rows) -> _kernel.Constrained:
+    def build(points: Reals, edges: Rows) -> tuple[Any, ...]:
         run = nonfinite == "skip", *as_threads(threads, len(points)), progress
         return _kernel.constrained(points, edges, *run)
 
@@ -260,16 +260,11 @@ def _kept(
         return None
     simplices, neighbors = solved.solution.simplices, solved.solution.neighbors
     bounds, winding = _roles(solved, given)
-    keep = np.ones(len(simplices), dtype=np.bool_)
-    if carve is not None:
-        arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
-        none = np.empty(0, dtype=np.int32)
-        keep = _kernel.carve(*arrays, carve == "holes", none).astype(np.bool_)
+    seeded = np.empty(0, dtype=np.int32)
     if seeds is not None:
-        sides, piece = _found(solved.pieces, simplices)
-        sides[sides] = bounds[piece[sides]] > 0
-        regions = _kernel.regions(neighbors, _bits_of(sides))
-        keep &= ~np.isin(regions, regions[_seeded(solved.solution, seeds, sides)])
+        seeded = _seeded(solved, seeds, bounds)
+    arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
+    keep = _kernel.carve(*arrays, carve or "none", seeded).astype(np.bool_)
     if not keep.any():
         raise InputError(
             f"no triangle is left: {Option('carve')} and {Option('seeds')} remove all of "
@@ -302,16 +297,20 @@ def _rise(points: Reals, edges: Rows) -> Mask:
     return rise
 
 
-def _seeded(solution: Solution, seeds: ArrayLike, sides: Mask) -> Rows:
+def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     """Find the triangles of seeds, which have to be inside of a region."""
+    solution = solved.solution
     wanted = "give a point x, y in each region that is to be removed"
     places = np.ascontiguousarray(as_numbers("seeds", seeds, wanted, verb="are")).reshape(-1, 2)
     triangles = np.empty(len(places), dtype=np.int32)
     locator = _kernel.Locator(solution.points, solution.simplices, solution.neighbors)
     locator.find(places, triangles, *as_threads(None, len(places)))
-    corners = solution.points[solution.simplices[triangles]].astype(np.float64)
-    tail, head = corners[:, _FOLLOWING], corners[:, _AFTER]
-    is_on = (orient2d(tail, head, places[:, None]) == 0) & sides[triangles]
+    around = solution.simplices[triangles]
+    sides, piece = _found(solved.pieces, around)
+    sides[sides] = bounds[piece[sides]] > 0
+    corners = solution.points[around]
+    turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
+    is_on = (turns == 0) & sides
     for k, (x, y) in enumerate(places.tolist()):
         if triangles[k] < 0 or is_on[k].any():
             where = "outside of all triangles" if triangles[k] < 0 else "on an edge that bounds"

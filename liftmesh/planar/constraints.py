@@ -311,5 +311,7 @@ def _turns(corners: Floats, starts: Integers) -> Rows:
 def _exact_turn(ring: Floats) -> int:
     corners = [(Fraction(x), Fraction(y)) for x, y in ring.tolist()]
     following = [*corners[1:], corners[0]]
-    area = sum((a * d - b * c for (a, b), (c, d) in zip(corners, following, strict=True)), Fraction())
+    area = sum(
+        (a * d - b * c for (a, b), (c, d) in zip(corners, following, strict=True)), Fraction()
+    )
     return (area > 0) - (area < 0)

@@ -96,9 +96,7 @@ def split_crossings(points: Reals, edges: Rows, build: Build) -> Split:
 def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     """Put a row at each crossing, and split both edges there."""
     known = _Points(split.points)
-    exact = [
-        known.crossing(*each) for each in split.edges[crossings].reshape(-1, 4).tolist()
-    ]
+    exact = [known.crossing(*each) for each in split.edges[crossings].reshape(-1, 4).tolist()]
     places = np.array([_rounded(each) for each in exact])
     rows, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
