@@ -3,6 +3,7 @@
 #include "base/floating_point.hpp"
 #include "constrained/insertion.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/counting_sort.hpp"
 
 namespace liftmesh {
 
@@ -14,6 +15,7 @@ namespace {
 struct Placed {
     Vertex a, b;
     EdgeId edge;
+    auto operator<=>(const Placed&) const = default;
 };
 
 // A piece, and an edge that it is part of.
@@ -30,14 +32,34 @@ struct Visit {
     Span span;
 };
 
+// Sorts items, whose numbers key(item) are below `keys` and ascend with them.
+template <class Item, class Key>
+bool sort(std::vector<Item>& items, std::size_t keys, ThreadPool& pool, Key key) {
+    constexpr std::size_t stretch = 8;  // numbers in a bucket
+    const auto bucket = [&](const Item& item) { return key(item) / stretch; };
+    std::vector<Item> sorted(items.size());
+    CountingSort by_bucket(items.size(), 1, keys / stretch + 1, pool);
+    const auto visit_items = [&](const Share&, auto visit) {
+        std::for_each(items.begin(), items.end(), visit);
+    };
+    const auto store = [&](std::size_t place, const Item& item) { sorted[place] = item; };
+    if (!by_bucket.sort(visit_items, bucket, store)) return false;
+    const std::vector<std::size_t> starts = std::move(by_bucket).starts();
+    for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+        std::sort(sorted.data() + starts[i], sorted.data() + starts[i + 1]);
+    items = std::move(sorted);
+    return true;
+}
+
 class Constraints {
  public:
     Constraints(const Delaunay& start, Construction& mesh, std::size_t rows, Guard guard,
-                Interrupt& interrupt)
+                ThreadPool& pool)
         : mesh_(mesh),
           rows_(rows),
           guard_(guard),
-          patience_(interrupt),
+          pool_(pool),
+          patience_(pool.interrupt()),
           marks_(2 * mesh.count - 2),
           vertex_of_row_(allocate<Vertex>(rows)) {
         std::fill_n(vertex_of_row_.get(), rows, ghost);
@@ -51,11 +73,12 @@ class Constraints {
 
     // False if interrupted, or if the edges cannot be put in: then the result says why.
     bool run(const std::int32_t* edges, std::size_t count, Constrained& result) {
-        place(edges, count, result);
+        if (!place(edges, count, result)) return false;
         if (!result.unplaced.empty() || !has_triangles()) return true;
         Insertion insertion(mesh_, marks_.data(), guard_);
         if (!insert(insertion)) return false;
-        std::sort(memberships_.begin(), memberships_.end());
+        const auto first_row = [](const Membership& each) { return each.piece.first; };
+        if (!sort(memberships_, rows_, pool_, first_row)) return false;
         if (!crossing_.empty()) return find_crossings(insertion, result.crossings);
         list(result);
         return true;
@@ -68,7 +91,7 @@ class Constraints {
     }
 
     // In the order of their ends: neighbours in the plane are neighbours in memory.
-    void place(const std::int32_t* edges, std::size_t count, Constrained& result) {
+    bool place(const std::int32_t* edges, std::size_t count, Constrained& result) {
         placed_.reserve(count);
         for (std::size_t i = 0; i < count; ++i) {
             const auto id = static_cast<EdgeId>(i);
@@ -80,9 +103,7 @@ class Constraints {
             else
                 placed_.push_back({std::min(a, b), std::max(a, b), id});
         }
-        std::sort(placed_.begin(), placed_.end(), [](const Placed& one, const Placed& other) {
-            return std::tie(one.a, one.b, one.edge) < std::tie(other.a, other.b, other.edge);
-        });
+        return sort(placed_, mesh_.count, pool_, [](const Placed& each) { return each.a; });
     }
 
     bool insert(Insertion& insertion) {
@@ -105,6 +126,8 @@ class Constraints {
     }
 
     void list(Constrained& result) const {
+        result.pieces.reserve(memberships_.size());
+        result.starts.reserve(memberships_.size() + 1);
         result.members.reserve(memberships_.size());
         for (const Membership& each : memberships_) {
             if (result.pieces.empty() || result.pieces.back() != each.piece) {
@@ -168,6 +191,7 @@ class Constraints {
     Construction& mesh_;
     std::size_t rows_;
     Guard guard_;
+    ThreadPool& pool_;
     Patience patience_;
     std::vector<Mark> marks_;
     Buffer<Vertex> vertex_of_row_;
@@ -192,7 +216,7 @@ Constrained constrained_delaunay(const Input& input, const std::int32_t* edges, 
     const Guard guard = order.scale.guard;
     result.status = divide_and_conquer(Paraboloid{}, guard, order, pool, mesh);
     if (result.status != Status::ok) return result;
-    constrained::Constraints constraints(result, mesh, input.rows, guard, interrupt);
+    constrained::Constraints constraints(result, mesh, input.rows, guard, pool);
     if (!constraints.run(edges, count, result)) {
         result.status = Status::interrupted;
         return result;
