@@ -198,7 +198,7 @@ def _polygons(given: Any) -> tuple[list[Sequence[Any]], bool]:
 
 
 def _items(name: str, given: Any) -> Sequence[Any]:
-    if isinstance(given, list | tuple | np.ndarray) and np.ndim(given[:1]):
+    if isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim):
         return given  # type: ignore[return-value]
     raise InputError(
         f"{Option(name)} are {shown(given)}: give a list of {name}, each as rows or as coordinates "
