@@ -149,8 +149,7 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
 
 def _without_return(ring: Line) -> Line:
     """Leave out the last corner of a ring if it repeats the first."""
-    is_closed = len(ring) > 1 and bool(np.all(ring[0] == ring[-1]))
-    return ring[:-1] if is_closed else ring
+    return ring[:-1] if ring[0].tolist() == ring[-1].tolist() else ring
 
 
 def _lines(given: Any) -> list[Any]:
