@@ -184,7 +184,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     """What to say of values of the cloud that those of the surface have replaced."""
-    from liftmesh.terrain.triangulate import replaced_flags
+    from liftmesh.terrain.lifting import replaced_flags
 
     said = replaced_flags(cloud) if hasattr(surface.triangulation, "hidden") else ""
     return [said] if said else []

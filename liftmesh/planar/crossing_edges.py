@@ -8,6 +8,7 @@ rows from the edges that the caller gave, so they tell of all rounds together.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import defaultdict
 from collections.abc import Callable
@@ -17,7 +18,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Reals, Rows
+from liftmesh._typing import Array, Integers, Reals, Rows
 from liftmesh.base.arrays import pair_keys, widened
 from liftmesh.base.options import counted
 from liftmesh.errors import CrossingError, InputError, Option
@@ -112,7 +113,7 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
         is_reversed = known.at(head) < known.at(tail)
         chain = [tail, *(row for _, row in sorted(several, reverse=is_reversed)), head]
         chain = [row for k, row in enumerate(chain) if k == 0 or row != chain[k - 1]]
-        parts += list(zip(chain, chain[1:], strict=False))
+        parts += list(itertools.pairwise(chain))
         origins += [origin] * (len(chain) - 1)
         a, b = map(given.at, edges[origin].tolist())
         far = max(_distance(placed.at(row), a, b) for _, row in several)
