@@ -2,9 +2,9 @@
 
 Corners of lines are rows after those of the cloud; equal ones are one row. Lines whose heights hold
 come first. The surface of the cloud and of these gives the heights of all others: of the corners of
-a line without heights, and of a draped line also where it crosses sides of faces, so that it leaves
-the surface as it is. Draped lines get no row where they cross a line whose heights hold: that row is
-made where both are split, with the height of the latter.
+a line without heights, and of a draped line also where it crosses sides of faces, which it follows
+so. Where it crosses a line whose heights hold, both are split later, and the row
+there has the height of that line.
 
 Rings separate the triangles into regions, each of which is in a polygon as a whole. The largest
 triangle of a region tells which: so neither rounding nor rings that leave the cloud matter.
@@ -33,6 +33,7 @@ from liftmesh.vector.polygons import contains
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.lines import Line, Lines
     from liftmesh.terrain.surface import Surface
@@ -321,33 +322,62 @@ def _bounded(surface: Surface, lines: Lines, network: Network) -> Surface:
     if not (lines.boundary or lines.holes):
         return surface
     tri, frame = surface.triangulation, surface.frame
-    label = np.zeros(tri.nsimplex, dtype=np.int32)
-    if isinstance(tri, ConstrainedTriangulation):
-        is_ring = np.array([each.closed for each in network.lines])[network.line]
-        label = _kernel.regions(np.ascontiguousarray(tri.neighbors), _bits_of(tri, is_ring))
-    corners = tri.points[tri.simplices]
-    (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
-    largest = np.empty(label.max() + 1, dtype=np.int64)
-    order = np.argsort(ax * by - ay * bx, kind="stable")
-    largest[label[order]] = order
-    middles = centroids(corners[largest])
+    regions = _Regions(tri, network)
+    middles = centroids(tri.points[tri.simplices[regions.largest]])
     shown = np.ones(len(middles), dtype=np.bool_)
     if lines.boundary:
         shown = contains(lines.rings(lines.boundary, frame), middles)
     if lines.holes:
         shown &= ~contains(lines.rings(lines.holes, frame), middles)
-    return masked(surface, ~shown[label])
+    return masked(surface, ~regions.spread(shown))
 
 
-def _bits_of(tri: ConstrainedTriangulation, wanted: Mask) -> Array:
-    """Tell which sides of triangles some edges are, a bit for each."""
+class _Regions:
+    """The regions into which rings divide triangles.
+
+    Where a draped ring leaves the hull, its last row may be rounded to just inside of it. The
+    sliver between this row and the side of the hull is a region of its own, and shown if both sides
+    of the ring are.
+    """
+
+    def __init__(self, tri: Triangulation, network: Network) -> None:
+        self._neighbors = tri.neighbors
+        self._is_ring = np.zeros((tri.nsimplex, 3), dtype=np.bool_)
+        is_end = np.zeros(len(tri.points), dtype=np.bool_)
+        if isinstance(tri, ConstrainedTriangulation):
+            closed = np.array([each.closed for each in network.lines], dtype=np.bool_)
+            is_piece = _are_of(tri, closed[network.line])
+            is_end[tri.constraints[is_piece]] = True
+            triangle, corner = np.nonzero(tri.is_constrained)
+            ends = [tri.simplices[triangle, (corner + step) % 3] for step in (1, 2)]
+            keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
+            place = np.searchsorted(pair_keys(*tri.constraints.T), keys)
+            self._is_ring[triangle, corner] = is_piece[place]
+        at_rim = ((tri.neighbors < 0) & is_end[tri.simplices]).any(axis=1)
+        self._rim = np.flatnonzero(at_rim)
+        divides = self._is_ring | at_rim[:, None] | (at_rim[tri.neighbors] & (tri.neighbors >= 0))
+        bits = (divides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
+        self._label = _kernel.regions(np.ascontiguousarray(tri.neighbors), bits)
+        corners = tri.points[tri.simplices]
+        with np.errstate(all="ignore"):
+            (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
+            order = np.argsort(ax * by - ay * bx, kind="stable")
+        self.largest = np.empty(self._label.max() + 1, dtype=np.int64)
+        self.largest[self._label[order]] = order
+
+    def spread(self, shown: Mask) -> Mask:
+        """Tell of each triangle what is known of each region."""
+        spread: Mask = shown[self._label]
+        across = self._neighbors[self._rim]
+        counts = (across >= 0) & ~self._is_ring[self._rim]
+        agreed = (spread[across] | ~counts).all(axis=1)
+        spread[self._rim] = np.where(counts.any(axis=1), agreed, spread[self._rim])
+        return spread
+
+
+def _are_of(tri: ConstrainedTriangulation, edges: Mask) -> Mask:
+    """Tell which constraints belong to some of the input edges."""
     starts, members = tri.constraint_inputs
-    is_wanted = np.zeros(len(tri.constraints), dtype=np.bool_)
-    is_wanted[np.repeat(np.arange(len(is_wanted)), np.diff(starts))[wanted[members]]] = True
-    triangle, corner = np.nonzero(tri.is_constrained)
-    ends = [tri.simplices[triangle, (corner + step) % 3] for step in (1, 2)]
-    keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
-    found = is_wanted[np.searchsorted(pair_keys(*tri.constraints.T), keys)]
-    bits = np.zeros(tri.nsimplex, dtype=np.uint8)
-    np.bitwise_or.at(bits, triangle[found], np.uint8(1) << corner[found].astype(np.uint8))
-    return bits
+    found = np.zeros(len(tri.constraints), dtype=np.bool_)
+    found[np.repeat(np.arange(len(found)), np.diff(starts))[edges[members]]] = True
+    return found

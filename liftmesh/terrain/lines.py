@@ -6,27 +6,31 @@ of polygons are lines, too. Lines without heights are in the coordinates of the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from itertools import chain
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import MOST_ROWS
-from liftmesh.base.options import Crossing, as_positive, check_option, refused
-from liftmesh.errors import InputError, Option
+from liftmesh.base.options import Crossing, as_positive, refused
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.terrain.lifting import DIVIDING, Lifting
 from liftmesh.terrain.profile import between
-from liftmesh.vector.geojson import spatial_corners
+from liftmesh.vector.files import check_system, read_shapes
+from liftmesh.vector.geojson import coordinates_of, spatial_corners
 
 if TYPE_CHECKING:
     from liftmesh.terrain.frame import Frame
     from liftmesh.vector.polygons import Polygon
 
-_LINES = "give an array of corners (n, 3), or (n, 2) without heights, or a list of such lines"
-_POLYGONS = "give a ring as an array of corners (n, 3) or (n, 2), or a list of polygons"
+_LINES = "give corners (n, 3), or (n, 2) without heights; a list of such lines; geometries; a path"
+_POLYGONS = "give a ring as corners (n, 2) or (n, 3); a list of polygons; geometries; or a path"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,22 +103,6 @@ class Lines:
         return chain(self.lines, *self.boundary, *self.holes)
 
     @staticmethod
-    def check(lifting: Lifting, algorithm: str) -> None:
-        """Refuse triangulations that are not Delaunay, and engines that know no lines."""
-        lifted = "metric" if lifting.metric is not None else None
-        if lifting.weights is not None:
-            lifted = lifting.weights.name
-        if lifted:
-            raise InputError(
-                f"{Option(lifted)} and lines are given, and a triangulation that contains lines is "
-                "by distances alone: leave one of them out"
-            )
-        if algorithm not in DIVIDING:
-            raise InputError(
-                f"{Option('algorithm')} {algorithm!r} takes no lines: leave one of the two out"
-            )
-
-    @staticmethod
     def rings(polygons: list[Sequence[Line]], frame: Frame) -> list[Polygon]:
         """Return polygons in the plane."""
         return [[each.planar(frame) for each in rings] for rings in polygons]
@@ -127,9 +115,9 @@ def lines_given(
     holes: Any,
     densify: Any,
     crossing: Any,
+    crs: str | None,
 ) -> Lines | None:
     """Convert the options of `triangulate`; None if there are no lines."""
-    check_option("crossing", crossing, Crossing)
     distance = None if densify is None else as_positive("densify", densify)
     given = breaklines, soft_breaklines, boundary, holes
     if all(each is None for each in given):
@@ -137,32 +125,90 @@ def lines_given(
             raise InputError(f"{Option('densify')} is for lines: give {Option('breaklines', ...)}")
         return None
     return Lines(
-        [*_lines("breaklines", breaklines), *_lines("soft_breaklines", soft_breaklines)],
-        _polygons("boundary", boundary),
-        _polygons("holes", holes),
+        [*_lines("breaklines", breaklines, crs), *_lines("soft_breaklines", soft_breaklines, crs)],
+        _polygons("boundary", boundary, crs),
+        _polygons("holes", holes, crs),
         distance,
         crossing,
     )
 
 
-def _lines(option: str, given: Any) -> list[Line]:
+def check_plain(lifting: Lifting, algorithm: str) -> None:
+    """Refuse triangulations that are not Delaunay, and engines that know no lines."""
+    lifted = "metric" if lifting.metric is not None else None
+    if lifting.weights is not None:
+        lifted = lifting.weights.name
+    if lifted:
+        raise InputError(
+            f"{Option(lifted)} and lines are given, and a triangulation that contains lines is "
+            "by distances alone: leave one of them out"
+        )
+    if algorithm not in DIVIDING:
+        raise InputError(
+            f"{Option('algorithm')} {algorithm!r} takes no lines: leave one of the two out"
+        )
+
+
+def _lines(option: str, given: Any, crs: str | None) -> list[Line]:
     name, draped = option.replace("_", " ").removesuffix("s"), option.startswith("soft")
-    return [
-        Line(title, spatial_corners(each, title, title, 2), draped)
-        for number, each in enumerate(_items(option, given, 2, _LINES))
-        for title in [f"{name} {number}"]
-    ]
-
-
-def _polygons(option: str, given: Any) -> list[Sequence[Line]]:
-    title = f"polygon {{}} of {Option(option)}"
-    return [
-        [
-            _ring(f"a ring of {title.format(number)}", ring)
-            for ring in ([each] if _depth(each) == 2 else _items(option, each, 3, _POLYGONS))
+    with _told(given):
+        return [
+            Line(title, spatial_corners(each, title, title, 2), draped)
+            for number, each in enumerate(_all(option, given, crs, 2))
+            for title in [f"{name} {number}"]
         ]
-        for number, each in enumerate(_items(option, given, 2, _POLYGONS))
-    ]
+
+
+def _polygons(option: str, given: Any, crs: str | None) -> list[Sequence[Line]]:
+    with _told(given):
+        return [
+            [
+                _ring(f"a ring of polygon {number} of {Option(option)}", ring)
+                for ring in ([each] if _depth(each) == 2 else each)
+            ]
+            for number, each in enumerate(_all(option, given, crs, 3))
+        ]
+
+
+@contextmanager
+def _told(given: Any) -> Iterator[None]:
+    """Name the file that an error is about."""
+    try:
+        yield
+    except InputError as error:
+        if isinstance(given, str | os.PathLike) and not str(error).startswith(str(given)):
+            raise FormatError(f"{given}: {error.message.marked}") from error
+        raise
+
+
+def _all(option: str, given: Any, crs: str | None, depth: int) -> Iterator[Any]:
+    """Yield lines, or polygons, of which each is a ring or several: the depth is 2, or 3."""
+    tree = _tree(option, given, crs)
+    if tree is None:
+        for each in _items(option, given, 2):
+            if isinstance(each, list | tuple | np.ndarray):
+                yield each
+            else:
+                yield from _all(option, each, crs, depth)
+        return
+    found = list(coordinates_of(tree, "Polygon"))
+    if depth == 2:
+        found = [*coordinates_of(tree, "LineString"), *(ring for each in found for ring in each)]
+    if not found:
+        kinds = "LineString or Polygon" if depth == 2 else "Polygon or MultiPolygon"
+        raise InputError(f"there is none in what {Option(option)} are given as: give {kinds}")
+    yield from found
+
+
+def _tree(option: str, given: Any, crs: str | None) -> Any:
+    """Return the tree of GeoJSON of what is no array; None of others."""
+    if isinstance(given, str | os.PathLike):
+        return read_shapes(Path(given), option.replace("_", " "), crs)
+    described = getattr(given, "__geo_interface__", given)
+    if not isinstance(described, Mapping):
+        return None
+    check_system(crs, given, f"{Option(option)}")
+    return described
 
 
 def _ring(title: str, given: Any) -> Line:
@@ -172,15 +218,15 @@ def _ring(title: str, given: Any) -> Line:
     return Line(title, corners, draped=bool(np.isnan(corners[:, 2]).any()), closed=True)
 
 
-def _items(option: str, given: Any, one: int, remedy: str) -> Sequence[Any]:
+def _items(option: str, given: Any, one: int) -> Sequence[Any]:
     """Tell apart what is one, by its depth, and a list of several."""
     if given is None:
         return []
     depth = _depth(given)
     if depth == one and len(given):
         return [given]
-    if depth < one:
-        raise refused(option, given, remedy, verb="are")
+    if not depth:
+        raise refused(option, given, _LINES if "lines" in option else _POLYGONS, verb="are")
     items: Sequence[Any] = given
     return items
 

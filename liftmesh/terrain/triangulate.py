@@ -39,7 +39,7 @@ from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.lifting import Lifting, lifting_of
-from liftmesh.terrain.lines import lines_given
+from liftmesh.terrain.lines import check_plain, lines_given
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
 
@@ -135,6 +135,32 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         these.
     metric : (2, 2) array_like, optional
         The metric of the planar coordinates, as for `delaunay`.
+    breaklines : (c, 3) or (c, 2) array_like, list of these, geometries or path, optional
+        Hard breaklines, which faces do not cross: polylines whose corners become rows after those
+        of the cloud, with their heights. A row of the cloud on a line divides it, and keeps its
+        height; at a corner of the line, that of the line holds. A line without heights, or with one
+        that is NaN, takes those of the surface without it at its corners. Geometries are those of
+        shapely, a GeoDataFrame, GeoJSON as a mapping, or a file of GeoJSON, GeoPackage or
+        shapefile; rings of polygons are lines, too. With contour lines, look at the
+        "flat_triangles" of the report.
+    soft_breaklines : as `breaklines`, optional
+        Lines draped over the surface without them: they are edges, with a row wherever they cross
+        one, and bring no heights of their own. Parts beyond the faces are left out.
+    boundary : (c, 2) or (c, 3) array_like, list of polygons, geometries or path, optional
+        The outer boundary: faces outside are left out, cut at its rings, which are edges. Rings
+        with heights are hard breaklines; others are draped. A polygon is a ring, or a list of
+        rings: the outer one, then its holes. Of several polygons, what is inside of one is inside.
+    holes : as `boundary`, optional
+        Boundaries that hide: faces inside are left out, as in a lake. Holes of these polygons show
+        what is inside of them, as islands do.
+    densify : float, optional
+        Insert corners into all lines so that they are no farther apart in the plane than this, with
+        heights that are linear between those given. Their places are rounded.
+    crossing : {"error", "split"}, default "error"
+        What is done where two lines cross whose heights hold, and neither has a corner: raise an
+        error that names lines, place and both heights; or insert a row there, with the height of
+        the line that comes first, linear between its corners. Of lines of different kinds, one
+        whose heights hold gives the height, and nothing is raised.
     **options
         Of a file all options of `read`, such as `bounds`, `src_crs` or `columns`; of an array or a
         table in memory ``columns``, ``flat`` and ``nodata``, as for `as_cloud`. The default of
@@ -153,13 +179,19 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         ``metadata["triangulated_by"]`` says what was taken. If the cloud's
         points are float64, the surface shares their memory: do not write to them while it is in
         use, or give a copy. The surface's own arrays are read-only.
+        Rows of lines come last, with the colours, normals and named values of the nearest row of
+        the cloud; among the named values ``breakline`` is 1 for rows whose line has heights, 2 for
+        others of lines, and 0 for rows of the cloud; ``report.lines`` has the counts. The faces
+        that a boundary or holes leave out are masked, as `Surface.trim` masks them.
 
     Raises
     ------
     InputError
         An option is unknown; the cloud, colours, normals, named values, weights, radii or metric
-        have the wrong shape, type or values, or do not go together; or coordinates are geocentric
-        and the plane is one of names.
+        have the wrong shape, type or values, or do not go together; coordinates are geocentric
+        and the plane is one of names; lines are in another system than the cloud, cross, or have
+        no heights and leave the faces; they stand together with weights, radii or a metric; or
+        they need rows of their own, and the plane is not of two axes.
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
@@ -198,15 +230,28 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
     >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
     array([2, 2, 6])
+
+    A ditch between two banks, and a pond:
+
+    >>> banks = [[0, 0, 5], [8, 0, 5], [0, 8, 5], [8, 8, 5]]
+    >>> ditch = [[0, 4, 1], [8, 4, 1]]
+    >>> pond = [[1, 5], [3, 5], [3, 7], [1, 7]]
+    >>> surface = triangulate(banks, breaklines=ditch, holes=pond)
+    >>> surface.sample([[4, 4], [4, 6], [2, 6]])
+    array([ 1.,  3., nan])
+    >>> surface.attributes["breakline"][:6], surface.report.lines["edges"]
+    (array([0, 0, 0, 0, 1, 1], dtype=uint8), 7)
     """
     check_option("on_duplicate", on_duplicate, OnDuplicate)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("algorithm", algorithm, Algorithm)
     check_progress(progress)
-    lines = lines_given(breaklines, soft_breaklines, boundary, holes, densify, crossing)
+    check_option("crossing", crossing, Crossing)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
     source = with_parts(read_rows(cloud, **options), given)
+    given_lines = breaklines, soft_breaklines, boundary, holes
+    lines = lines_given(*given_lines, densify, crossing, source.crs)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -222,7 +267,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     }
     stages.finish("plane")
     if lines is not None:
-        lines.check(lifting, algorithm)
+        check_plain(lifting, algorithm)
     run = _Run(lifting, frame, on_duplicate, engine, stages)
     surface = run.surface() if lines is None else with_lines(frame, lines, run.surface)
     stages.end()
