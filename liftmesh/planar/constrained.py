@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Integers, Mask, Progress, Reals, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, of_one_array, pair_keys, widened
 from liftmesh.base.options import (
     Carve,
@@ -32,6 +32,7 @@ from liftmesh.planar.points import rows_of
 from liftmesh.predicates import orient2d
 
 _SHOWN = 10
+_SEED = "give a point x, y in each region that is to be removed"
 _FOLLOWING, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
@@ -73,8 +74,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     polygons : list, path or geometries, optional
         Polygons, each as a ring, or as a list of rings: the outer one, then its holes. A ring is
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
-        and others. Or polygons in any of the other forms. In DXF and OBJ these are closed curves;
-        one inside another is a hole, and one inside a hole is a polygon again.
+        and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
+        OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
+        turn.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
         insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
@@ -95,10 +97,10 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     Returns
     -------
     ConstrainedTriangulation
-        Indices are rows of `points`, after which come those that coordinates have become (``added``)
-        unless a row is exactly there, and those at crossings (``crossing_rows``). ``constraints``
-        are the edges that were asked for, piece by piece, with the input edges of each. Edges whose
-        ends are at one position are in ``zero_length``.
+        Indices are rows of `points`, after which come those that coordinates have become
+        (``added``) unless a row is exactly there, and those at crossings (``crossing_rows``).
+        ``constraints`` are the edges that were asked for, piece by piece, with the input edges of
+        each. Edges whose ends are at one position are in ``zero_length``.
 
     Raises
     ------
@@ -136,8 +138,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     Examples
     --------
     >>> points = [[0, 0], [4, -1], [8, 0], [4, 1]]
-    >>> constrained_delaunay(points, [[0, 2]]).edges.tolist()
-    [[0, 2], [2, 3], [0, 3], [0, 1], [1, 2]]
+    >>> [0, 2] in constrained_delaunay(points, [[0, 2]]).edges.tolist()
+    True
     >>> square = [[0, 0], [3, 0], [3, 3], [0, 3]]
     >>> hole = [[1, 1], [2, 1], [2, 2], [1, 2]]
     >>> tri = constrained_delaunay(square, polygons=[[square, hole]], carve="holes")
@@ -161,11 +163,11 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         return _kernel.constrained(points, edges, *run)
 
     if crossing == "split":
-        split = split_crossings(planar, given.edges, build)
+        split = split_crossings(planar, given, build)
     else:
         split = Split(planar, given.edges, np.arange(len(given.edges), dtype=np.int32))
         split.built = build(planar, given.edges)
-    solved = _solved(rows, split, order, progress)
+    solved = _solved(rows, split, given, order, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)
     return ConstrainedTriangulation(*solution[:6], bits, _pieces(solved, split, given), left)
@@ -188,13 +190,15 @@ class _Solved(NamedTuple):
         return np.repeat(np.arange(len(self.pieces)), np.diff(self.indptr))
 
 
-def _solved(rows: Array, split: Split, order: RowOrder, progress: Progress | None) -> _Solved:
+def _solved(
+    rows: Array, split: Split, given: Constraints, order: RowOrder, progress: Progress | None
+) -> _Solved:
     """Convert the outcome of a run of the kernel."""
     outcome, bits, pieces, indptr, members, _, unplaced, crossings = split.built
     if len(unplaced):
-        raise _unplaced(split.points, split.edges, unplaced)
+        raise _unplaced(split.points, given, unplaced)
     if len(crossings):
-        raise crossing_error(split.points, split.edges, crossings)
+        raise crossing_error(split.points, given, crossings)
     if len(split.points) > len(rows):
         rows = split.points
     solution = solution_of(outcome, rows, split.points, order, progress)
@@ -203,12 +207,12 @@ def _solved(rows: Array, split: Split, order: RowOrder, progress: Progress | Non
     return _Solved(solution, bits, pieces, indptr, members, split.edges, split.origins)
 
 
-def _unplaced(points: Reals, edges: Rows, unplaced: Rows) -> InputError:
+def _unplaced(points: Reals, given: Constraints, unplaced: Rows) -> InputError:
     """Name edges that end at rows that are skipped."""
     named = []
-    for edge, ends in zip(unplaced[:_SHOWN].tolist(), edges[unplaced].tolist(), strict=False):
+    for edge, ends in zip(unplaced[:_SHOWN].tolist(), given.edges[unplaced].tolist(), strict=False):
         row = next(each for each in ends if not np.isfinite(points[each]).all())
-        named.append(f"edge {edge}, {ends}, at row {row} {tuple(points[row].tolist())}")
+        named.append(f"{given.named(edge)}, {ends}, at row {row} {tuple(points[row].tolist())}")
     rest = f", and {len(unplaced) - _SHOWN:,} more" if len(unplaced) > _SHOWN else ""
     return InputError(
         f"{counted(len(unplaced), 'edge')} end{'s' * (len(unplaced) == 1)} at rows that are "
@@ -300,22 +304,28 @@ def _rise(points: Reals, edges: Rows) -> Mask:
 def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     """Find the triangles of seeds, which have to be inside of a region."""
     solution = solved.solution
-    wanted = "give a point x, y in each region that is to be removed"
-    places = np.ascontiguousarray(as_numbers("seeds", seeds, wanted, verb="are")).reshape(-1, 2)
+    places = np.ascontiguousarray(as_numbers("seeds", seeds, _SEED, verb="are"))
+    if places.shape[-1:] != (2,) or places.ndim > 2:
+        raise InputError(f"{Option('seeds')} have the shape {places.shape}: {_SEED}")
+    places = places.reshape(-1, 2)
     triangles = np.empty(len(places), dtype=np.int32)
     locator = _kernel.Locator(solution.points, solution.simplices, solution.neighbors)
     locator.find(places, triangles, *as_threads(None, len(places)))
+    if (triangles < 0).any():
+        raise _misplaced(places, int((triangles < 0).argmax()), "outside of all triangles")
     around = solution.simplices[triangles]
     sides, piece = _found(solved.pieces, around)
     sides[sides] = bounds[piece[sides]] > 0
     corners = solution.points[around]
     turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
-    is_on = (turns == 0) & sides
-    for k, (x, y) in enumerate(places.tolist()):
-        if triangles[k] < 0 or is_on[k].any():
-            where = "outside of all triangles" if triangles[k] < 0 else "on an edge that bounds"
-            raise InputError(f"seed {k}, ({x!r}, {y!r}), is {where}: {wanted}")
+    is_on = ((turns == 0) & sides).any(axis=1)
+    if is_on.any():
+        raise _misplaced(places, int(is_on.argmax()), "on an edge that bounds a region")
     return triangles
+
+
+def _misplaced(places: Floats, seed: int, where: str) -> InputError:
+    return InputError(f"seed {seed}, {tuple(places[seed].tolist())}, is {where}: {_SEED}")
 
 
 def _left_first(solved: _Solved, keep: Mask | None) -> tuple[Solution, Bits, int]:

@@ -104,7 +104,7 @@ class ConstrainedTriangulation(Triangulation):
     (array([1, 1]), array([0, 1], dtype=int32))
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913, PLR0917 - as many as there are arrays
         self,
         points: Reals,
         simplices: Rows,
@@ -179,7 +179,7 @@ class ConstrainedTriangulation(Triangulation):
         They are numbered from 0 in the order of their first triangles.
         """
         bits = self._constrained[: self.nsimplex]
-        return self._kept(_kernel.regions(np.ascontiguousarray(self.neighbors), bits))
+        return self._kept(_kernel.label_regions(np.ascontiguousarray(self.neighbors), bits))
 
     @cached_property
     def repeated(self) -> Rows:
@@ -278,7 +278,7 @@ class ConstrainedTriangulation(Triangulation):
     def _locator(self) -> _kernel.Locator:
         return _kernel.Locator(self._rows, *map(np.ascontiguousarray, self._whole))
 
-    def lifted(self, apex: Apex = "median") -> LowerHull:
+    def lifted(self, apex: Apex = "median") -> LowerHull:  # noqa: ARG002 - no apex helps
         """Raise: the lift of constrained triangles is no lower hull.
 
         Parameters

@@ -40,15 +40,23 @@ class Constraints:
     bounds: Mask  # whether the edge bounds a region that `carve` removes or keeps
     added: Floats  # (a, 2): the positions of new rows
 
+    def named(self, edge: int) -> str:
+        """Name an edge in a message."""
+        for kind, of_edge in (("polyline", self.polyline), ("polygon", self.polygon)):
+            if of_edge[edge] >= 0:
+                return f"edge {edge} (of {kind} {of_edge[edge]})"
+        return f"edge {edge}"
+
 
 def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constraints:
     """Convert all constraints that the caller gives."""
     plain = _as_edges(edges, len(points))
     rows = len(points)
     lines = [_line(each, rows, f"polyline {k}", 2) for k, each in enumerate(_lines(polylines))]
+    polygons, is_unsaid = _polygons(polygons)
     areas = [
         [_without_return(_line(ring, rows, f"a ring of polygon {k}", 3)) for ring in rings]
-        for k, rings in enumerate(_polygons(polygons))
+        for k, rings in enumerate(polygons)
     ]
     rings = [ring for area in areas for ring in area]
     corners, added = _as_rows(points, [*lines, *rings])
@@ -65,9 +73,9 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
     polyline[count:] = np.where(is_ring, -1, line)
     polygon[count:][is_ring] = of_area[line[is_ring] - len(lines)]
     winding[:] = 0
-    winding[count:][is_ring] = _insides(points, added, corners[len(lines) :], areas)[
-        line[is_ring] - len(lines)
-    ]
+    if not is_unsaid:  # else the parity tells
+        insides = _insides(points, added, corners[len(lines) :], areas)
+        winding[count:][is_ring] = insides[line[is_ring] - len(lines)]
     bounds = polygon >= 0
     if not areas:
         is_closed = np.array([line[0] == line[-1] for line in corners], dtype=np.bool_)
@@ -162,26 +170,31 @@ def _lines(given: Any) -> list[Any]:
     return lines
 
 
-def _polygons(given: Any) -> list[Sequence[Any]]:
-    """Tell polygons apart: each is a list of rings, of which the first is the outer one."""
+def _polygons(given: Any) -> tuple[list[Sequence[Any]], bool]:
+    """Tell polygons apart: each is a list of rings, of which the first is the outer one.
+
+    Or rings of which nothing says whether they are holes, and True.
+    """
     if given is None:
-        return []
+        return [], False
     shapes = areas_in(given)
     if shapes is not None:
-        return list(shapes)
+        return list(shapes[0]), shapes[1]
     items = _items("polygons", given)
     if _is_chain(items) or (len(items) and _is_corner(items[0]) and len(items[0]) == 2):
-        return [[given]]
+        return [[given]], False
     polygons: list[Sequence[Any]] = []
+    is_unsaid = False
     for each in items:
         shapes = areas_in(each)
         if shapes is not None:
-            polygons += shapes
+            polygons += shapes[0]
+            is_unsaid |= shapes[1]
         elif not len(rings := _items("polygons", each)):
             raise InputError(f"polygon {len(polygons)} is {shown(each)}, without a ring")
         else:
             polygons.append([each] if _is_ring(each, len(polygons)) else rings)
-    return polygons
+    return polygons, is_unsaid
 
 
 def _items(name: str, given: Any) -> Sequence[Any]:

@@ -8,12 +8,12 @@ rows from the edges that the caller gave, so they tell of all rounds together.
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -22,7 +22,7 @@ from liftmesh._typing import Array, Integers, Reals, Rows
 from liftmesh.base.arrays import pair_keys, widened
 from liftmesh.base.options import counted
 from liftmesh.errors import CrossingError, InputError, Option
-from liftmesh.planar.constraints import match_rows
+from liftmesh.planar.constraints import Constraints, match_rows
 
 Exact: TypeAlias = tuple[Fraction, Fraction]
 Build: TypeAlias = Callable[[Reals, Rows], Any]  # of the kernel: its last item are the crossings
@@ -31,8 +31,9 @@ _MOST_ROUNDS = 64
 _NAMED, _MOST_PLACES = 10, 10_000
 
 
-def crossing_error(points: Array, edges: Rows, crossings: Rows) -> CrossingError:
+def crossing_error(points: Array, given: Constraints, crossings: Rows) -> CrossingError:
     """Name the crossings in an order that the order and direction of edges do not change."""
+    edges = given.edges
     ends = np.sort(edges[crossings], axis=2)  # (c, 2, 2)
     is_later = pair_keys(*ends[:, 0].T) > pair_keys(*ends[:, 1].T)
     pairs = np.where(is_later[:, None], crossings[:, ::-1], crossings)
@@ -42,8 +43,8 @@ def crossing_error(points: Array, edges: Rows, crossings: Rows) -> CrossingError
     known = _Points(points)
     places = [_rounded(known.crossing(*each)) for each in rows[:_MOST_PLACES].tolist()]
     named = [
-        f"edge {e} from row {a} {known.shown(a)} to row {b} {known.shown(b)} and edge {f} from row "
-        f"{c} {known.shown(c)} to row {d} {known.shown(d)}, at {place}"
+        f"{given.named(e)} from {known.named(a)} to {known.named(b)} and {given.named(f)} from "
+        f"{known.named(c)} to {known.named(d)}, at {place}"
         for (e, f), (a, b, c, d), place in zip(
             pairs[:_NAMED].tolist(), rows[:_NAMED].tolist(), places[:_NAMED], strict=True
         )
@@ -74,22 +75,29 @@ class Split:
         self.own = len(self.points)
 
 
-def split_crossings(points: Reals, edges: Rows, build: Build) -> Split:
+def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
     """Build, insert what crosses, and build again until nothing does."""
+    edges = given.edges
     split = Split(points, edges, np.arange(len(edges), dtype=np.int32))
-    for number in range(_MOST_ROUNDS):
+    for number in range(_MOST_ROUNDS + 1):
         split.built = build(split.points, split.edges)
         *_, zero_length, _, crossings = split.built
         if number == 0:  # later, ends of parts may be at one position
             split.zero_length = zero_length
         if not len(crossings):
             return split
-        _insert(split, crossings, points, edges)
-    e, f = crossings[0].tolist()
-    place = _rounded(_Points(split.points).crossing(*split.edges[[e, f]].ravel().tolist()))
-    raise InputError(
-        f"edges still cross after {_MOST_ROUNDS} rounds of {Option('crossing', 'split')}, as edges "
-        f"{split.origins[e]} and {split.origins[f]} at {place}: they are nearer to each other than "
+        if number < _MOST_ROUNDS:
+            _insert(split, crossings, points, edges)
+    raise _unending(split, given, crossings[0])
+
+
+def _unending(split: Split, given: Constraints, pair: Rows) -> InputError:
+    """Name the place where edges still cross."""
+    e, f = split.origins[pair].tolist()
+    place = _rounded(_Points(split.points).crossing(*split.edges[pair].ravel().tolist()))
+    return InputError(
+        f"edges still cross after {_MOST_ROUNDS} rounds of {Option('crossing', 'split')}, as "
+        f"{given.named(e)} and {given.named(f)} do at {place}: they are nearer to each other than "
         "float64 can tell apart; move them, or leave one out"
     )
 
@@ -113,7 +121,7 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
         is_reversed = known.at(head) < known.at(tail)
         chain = [tail, *(row for _, row in sorted(several, reverse=is_reversed)), head]
         chain = [row for k, row in enumerate(chain) if k == 0 or row != chain[k - 1]]
-        parts += list(itertools.pairwise(chain))
+        parts += list(pairwise(chain))
         origins += [origin] * (len(chain) - 1)
         a, b = map(given.at, edges[origin].tolist())
         far = max(_distance(placed.at(row), a, b) for _, row in several)
@@ -134,8 +142,8 @@ class _Points:
         x, y = self._points[row].tolist()
         return Fraction(x), Fraction(y)
 
-    def shown(self, row: int) -> tuple[float, ...]:
-        return tuple(self._points[row].tolist())
+    def named(self, row: int) -> str:
+        return f"row {row} {tuple(self._points[row].tolist())}"
 
     def crossing(self, *rows: int) -> Exact:
         """Return where two edges cross."""

@@ -353,11 +353,11 @@ class _Regions:
             keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
             place = np.searchsorted(pair_keys(*tri.constraints.T), keys)
             self._is_ring[triangle, corner] = is_piece[place]
-        at_rim = ((tri.neighbors < 0) & is_end[tri.simplices]).any(axis=1)
+        at_rim: Mask = ((tri.neighbors < 0) & is_end[tri.simplices]).any(axis=1)
         self._rim = np.flatnonzero(at_rim)
         divides = self._is_ring | at_rim[:, None] | (at_rim[tri.neighbors] & (tri.neighbors >= 0))
         bits = (divides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
-        self._label = _kernel.regions(np.ascontiguousarray(tri.neighbors), bits)
+        self._label = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits)
         corners = tri.points[tri.simplices]
         with np.errstate(all="ignore"):
             (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)

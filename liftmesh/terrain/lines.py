@@ -18,7 +18,7 @@ import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import MOST_ROWS
-from liftmesh.base.options import Crossing, as_positive, refused
+from liftmesh.base.options import Crossing, as_positive, refused, shown
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.terrain.lifting import DIVIDING, Lifting
 from liftmesh.terrain.profile import between
@@ -191,9 +191,15 @@ def _all(option: str, given: Any, crs: str | None, depth: int) -> Iterator[Any]:
             else:
                 yield from _all(option, each, crs, depth)
         return
-    found = list(coordinates_of(tree, "Polygon"))
+    try:
+        found, lines = (list(coordinates_of(tree, each)) for each in ("Polygon", "LineString"))
+    except (TypeError, AttributeError, RecursionError) as error:
+        raise InputError(f"no GeoJSON: {shown(tree)}: give type and coordinates") from error
     if depth == 2:
-        found = [*coordinates_of(tree, "LineString"), *(ring for each in found for ring in each)]
+        found = lines + [ring for each in found for ring in each]
+    elif not found:  # of a drawing: what closes itself, where one inside of another is a hole
+        rings = [each for each in lines if len(each) > 3 and each[0][:2] == each[-1][:2]]
+        found = [rings] if rings else []
     if not found:
         kinds = "LineString or Polygon" if depth == 2 else "Polygon or MultiPolygon"
         raise InputError(f"there is none in what {Option(option)} are given as: give {kinds}")

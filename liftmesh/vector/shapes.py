@@ -16,7 +16,7 @@ from liftmesh.base.options import shown
 from liftmesh.errors import FormatError, InputError
 from liftmesh.vector.files import read_features
 from liftmesh.vector.geojson import geometries, planar_corners
-from liftmesh.vector.polygons import Polygon, as_polygons, polygons_in
+from liftmesh.vector.polygons import Polygon, as_polygons
 
 _DEPTH = {"LineString": 1, "LinearRing": 1, "MultiLineString": 2, "Polygon": 2, "MultiPolygon": 3}
 
@@ -38,14 +38,22 @@ def lines_in(given: Any) -> list[Floats] | None:
     return _lines(described) if isinstance(described, Mapping) else None
 
 
-def areas_in(given: Any) -> list[Polygon] | None:
-    """Return polygons, each as its rings; None for what is no shape."""
+def areas_in(given: Any) -> tuple[list[Polygon], bool] | None:
+    """Return polygons, each as its rings; None for what is no shape.
+
+    Or, where there is no polygon, lines that end where they begin, and True: of these nothing says
+    which are holes.
+    """
     if isinstance(given, str | os.PathLike):
-        return polygons_in(None, given)
+        path = Path(given)
+        try:
+            return _areas(read_features(path, "polygons"))
+        except InputError as error:
+            raise FormatError(f"{path}: {error.message.marked}") from error
     if _is_path(given):
-        return [each for area in given.polygons_full for each in as_polygons(area)]
+        return [each for area in given.polygons_full for each in as_polygons(area)], False
     described = getattr(given, "__geo_interface__", given)
-    return as_polygons(described) if isinstance(described, Mapping) else None
+    return _areas(described) if isinstance(described, Mapping) else None
 
 
 def _is_path(given: Any) -> bool:
@@ -65,6 +73,16 @@ def _lines(tree: Any) -> list[Floats]:
     if not lines:
         raise InputError("there is no line in what is given: give LineString or Polygon")
     return lines
+
+
+def _areas(tree: Any) -> tuple[list[Polygon], bool]:
+    lines = _lines(tree)
+    if any(kind.endswith("Polygon") for kind, *_ in geometries(tree)):
+        return as_polygons(tree), False
+    closed = [[line] for line in lines if len(line) > 3 and (line[0] == line[-1]).all()]
+    if not closed:
+        raise InputError("there is no polygon in what is given, nor a line that closes itself")
+    return closed, True
 
 
 def _flat(coordinates: Any, depth: int) -> Iterator[Any]:
