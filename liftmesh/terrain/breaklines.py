@@ -353,8 +353,9 @@ class _Regions:
             keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
             place = np.searchsorted(pair_keys(*tri.constraints.T), keys)
             self._is_ring[triangle, corner] = is_piece[place]
-        at_rim: Mask = ((tri.neighbors < 0) & is_end[tri.simplices]).any(axis=1)
-        self._rim = np.flatnonzero(at_rim)
+        self._rim = np.unique(np.nonzero((tri.neighbors < 0) & is_end[tri.simplices])[0])
+        at_rim = np.zeros(tri.nsimplex, dtype=np.bool_)
+        at_rim[self._rim] = True
         divides = self._is_ring | at_rim[:, None] | (at_rim[tri.neighbors] & (tri.neighbors >= 0))
         bits = (divides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
         self._label = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits)
