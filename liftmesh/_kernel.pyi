@@ -42,6 +42,34 @@ def delaunay(
     progress: Callable[[float], None] | None,
     folder: str | None = None,
 ) -> Outcome: ...
+def constrained(
+    rows: NDArray[np.floating[Any]],
+    edges: NDArray[np.int32],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[
+    Outcome,
+    NDArray[np.uint8],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def carve(
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    constrained: NDArray[np.uint8],
+    pieces: NDArray[np.int32],
+    bounds: NDArray[np.uint8],
+    winding: NDArray[np.int32],
+    carving: str,
+    seeds: NDArray[np.int32],
+) -> NDArray[np.uint8]: ...
+def regions(neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]) -> NDArray[np.int32]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
     skip_non_finite: bool,

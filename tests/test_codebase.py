@@ -173,6 +173,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "delaunay": {"base", "predicates", "parallel", "sorting"},
     "anisotropic": {"base", "predicates", "parallel", "sorting"},
     "apollonius": {"base", "predicates", "parallel", "sorting"},
+    "constrained": {"base", "predicates", "sorting", "delaunay"},
     "dynamic": {"base", "predicates", "sorting", "delaunay"},
     "simplification": {"base", "predicates", "sorting", "delaunay", "dynamic"},
     "paper": {"base", "predicates"},

@@ -113,4 +113,5 @@ NB_MODULE(_kernel, m) {
     bindings::bind_tiles(m);
     bindings::bind_verify(m);
     bindings::bind_cells(m);
+    bindings::bind_constrained(m);
 }

@@ -279,6 +279,7 @@ nb::list as_list(const liftmesh::FlawsOf<Kind>& flaws) {
 void bind_anisotropic(nb::module_& m);
 void bind_apollonius(nb::module_& m);
 void bind_cells(nb::module_& m);
+void bind_constrained(nb::module_& m);
 void bind_dynamic(nb::module_& m);
 void bind_lifted(nb::module_& m);
 void bind_surface(nb::module_& m);

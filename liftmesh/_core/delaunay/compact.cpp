@@ -135,6 +135,7 @@ class Compaction {
           rows_(from.rows.get()),
           vertices_(from.vertices.get()),
           twins_(from.twins.get()),
+          marks_(from.marks),
           moving_(ghosts.count() + from.dead),
           kept_(2 * from.count - 2 - moving_),
           end_(triangle_in(kept_)),
@@ -214,6 +215,7 @@ class Compaction {
         const TriangleId from = triangle_in(kept_ + i);
         std::copy_n(&vertices_[from], words_per_triangle, &vertices_[to]);
         std::copy_n(&twins_[from], words_per_triangle, &twins_[to]);
+        if (marks_ != nullptr) marks_[slot_of(to)] = marks_[slot_of(from)];
         return to;
     }
 
@@ -255,6 +257,7 @@ class Compaction {
     const Row* rows_;
     Vertex* vertices_;
     Edge* twins_;
+    std::uint8_t* marks_;
     std::size_t moving_, kept_;
     Edge end_;
     bool has_dead_;

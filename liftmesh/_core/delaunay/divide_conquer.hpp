@@ -22,6 +22,7 @@ struct Construction {
     std::size_t count = 0;
     std::size_t dead = 0;  // slots without a triangle, marked as ghosts are
     TriangleId some_ghost = 0;
+    std::uint8_t* marks = nullptr;  // one of each slot, which go with the triangles, if any
 };
 
 // Takes the memory of the sites, and makes that of the result.

@@ -1,0 +1,231 @@
+#include "constrained/constrained.hpp"
+
+#include "base/floating_point.hpp"
+#include "constrained/insertion.hpp"
+#include "predicates/orient2d.hpp"
+#include "sorting/counting_sort.hpp"
+
+namespace liftmesh {
+
+namespace constrained {
+
+namespace {
+
+// An edge between vertices of the construction.
+struct Placed {
+    Vertex a, b;
+    EdgeId edge;
+    auto operator<=>(const Placed&) const = default;
+};
+
+// A piece, and an edge that it is part of.
+struct Membership {
+    Piece piece;
+    EdgeId edge;
+    auto operator<=>(const Membership&) const = default;
+};
+
+// A span of an edge that crosses others, at a triangle that it meets.
+struct Visit {
+    TriangleId triangle;
+    EdgeId edge;
+    Span span;
+};
+
+// Sorts items, whose numbers key(item) are below `keys` and ascend with them.
+template <class Item, class Key>
+bool sort(std::vector<Item>& items, std::size_t keys, ThreadPool& pool, Key key) {
+    constexpr std::size_t stretch = 8;  // numbers in a bucket
+    const auto bucket = [&](const Item& item) { return key(item) / stretch; };
+    std::vector<Item> sorted(items.size());
+    CountingSort by_bucket(items.size(), 1, keys / stretch + 1, pool);
+    const auto visit_items = [&](const Share&, auto visit) {
+        std::for_each(items.begin(), items.end(), visit);
+    };
+    const auto store = [&](std::size_t place, const Item& item) { sorted[place] = item; };
+    if (!by_bucket.sort(visit_items, bucket, store)) return false;
+    const std::vector<std::size_t> starts = std::move(by_bucket).starts();
+    for (std::size_t i = 0; i + 1 < starts.size(); ++i)
+        std::sort(sorted.data() + starts[i], sorted.data() + starts[i + 1]);
+    items = std::move(sorted);
+    return true;
+}
+
+class Constraints {
+ public:
+    Constraints(const Delaunay& start, Construction& mesh, std::size_t rows, Guard guard,
+                ThreadPool& pool)
+        : mesh_(mesh),
+          rows_(rows),
+          guard_(guard),
+          pool_(pool),
+          patience_(pool.interrupt()),
+          marks_(2 * mesh.count - 2),
+          vertex_of_row_(allocate<Vertex>(rows)) {
+        std::fill_n(vertex_of_row_.get(), rows, ghost);
+        for (std::size_t v = 0; v < mesh.count; ++v)
+            vertex_of_row_[mesh.rows[v]] = static_cast<Vertex>(v);
+        for (const Duplicate& each : start.duplicates)
+            vertex_of_row_[each.row] = vertex_of_row_[each.kept];
+    }
+
+    Mark* marks() { return marks_.data(); }
+
+    // False if interrupted, or if the edges cannot be put in: then the result says why.
+    bool run(const std::int32_t* edges, std::size_t count, Constrained& result) {
+        if (!place(edges, count, result)) return false;
+        if (!result.unplaced.empty() || !has_triangles()) return true;
+        Insertion insertion(mesh_, marks_.data(), guard_);
+        if (!insert(insertion)) return false;
+        const auto first_row = [](const Membership& each) { return each.piece.first; };
+        if (!sort(memberships_, rows_, pool_, first_row)) return false;
+        if (!crossing_.empty()) return find_crossings(insertion, result.crossings);
+        list(result);
+        return true;
+    }
+
+ private:
+    bool has_triangles() const {
+        const Edge across = mesh_.twins[edge(mesh_.some_ghost, 2)];
+        return mesh_.vertices[triangle_of(across) + 2] != ghost;
+    }
+
+    // In the order of their ends: neighbours in the plane are neighbours in memory.
+    bool place(const std::int32_t* edges, std::size_t count, Constrained& result) {
+        placed_.reserve(count);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto id = static_cast<EdgeId>(i);
+            const Vertex a = vertex_of_row_[edges[2 * i]], b = vertex_of_row_[edges[2 * i + 1]];
+            if (a == ghost || b == ghost)
+                result.unplaced.push_back(id);
+            else if (a == b)
+                result.zero_length.push_back(id);
+            else
+                placed_.push_back({std::min(a, b), std::max(a, b), id});
+        }
+        return sort(placed_, mesh_.count, pool_, [](const Placed& each) { return each.a; });
+    }
+
+    bool insert(Insertion& insertion) {
+        memberships_.reserve(placed_.size());
+        for (const Placed& each : placed_) {
+            bool crosses = false;
+            insertion.insert(each.a, each.b, [&](Span span, const std::vector<Edge>& crossed) {
+                crosses |= !crossed.empty();
+                memberships_.push_back({piece(span), each.edge});
+            });
+            if (crosses) crossing_.push_back(each);
+            if (patience_.ends()) return false;
+        }
+        return true;
+    }
+
+    Piece piece(Span span) const {
+        const auto [first, second] = std::minmax({mesh_.rows[span.from], mesh_.rows[span.to]});
+        return {first, second};
+    }
+
+    void list(Constrained& result) const {
+        result.pieces.reserve(memberships_.size());
+        result.starts.reserve(memberships_.size() + 1);
+        result.members.reserve(memberships_.size());
+        for (const Membership& each : memberships_) {
+            if (result.pieces.empty() || result.pieces.back() != each.piece) {
+                result.pieces.push_back(each.piece);
+                result.starts.push_back(static_cast<std::uint32_t>(result.members.size()));
+            }
+            result.members.push_back(each.edge);
+        }
+        result.starts.push_back(static_cast<std::uint32_t>(result.members.size()));
+    }
+
+    // Each edge that was found to cross another is followed through all that are in by now. Two of
+    // them cross in a triangle that both meet.
+    bool find_crossings(Insertion& insertion, std::vector<Crossing>& crossings) {
+        std::vector<Visit> visits;
+        for (const Placed& each : crossing_) {
+            insertion.follow(
+                each.a, each.b,
+                [&](Span span, const auto& crossed, const std::vector<TriangleId>& met) {
+                    for (const Edge e : crossed) add_members(insertion.ends(e), each, crossings);
+                    for (const TriangleId t : met) visits.push_back({t, each.edge, span});
+                });
+            if (patience_.ends(1 + visits.size() / 64)) return false;
+        }
+        std::sort(visits.begin(), visits.end(), [](const Visit& one, const Visit& other) {
+            return std::tie(one.triangle, one.edge) < std::tie(other.triangle, other.edge);
+        });
+        for (std::size_t i = 0; i < visits.size(); ++i) {
+            for (std::size_t j = i + 1;
+                 j < visits.size() && visits[j].triangle == visits[i].triangle; ++j) {
+                if (cross(visits[i].span, visits[j].span))
+                    add(visits[i].edge, visits[j].edge, crossings);
+                if (patience_.ends()) return false;
+            }
+        }
+        std::sort(crossings.begin(), crossings.end());
+        crossings.erase(std::unique(crossings.begin(), crossings.end()), crossings.end());
+        return true;
+    }
+
+    void add_members(Span ends, const Placed& other, std::vector<Crossing>& crossings) const {
+        const Membership least{piece(ends), 0};
+        auto at = std::lower_bound(memberships_.begin(), memberships_.end(), least);
+        for (; at != memberships_.end() && at->piece == least.piece; ++at)
+            add(at->edge, other.edge, crossings);
+    }
+
+    static void add(EdgeId one, EdgeId other, std::vector<Crossing>& crossings) {
+        if (one != other) crossings.push_back({std::min(one, other), std::max(one, other)});
+    }
+
+    bool cross(Span s, Span t) const {
+        const auto parts = [this](Span line, Span ends) {
+            const Point a = mesh_.points[line.from], b = mesh_.points[line.to];
+            return orient2d(a, b, mesh_.points[ends.from]) * orient2d(a, b, mesh_.points[ends.to]) <
+                   0;
+        };
+        return parts(s, t) && parts(t, s);
+    }
+
+    Construction& mesh_;
+    std::size_t rows_;
+    Guard guard_;
+    ThreadPool& pool_;
+    Patience patience_;
+    std::vector<Mark> marks_;
+    Buffer<Vertex> vertex_of_row_;
+    std::vector<Placed> placed_, crossing_;
+    std::vector<Membership> memberships_;
+};
+
+}  // namespace
+
+}  // namespace constrained
+
+Constrained constrained_delaunay(const Input& input, const std::int32_t* edges, std::size_t count,
+                                 bool skip_non_finite, Threads threads, Interrupt& interrupt) {
+    const IeeeArithmetic ieee;
+    ThreadPool pool(threads.for_rows(input.rows), interrupt);
+    interrupt.expect(input.rows * (work::sorting + work::triangulating + work::compacting));
+    Order order;
+    Constrained result;
+    static_cast<Delaunay&>(result) = start(input, skip_non_finite, pool, order);
+    if (result.status != Status::ok) return result;
+    Construction mesh;
+    const Guard guard = order.scale.guard;
+    result.status = divide_and_conquer(Paraboloid{}, guard, order, pool, mesh);
+    if (result.status != Status::ok) return result;
+    constrained::Constraints constraints(result, mesh, input.rows, guard, pool);
+    if (!constraints.run(edges, count, result)) {
+        result.status = Status::interrupted;
+        return result;
+    }
+    if (!result.unplaced.empty() || !result.crossings.empty()) return result;
+    mesh.marks = constraints.marks();
+    result.status = compact(std::move(mesh), pool, result.result);
+    result.marks.assign(mesh.marks, mesh.marks + result.result.triangle_count);
+    return result;
+}
+
+}  // namespace liftmesh

@@ -1,0 +1,152 @@
+#include "constrained/regions.hpp"
+
+namespace liftmesh::constrained {
+
+namespace {
+
+class Carver {
+ public:
+    Carver(const Marked& mesh, const std::int32_t* simplices, const Bounds& bounds)
+        : mesh_(mesh), simplices_(simplices), bounds_(bounds), places_(mesh.count) {
+        has_winding_ = std::any_of(bounds.winding, bounds.winding + bounds.pieces.size(),
+                                   [](std::int32_t winding) { return winding != 0; });
+    }
+
+    void cut(Carving carving, std::vector<std::uint8_t>& kept) {
+        find_places();
+        for (std::size_t t = 0; t < mesh_.count; ++t) {
+            const auto [depth, winding] = places_[t];
+            const bool is_inside = has_winding_ ? winding > 0 : depth % 2 == 1;
+            kept[t] = carving == Carving::holes ? is_inside : depth > 0;
+        }
+    }
+
+    void remove_region(std::size_t seed, std::vector<std::uint8_t>& kept) {
+        std::vector<std::size_t> stack{seed};
+        std::vector<bool> seen(mesh_.count);
+        seen[seed] = true;
+        while (!stack.empty()) {
+            const std::size_t t = stack.back();
+            stack.pop_back();
+            kept[t] = 0;
+            for (unsigned k = 0; k < 3; ++k) {
+                const std::int32_t other = mesh_.neighbor(t, k);
+                if (other < 0 || side(t, k).bounds) continue;
+                const auto next = static_cast<std::size_t>(other);
+                if (!seen[next]) stack.push_back(next);
+                seen[next] = true;
+            }
+        }
+    }
+
+ private:
+    static constexpr std::int32_t unknown = std::numeric_limits<std::int32_t>::max();
+
+    // How many pieces that bound are between a triangle and the outside, at least; and its winding
+    // number.
+    struct Place {
+        std::int32_t depth = unknown, winding = 0;
+    };
+
+    // A side, crossed into its triangle.
+    struct Side {
+        bool bounds;
+        std::int32_t winding;
+    };
+
+    Side side(std::size_t t, unsigned k) const {
+        if (!mesh_.is_marked(t, k)) return {false, 0};
+        const auto tail = static_cast<Row>(simplices_[3 * t + (k + 1) % 3]);
+        const auto head = static_cast<Row>(simplices_[3 * t + (k + 2) % 3]);
+        const Piece piece{std::min(tail, head), std::max(tail, head)};
+        const auto at = std::lower_bound(bounds_.pieces.begin(), bounds_.pieces.end(), piece);
+        if (at == bounds_.pieces.end() || *at != piece) return {false, 0};
+        const auto i = static_cast<std::size_t>(at - bounds_.pieces.begin());
+        const std::int32_t winding = bounds_.winding[i];
+        return {bounds_.bounds[i] != 0, tail < head ? winding : -winding};
+    }
+
+    // Level by level: first all triangles that can be reached without a further piece.
+    void find_places() {
+        for (std::size_t t = 0; t < mesh_.count; ++t)
+            for (unsigned k = 0; k < 3; ++k)
+                if (mesh_.neighbor(t, k) < 0) enter(t, k, {0, 0});
+        for (; !level_.empty() || !later_.empty(); std::swap(level_, later_)) {
+            while (!level_.empty()) {
+                const auto [t, place] = level_.back();
+                level_.pop_back();
+                if (places_[t].depth != unknown) continue;
+                places_[t] = place;
+                for (unsigned k = 0; k < 3; ++k) leave(t, k);
+            }
+        }
+    }
+
+    void leave(std::size_t t, unsigned k) {
+        const std::int32_t other = mesh_.neighbor(t, k);
+        if (other < 0) return;
+        const auto next = static_cast<std::size_t>(other);
+        if (places_[next].depth != unknown) return;
+        unsigned back = 0;
+        while (mesh_.neighbor(next, back) != static_cast<std::int32_t>(t)) ++back;
+        enter(next, back, places_[t]);
+    }
+
+    void enter(std::size_t t, unsigned k, const Place& from) {
+        const Side crossed = side(t, k);
+        const Place place{from.depth + crossed.bounds, from.winding + crossed.winding};
+        (crossed.bounds ? later_ : level_).push_back({t, place});
+    }
+
+    struct Step {
+        std::size_t triangle;
+        Place place;
+    };
+
+    const Marked& mesh_;
+    const std::int32_t* simplices_;
+    const Bounds& bounds_;
+    bool has_winding_;
+    std::vector<Place> places_;
+    std::vector<Step> level_, later_;  // of this depth, and of the next
+};
+
+}  // namespace
+
+std::vector<std::int32_t> label(const Marked& mesh) {
+    constexpr std::int32_t none = -1;
+    std::vector<std::int32_t> labels(mesh.count, none);
+    std::vector<std::size_t> stack;
+    std::int32_t regions = 0;
+    for (std::size_t first = 0; first < mesh.count; ++first) {
+        if (labels[first] != none) continue;
+        labels[first] = regions;
+        stack.push_back(first);
+        while (!stack.empty()) {
+            const std::size_t t = stack.back();
+            stack.pop_back();
+            for (unsigned k = 0; k < 3; ++k) {
+                const std::int32_t other = mesh.neighbor(t, k);
+                if (other < 0 || mesh.is_marked(t, k)) continue;
+                std::int32_t& its = labels[static_cast<std::size_t>(other)];
+                if (its == none) stack.push_back(static_cast<std::size_t>(other));
+                its = regions;
+            }
+        }
+        ++regions;
+    }
+    return labels;
+}
+
+std::vector<std::uint8_t> carve(const Marked& mesh, const std::int32_t* simplices,
+                                const Bounds& bounds, Carving carving,
+                                std::span<const std::int32_t> seeds) {
+    std::vector<std::uint8_t> kept(mesh.count, 1);
+    Carver carver(mesh, simplices, bounds);
+    if (carving != Carving::none) carver.cut(carving, kept);
+    for (const std::int32_t seed : seeds)
+        carver.remove_region(static_cast<std::size_t>(seed), kept);
+    return kept;
+}
+
+}  // namespace liftmesh::constrained
