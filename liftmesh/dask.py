@@ -222,6 +222,11 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     MissingDependencyError
         Dask is not installed.
 
+    See Also
+    --------
+    tile_surface : The same in one process.
+    dask.delaunay : Points in the plane.
+
     Examples
     --------
     >>> import tempfile
@@ -442,6 +447,16 @@ def local_cluster(**options: Any) -> Iterator[Any]:
     ------
     MissingDependencyError
         Dask, or cryptography, is not installed.
+
+    See Also
+    --------
+    dask.delaunay, dask.triangulate : Take its client.
+
+    Examples
+    --------
+    >>> with local_cluster(n_workers=1, processes=False) as client:
+    ...     client.submit(abs, -1).result()
+    1
     """
     distributed, config = (load(f"dask.{name}", extra="dask") for name in ("distributed", "config"))
     load("cryptography", extra="dask")  # which makes credentials

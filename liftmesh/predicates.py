@@ -14,6 +14,8 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_pairs, check_finite
 from liftmesh.base.options import as_switch
 
+__all__ = ["incircle", "orient2d"]
+
 
 def orient2d(a: ArrayLike, b: ArrayLike, c: ArrayLike) -> NDArray[np.int8]:
     """Compute the orientation of three points a, b, c.

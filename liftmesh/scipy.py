@@ -55,6 +55,8 @@ if TYPE_CHECKING:
 else:
     spatial = load("scipy.spatial")
 
+__all__ = ["Delaunay", "Voronoi"]
+
 
 class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
     """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""

@@ -17,6 +17,7 @@ BENCHMARKS = {
     "small": "the latency of small calls",
     "progress": "the cost of a progress callback",
     "weighted": "weights, metrics and farthest points beside CGAL and SciPy",
+    "constraints": "edges of constrained triangulations, beside CGAL, CDT and triangle",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
     "locate": "points located, beside SciPy and matplotlib",
@@ -35,7 +36,7 @@ MODULES = {"small": "delaunay", "progress": "delaunay"}  # of others: their name
 def main(words: list[str]) -> None:
     """Run the benchmark that is named, or list all."""
     if not words or words[0] not in BENCHMARKS:
-        listed = "\n".join(f"  {name:10}{what}" for name, what in BENCHMARKS.items())
+        listed = "\n".join(f"  {name:12}{what}" for name, what in BENCHMARKS.items())
         parser = ArgumentParser(
             description=__doc__, epilog=listed, formatter_class=RawDescriptionHelpFormatter
         )

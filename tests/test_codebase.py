@@ -8,7 +8,7 @@ import operator
 import pydoc
 import re
 import textwrap
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import groupby
 from pathlib import Path
 
@@ -121,6 +121,7 @@ def test_every_property_is_described(name: str) -> None:
             assert inspect.getdoc(member), f"{name}.{key}"
 
 
+@cache
 def project_files() -> list[Path]:
     return [
         path
@@ -210,6 +211,21 @@ def test_programs_that_a_page_names_are_there(page: str) -> None:
         assert any(f"/{path}".endswith(f"/{name}") for path in there), name
     for folder in re.findall(r"\bpython (scripts/\w+)(?![\w.])", text):
         assert (ROOT / folder / "__main__.py").is_file(), folder
+
+
+@pytest.mark.parametrize("page", ["ARCHITECTURE.md", "CONTRIBUTING.md"])
+def test_files_that_a_page_names_are_there(page: str) -> None:
+    """By the end of their path, which may lack the suffix; or as a module with a name in it."""
+    text = re.sub(r"```.*?```", "", (ROOT / page).read_text("utf-8"), flags=re.DOTALL)
+    spans = [s for s in re.findall(r"`([\w./-]+)`", text) if s.split("/")[0] not in MADE_HERE]
+    paths = [path.relative_to(ROOT) for path in project_files()]
+    known = {*paths, *(p.with_suffix("") for p in paths), *(up for p in paths for up in p.parents)}
+    ends = {"/".join(path.parts[k:]) for path in known for k in range(len(path.parts))}
+    is_path = re.compile(r"\w[\w.-]*/[\w./-]*|[\w/]+\.(?:pyi?|[ch]pp|sh)")
+    assert [s for s in spans if is_path.fullmatch(s) and s.rstrip("/") not in ends] == []
+    for module, name in re.findall(r"^(\w+)\.(?!pyi?$|.pp$)(\w+)$", "\n".join(spans), re.MULTILINE):
+        held = [p.read_text("utf-8") for p in project_files() if p.name == f"{module}.py"]
+        assert not held or any(name in text for text in held), f"{module}.{name}"
 
 
 PAGES = sorted(p.relative_to(ROOT).as_posix() for p in project_files() if p.suffix == ".md")

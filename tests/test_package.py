@@ -103,6 +103,13 @@ print(len(found), len(rooms))
     assert rooms >= 10
 
 
+def test_modules_of_public_names_list_them() -> None:
+    names = {**vars(importlib.import_module("liftmesh.predicates"))}
+    assert names["__all__"] == ["incircle", "orient2d"]
+    assert all(getattr(liftmesh, name) is names[name] for name in names["__all__"])
+    assert liftmesh.scipy.__all__ == ["Delaunay", "Voronoi"]
+
+
 def test_no_module_bears_the_name_of_a_public_name() -> None:
     modules = {module.name for module in pkgutil.iter_modules(liftmesh.__path__)}
     assert len(modules) > 10

@@ -10,6 +10,8 @@ import click
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, number, numbers, option, positive, whole
+from liftmesh.cli.wording import spelled
+from liftmesh.errors import Option
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
@@ -33,9 +35,15 @@ def run(
     ] = None,
     levels: Annotated[Any, option("HEIGHTS", "Lines at these heights, as 1,2.5.", numbers)] = None,
     contour_base: Annotated[
-        float, option("HEIGHT", "Height that multiples are counted from.", number)
-    ] = 0,
-    index_every: Annotated[int, option("N", "Every n-th is an index contour.", whole(1))] = 5,
+        float | None,
+        option(
+            "HEIGHT", "Of --interval: height that multiples are counted from; default: 0.", number
+        ),
+    ] = None,
+    index_every: Annotated[
+        int | None,
+        option("N", "Of --interval: every n-th is an index contour; default: 5.", whole(1)),
+    ] = None,
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
     *,
     reading: surfaces.Reading,
@@ -48,21 +56,26 @@ def run(
     check_name(target)
     if (interval is None) == (levels is None):
         raise click.BadParameter("give either --interval or --levels")
-    multiples = {"interval": interval, "contour_base": contour_base}
-    wanted = multiples if levels is None else {"levels": levels}
+    of_interval = options.given(contour_base=contour_base, index_every=index_every)
+    if levels is not None and of_interval:
+        given = spelled(Option(next(iter(of_interval))))
+        raise click.BadParameter(
+            f"{given} is of --interval only, and --levels is given: leave one out"
+        )
+    wanted = {**options.given(levels=levels, interval=interval), **of_interval}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
     if source.is_dir():
         surface: Any = surfaces.open_tiles(source, reading)
         with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, index_every=index_every)
+            lines = surface.contours(**wanted)
     else:
         surface = surfaces.read(source, reading)
         if not reading.trimming:
             surfaces.note_slivers(source, surface)
         with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, index_every=index_every, threads=reading.threads)
+            lines = surface.contours(**wanted, threads=reading.threads)
     if not len(lines):
         terminal.note(
             "{}: no line: its heights are from {:.10g} to {:.10g}".format(
@@ -87,7 +100,10 @@ def run(
 
 def _heights(surface: Any) -> tuple[float, float]:
     """Return the least and the greatest height of a surface, or of one in tiles."""
-    if hasattr(surface, "box"):
-        return surface.box[2], surface.box[5]
+    from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
+
+    if isinstance(surface, TiledSurfaceData):
+        _, _, low, _, _, high = box_of(surface)
+        return low, high
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

@@ -22,7 +22,7 @@ _BYTES_PER_ROW = 70
 
 SHORT_HELP = "Summarise a cloud or mesh."
 HELP = (
-    "Prints the number of rows, extent, spacing, duplicates and overhangs, whether float32 is "
+    "Prints the number of rows, bounds, spacing, duplicates and overhangs, whether float32 is "
     "accurate enough, whether a triangle exists, and the memory that triangulation needs."
 )
 EXAMPLES = ["liftmesh info cloud.ply", "liftmesh info lidar.csv --json"]
@@ -34,7 +34,7 @@ def run(
         argument("FILE", "Cloud or mesh; - reads stdin (see --input-format)."),
     ],
     *,
-    reading: inputs.Reading,
+    reading: inputs.AllRows,
     json: options.Json = False,
 ) -> None:
     """Read a file and print its summary."""
@@ -43,7 +43,7 @@ def run(
     with terminal.stage(f"summarising {len(cloud):,} rows"):
         summary = summarise(cloud)
     if json:
-        derived = ("extent", "offset", "float32_is_enough")
+        derived = ("size", "offset", "float32_is_enough")
         terminal.as_json(asdict(summary) | {name: getattr(summary, name) for name in derived})
     else:
         terminal.table(_lines(summary))
@@ -53,9 +53,9 @@ def run(
 class Summary:
     """Statistics of a cloud."""
 
-    rows: int
-    faces: int
-    not_finite: int
+    n_rows: int
+    n_faces: int
+    n_not_finite: int
     holds: tuple[str, ...]
     not_read: tuple[str, ...]
     columns: dict[str, str]
@@ -66,22 +66,22 @@ class Summary:
     units: tuple[str | None, ...]
     minimum: tuple[float, ...]
     maximum: tuple[float, ...]
-    positions: int
-    duplicates: int
-    overhangs: int
+    n_positions: int
+    n_duplicates: int
+    n_overhangs: int
     collinear: bool
     spacing: float | None
     float32_shift: float
     memory: int
 
     @property
-    def extent(self) -> tuple[float, ...]:
+    def size(self) -> tuple[float, ...]:
         """Size of the bounding box along each axis; infinite if it exceeds float64."""
         return tuple(high - low for low, high in zip(self.minimum, self.maximum, strict=True))
 
     @property
     def offset(self) -> float:
-        """Planar distance from the origin to the centre of the bounding box."""
+        """Planar distance from the origin to the center of the bounding box."""
         bounds = zip(self.minimum[:2], self.maximum[:2], strict=True)
         return math.hypot(*(low / 2 + high / 2 for low, high in bounds))
 
@@ -101,9 +101,9 @@ def summarise(cloud: Cloud) -> Summary:
     overhangs = _overhangs(points, positions.duplicates)
     minimum, maximum = _bounds(points)
     return Summary(
-        rows=len(cloud),
-        faces=0 if cloud.faces is None else len(cloud.faces),
-        not_finite=len(cloud) - len(points),
+        n_rows=len(cloud),
+        n_faces=0 if cloud.faces is None else len(cloud.faces),
+        n_not_finite=len(cloud) - len(points),
         crs=cloud.crs,
         units=_units(cloud),
         holds=_holds(cloud),
@@ -114,9 +114,9 @@ def summarise(cloud: Cloud) -> Summary:
         raster=_raster(cloud),
         minimum=minimum,
         maximum=maximum,
-        positions=positions.count,
-        duplicates=len(positions.duplicates) - overhangs,
-        overhangs=overhangs,
+        n_positions=positions.count,
+        n_duplicates=len(positions.duplicates) - overhangs,
+        n_overhangs=overhangs,
         collinear=positions.collinear,
         spacing=positions.spacing,
         float32_shift=_float32_shift(points),
@@ -204,9 +204,9 @@ def _memory(cloud: Cloud) -> int:
 
 
 def _lines(summary: Summary) -> list[tuple[str, str]]:
-    lines = [("rows", f"{summary.rows:,}" + _count_note(summary.not_finite, "not finite"))]
-    if summary.faces:
-        lines.append(("faces", f"{summary.faces:,}"))
+    lines = [("rows", f"{summary.n_rows:,}" + _count_note(summary.n_not_finite, "not finite"))]
+    if summary.n_faces:
+        lines.append(("faces", f"{summary.n_faces:,}"))
     lines.append(("holds", ", ".join(("coordinates", *summary.holds))))
     if summary.columns:
         pairs = (f"{part} = {name}" for part, name in summary.columns.items())
@@ -221,7 +221,7 @@ def _lines(summary: Summary) -> list[tuple[str, str]]:
     if summary.units:
         axes = zip("xyz", summary.units, strict=True)
         lines.append(("units", ", ".join(f"{axis}: {unit or 'not stated'}" for axis, unit in axes)))
-    if summary.positions:
+    if summary.n_positions:
         lines += _measures(summary)
     memory = terminal.bytes_text(summary.memory)
     return [*lines, ("memory", f"about {memory} to triangulate")]
@@ -251,14 +251,14 @@ def _samples(raster: dict[str, Any]) -> str:
 
 def _measures(summary: Summary) -> list[tuple[str, str]]:
     shown = [f".{each}f" for each in map(_decimals, summary.lidar.get("scale", ()))] or [".10g"] * 3
-    axes = zip("xyz", summary.minimum, summary.maximum, summary.extent, shown, strict=True)
+    axes = zip("xyz", summary.minimum, summary.maximum, summary.size, shown, strict=True)
     return [
         *((k, f"{low:{form}} to {high:{form}}  ({size:.6g})") for k, low, high, size, form in axes),
         ("spacing", _spacing(summary)),
-        ("duplicates", f"{summary.duplicates:,}"),
-        ("overhangs", f"{summary.overhangs:,}"),
+        ("duplicates", f"{summary.n_duplicates:,}"),
+        ("overhangs", f"{summary.n_overhangs:,}"),
         ("collinear", _collinear(summary)),
-        ("offset", f"{summary.offset:.6g}  (centre to origin)"),
+        ("offset", f"{summary.offset:.6g}  (center to origin)"),
         ("float32", _float32(summary)),
     ]
 
@@ -293,5 +293,5 @@ def _float32(summary: Summary) -> str:
 def _collinear(summary: Summary) -> str:
     if not summary.collinear:
         return "no"
-    reason = "all points are collinear" if summary.positions > 2 else "fewer than three positions"
+    reason = "all points are collinear" if summary.n_positions > 2 else "fewer than three positions"
     return f"yes: no triangle exists, {reason}"

@@ -71,8 +71,8 @@ def _selection(
         Any,
         option(
             "CLASSES",
-            "Rows of these classes, as 2,9; or ground: class 2 if there is any, as by default "
-            "of a surface.",
+            "Rows of these classes, as 2,9; or ground: class 2 if there is any, as by default of "
+            "LAS and LAZ.",
             options.classes,
         ),
     ] = None,
@@ -187,6 +187,14 @@ def _colored(
 
 ColoredReading: TypeAlias = Annotated[dict[str, Any], options.Group(_colored)]
 
+_OF_ALL_ROWS = {
+    "classes": "Rows of these classes, as 2,9; or ground: class 2 if there is any. By default all.",
+    "all_classes": "Rows of every class, as by default.",
+    "withheld": "Rows flagged as withheld, too, as by default.",
+}
+AllRows: TypeAlias = Annotated[dict[str, Any], options.Group(_reading, texts=_OF_ALL_ROWS)]
+AllColoredRows: TypeAlias = Annotated[dict[str, Any], options.Group(_colored, texts=_OF_ALL_ROWS)]
+
 
 def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     """Read a cloud, or stdin if the path is ``-``; say on stderr how, and what is not read.
@@ -251,7 +259,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
             return io.read(source, **reading)
         rest = {**reading}
         crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
-        check_system(crs)
+        check_system("src_crs", crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
 

@@ -13,9 +13,9 @@ from __future__ import annotations
 import inspect
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, TypeAlias, get_args
@@ -75,6 +75,7 @@ class Group:
 
     parse: Callable[..., Any]
     panel: str = "Options"  # of those of the group that name no other
+    texts: Mapping[str, str] = field(default_factory=dict)  # by name, in place of their own
 
 
 def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
@@ -87,7 +88,7 @@ def with_single_options(function: Callable[..., Any]) -> Callable[..., Any]:
             single.append(each)
             continue
         parse = with_single_options(spec.parse)
-        inner = [_in_panel(one, spec.panel) for one in _parameters(parse)]
+        inner = [_in_group(one, spec) for one in _parameters(parse)]
         groups[each.name] = parse, [one.name for one in inner]
         single += inner
     if not groups:
@@ -124,9 +125,11 @@ def _parameters(function: Callable[..., Any]) -> list[inspect.Parameter]:
     return list(inspect.signature(function, eval_str=True).parameters.values())
 
 
-def _in_panel(each: inspect.Parameter, panel: str) -> inspect.Parameter:
+def _in_group(each: inspect.Parameter, group: Group) -> inspect.Parameter:
     kind, spec = get_args(each.annotation)
-    return each.replace(annotation=Annotated[kind, replace(spec, panel=spec.panel or panel)])
+    text = group.texts.get(each.name, spec.text)
+    spec = replace(spec, panel=spec.panel or group.panel, text=text)
+    return each.replace(annotation=Annotated[kind, spec])
 
 
 def given(**options: Any) -> dict[str, Any]:

@@ -15,8 +15,8 @@ _ANGLES = ("slope", "hillshade")
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
 HELP = (
-    "A pixel has the height of the surface at its centre, by default linear in each face, and no "
-    "value where no face contains the centre. The edges of pixels are multiples of the resolution. "
+    "A pixel has the height of the surface at its center, by default linear in each face, and no "
+    "value where no face contains the center. The edges of pixels are multiples of the resolution. "
     "IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
@@ -109,6 +109,7 @@ def _check(
     compress: str | None,
 ) -> None:
     """Raise before the work starts if the options make no raster."""
+    from liftmesh.crs.description import check_system
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
     from liftmesh.terrain.sampling import check_interpolation
@@ -118,6 +119,8 @@ def _check(
         if bounds is not None:
             bounds_of(bounds, "raster_bounds")
         check_interpolation(quantity, interpolation)
+        if crs is not None:
+            check_system("crs", crs)
         writer.validate_geotiff_options(crs, compress)
 
 

@@ -19,7 +19,7 @@ SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
 HELP = (
     "No point is further away from the mesh, along z, than --max-error: exactly. The mesh covers "
     "the hull of the points: simplify first, then trim with liftmesh triangulate. Where heights "
-    "are whole numbers, a bound of 1.000001 in place of 1 needs fewer triangles: centres of pixels "
+    "are whole numbers, a bound of 1.000001 in place of 1 needs fewer triangles: centers of pixels "
     "are rounded, and a distance of 1 is a little more."
 )
 EXAMPLES = [
@@ -53,6 +53,7 @@ def run(
     *,
     reading: inputs.ColoredReading,
     nonfinite: options.SkipNonFinite = "error",
+    threads: options.Threads = None,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, simplify its surface, write the mesh, and print a report."""
@@ -78,6 +79,7 @@ def run(
                 plane=plane.value,
                 on_duplicate=on_duplicate,
                 nonfinite=nonfinite,
+                threads=threads,
                 progress=progress,
             )
     written = target.write(surface)
@@ -101,7 +103,7 @@ def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_
             }
         )
         return
-    content = f"{told['kept']:,} of {told['positions']:,} positions"
+    content = f"{told['n_kept']:,} of {told['n_positions']:,} positions"
     content += f", {len(surface.faces):,} triangles"
     terminal.sentence(outputs.headline(written, content), "good")
     lines = [("largest distance", f"{told['error']:.6g}")]

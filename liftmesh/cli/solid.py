@@ -94,7 +94,7 @@ def _say(
     faces = 0 if solid.faces is None else len(solid.faces)
     size = (solid.points.max(axis=0) - solid.points.min(axis=0)).tolist()
     if as_json:
-        volume = {"triangles": faces, "volume": _volume(solid), "size": size}
+        volume = {"n_triangles": faces, "volume": _volume(solid), "size": size}
         volume |= rows_of
         dropped = {"dropped": [*left_out, *written.dropped]}
         terminal.as_json({**outputs.as_values(written), **dropped, **volume})

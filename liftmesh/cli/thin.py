@@ -26,24 +26,24 @@ _WAYS = "give one of --random, --cell, --min-distance and --adaptive"
 
 
 def _thinning(
-    random: Annotated[int | None, option("N", "Thin: n rows, chosen at random.", whole(1))] = None,
+    random: Annotated[int | None, option("N", "Keep N rows, chosen at random.", whole(1))] = None,
     seed: Annotated[
         int | None,
         option("N", "Of --random, 0 by default; the same rows on every machine.", whole(0)),
     ] = None,
     cell: Annotated[
-        float | None, option("SIZE", "Thin: one row of each square of this size.", positive)
+        float | None, option("SIZE", "Keep one row of each square of this size.", positive)
     ] = None,
     keep: Annotated[
         CellRow | None,
-        flag("Of --cell: by height (lowest by default), or nearest to the centre."),
+        flag("Of --cell: by height (lowest by default), or nearest to the center."),
     ] = None,
     min_distance: Annotated[
         float | None,
-        option("D", "Thin: rows of which no two are nearer to each other in the plane.", positive),
+        option("D", "Keep rows of which no two are nearer to each other in the plane.", positive),
     ] = None,
     adaptive: Annotated[
-        int | None, option("N", "Thin: the n rows without which a surface loses most.", whole(3))
+        int | None, option("N", "Keep the N rows without which a surface loses most.", whole(3))
     ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
@@ -69,7 +69,7 @@ def run(
     target: Target,
     *,
     thin: Annotated[dict[str, Any], options.Group(_thinning)],
-    reading: inputs.ColoredReading,
+    reading: inputs.AllColoredRows,
     json: options.Json = False,
 ) -> None:
     """Read a cloud, thin it, write what stays, and print a report."""
@@ -107,6 +107,6 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     with terminal.stage(f"thinning {len(cloud):,} rows"):
         kept = thin(cloud, **thinning)
     told = notes.provenance_of(kept).thinning.items()
-    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"rows", "kept"})
+    how = ", ".join(f"{key} {value}" for key, value in told if key not in {"n_rows", "n_kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
     return kept

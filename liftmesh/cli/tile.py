@@ -83,7 +83,7 @@ def run(
     _check_options(memory, tile_rows, workers, scheduler, threads)
     if not surface and (on_duplicate or rows):
         given = "--on-duplicate" if on_duplicate else spelled(Option(next(iter(rows))))
-        raise click.BadParameter(f"{given} is for surfaces: give --surface, too")
+        raise click.BadParameter(f"{given} is for surfaces: give --surface, too, or leave it out")
     if surface and shards != "npy":
         raise click.BadParameter(f"--shards {shards} is for triangles alone: a surface has NPY")
     from liftmesh.tiles.options import (

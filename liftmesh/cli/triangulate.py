@@ -36,7 +36,6 @@ EXAMPLES = [
 ]
 
 
-_COUNTED = {"n_skipped": "not finite"}  # others without n_
 _GROUND = 2  # not "ground", which takes all rows where there is none
 _NO_UNIT = "; the unit is not known, and taken to be metres"
 _UNITS = {  # what is said where that of the plane and that of heights are known
@@ -231,7 +230,7 @@ def _print_report(
         del counts["n_hidden"]
     if surface.mask is not None:
         counts["n_trimmed"] = int(surface.mask.sum())
-    rows = [(_COUNTED.get(name, name[2:]), f"{count:,}") for name, count in counts.items()]
+    rows = [(name[2:], f"{count:,}") for name, count in counts.items()]
     rows += notes.lidar_lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)

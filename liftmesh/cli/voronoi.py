@@ -127,7 +127,7 @@ def _domain(text: str | None) -> Any:
     path = Path(text).expanduser()
     if not path.exists():
         raise click.BadParameter(
-            f"--domain {text!r} is no file, and no box: a box is XMIN,YMIN,XMAX,YMAX"
+            f"--domain {text!r} is no file: give a file of polygons, XMIN,YMIN,XMAX,YMAX or bounds"
         )
     from liftmesh.cells.files import read_domain
 

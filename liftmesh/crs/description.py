@@ -22,12 +22,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Any, Literal, TypeAlias
 
-from liftmesh.base.options import shown
+from liftmesh.base.options import refused, shown
 from liftmesh.errors import InputError, MissingDependencyError
 from liftmesh.optional import load
 
@@ -136,13 +135,18 @@ def look_up(crs: str, *, extra: str = "terrain") -> Any:
         raise unknown from error
 
 
-def check_system(crs: object) -> None:
-    """Raise for what is given as a coordinate system, and is none."""
+def check_system(name: str, crs: object) -> None:
+    """Raise for what an option gives as a coordinate system, and is none."""
+    unknown = refused(name, crs, "which is unknown: give WKT or EPSG:n", mark=", ")
     if not isinstance(crs, str) or not is_system(crs):
-        raise InputError(f"the coordinate system {shown(crs)} is unknown: give WKT or EPSG:n")
+        raise unknown
     if parse_crs(crs) is None:
-        with suppress(MissingDependencyError):
+        try:
             look_up(crs)
+        except InputError as error:
+            raise unknown from error
+        except MissingDependencyError:
+            pass
 
 
 def as_wkt(crs: str) -> str | None:

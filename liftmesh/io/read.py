@@ -195,7 +195,7 @@ def read(  # noqa: PLR0913 - options are keywords
         copc_resolution=copc_resolution,
     )
     if src_crs is not None:
-        check_system(src_crs)
+        check_system("src_crs", src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
@@ -290,7 +290,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         reason = f"which the whole file decides: give {Option('classes', 2)}"
         raise refused("classes", classes, reason, mark=", ")
     if src_crs is not None:
-        check_system(src_crs)
+        check_system("src_crs", src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
@@ -443,7 +443,7 @@ def placed(
         cloud = replace(cloud, crs=crs, metadata=metadata)
     if target is None:
         return cloud
-    check_system(target)
+    check_system("dst_crs", target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
     found, told = transform(_raised(cloud.points, before), cloud.crs, target, chosen)

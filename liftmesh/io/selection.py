@@ -143,8 +143,8 @@ class Selector:
         if selection.copc_resolution is not None and not has_levels:
             raise FormatError(
                 f"{name}: rows cannot be selected by {Option('copc_resolution')}, for which the "
-                "file has no index (COPC), or is read in chunks: take every k-th row, or thin the "
-                "cloud"
+                f"file has no index (COPC), or is read in chunks: leave it out, or take every k-th "
+                f"row by {Option('every', ...)}"
             )
         self._selection = selection
         self._name = name

@@ -17,7 +17,7 @@ from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import PurePath
-from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias, TypeVar, cast
+from typing import TYPE_CHECKING, Any, BinaryIO, Protocol, TypeAlias, TypeVar, cast, overload
 
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.options import limit_of
@@ -88,6 +88,10 @@ def folder(name: str) -> FormatError:
     return FormatError(f"{name}: this is a folder, not a file")
 
 
+@overload
+def at_home(place: str | os.PathLike[str]) -> str: ...
+@overload
+def at_home(place: PathOrStream) -> PathOrStream: ...
 def at_home(place: PathOrStream) -> PathOrStream:
     """Replace ``~`` at the beginning of a path by the home folder; streams stay."""
     if not isinstance(place, str | os.PathLike):

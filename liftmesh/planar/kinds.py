@@ -202,7 +202,7 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
     if name in cloud.attributes:
         return cloud.attributes[name]
     there = ", ".join(repr(each) for each in list(cloud.attributes)[:8])
-    remedy = f"there are {there}" if there else "they have none; give an array"
+    remedy = f"there are {there}" if there else "they have none; give points with such a column"
     raise InputError(f"{Option(kind, name)}, and the points have no values of that name: {remedy}")
 
 

@@ -11,7 +11,7 @@ from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_switch
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
-from liftmesh.io.streams import check_suffix
+from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.raster import writer
 from liftmesh.raster.pixels import Transform, centres_of
@@ -145,7 +145,7 @@ class Raster(FrozenResult):
         >>> surface.raster(1).save(Path(tempfile.mkdtemp()) / "dtm.tif").format
         'geotiff'
         """
-        target = Path(path)
+        target = Path(at_home(path))
         check_name(target)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)

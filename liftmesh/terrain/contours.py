@@ -23,7 +23,7 @@ from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
 from liftmesh.errors import InputError, Option
-from liftmesh.io.streams import check_suffix
+from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
@@ -231,7 +231,7 @@ class Contours(FrozenResult):
         >>> hill.contours(interval=4).save(Path(tempfile.mkdtemp()) / "lines.geojson").format
         'geojson'
         """
-        target = Path(path)
+        target = Path(at_home(path))
         check_name(target)
         columns = {"height": self.levels, "index": self.is_index, "closed": self.closed}
         return write_lines(target, self.points, self.starts, columns, self.crs, "contours")

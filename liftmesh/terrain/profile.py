@@ -27,6 +27,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
+from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, write
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
@@ -153,7 +154,7 @@ class Profile(FrozenResult):
         >>> found.save(Path(tempfile.mkdtemp()) / "line.geojson").format
         'geojson'
         """
-        target = Path(path) if isinstance(path, str | os.PathLike) else Path()
+        target = Path(at_home(path)) if isinstance(path, str | os.PathLike) else Path()
         if options or target.suffix.lower() not in LINE_SUFFIXES:
             return write(path, self.to_cloud(), **options)
         columns = {

@@ -135,7 +135,7 @@ class Report(FrozenResult):
         if self.n_overhangs:
             parts.append(f"{counted(self.n_overhangs, 'overhang')} (policy {self.policy!r})")
         if self.n_skipped:
-            parts.append(f"{counted(self.n_skipped, 'row')} not finite")
+            parts.append(f"{counted(self.n_skipped, 'row')} skipped")
         if self.n_hidden:
             parts.append(f"{counted(self.n_hidden, 'row')} hidden")
         if self.n_unused:

@@ -120,10 +120,11 @@ def simplify(  # noqa: PLR0913 - options are keywords
     -------
     Surface
         The rows that are left, in their order, with their colours, normals and named values, and
-        the canonical Delaunay triangles of these. ``metadata["simplification"]`` has "rows" of the
-        cloud, their distinct "positions", how many of these are "kept", "max_error" as asked for,
-        "error", which no distance of a position exceeds, whether it is "within" `max_error`, and
-        "merged": the largest distance of a row from the one that stands for its position.
+        the canonical Delaunay triangles of these. ``metadata["simplification"]`` counts
+        "n_rows" of the cloud, "n_positions", which are distinct, and "n_kept" of these; it has
+        "max_error" as asked for, "error", which no distance of a position exceeds, whether it is
+        "within" `max_error`, and "merged": the largest distance of a row from the one that stands
+        for its position.
 
     Raises
     ------
@@ -184,9 +185,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
     summary = {
-        "rows": len(whole.vertices),
-        "positions": len(used),
-        "kept": len(kept),
+        "n_rows": len(whole.vertices),
+        "n_positions": len(used),
+        "n_kept": len(kept),
         "max_error": max_error,
         "error": checked.largest,
         "within": is_within,

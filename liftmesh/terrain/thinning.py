@@ -98,7 +98,7 @@ def thin(  # noqa: PLR0913 - options are keywords
     -------
     Cloud
         The rows that stay, in their order, without faces. Rows that are not finite stay where a
-        cell or a distance decides. ``metadata["thinning"]`` has "rows", "kept", and how.
+        cell or a distance decides. ``metadata["thinning"]`` has "n_rows", "n_kept", and how.
 
     Raises
     ------
@@ -119,7 +119,7 @@ def thin(  # noqa: PLR0913 - options are keywords
     --------
     >>> found = thin([[0.2, 0.2, 5], [0.7, 0.1, 4], [1.5, 0, 6]], cell=1.0)
     >>> found.points[:, 2].tolist(), found.metadata["thinning"]
-    ([4.0, 6.0], {'rows': 3, 'kept': 2, 'cell': 1.0, 'keep': 'lowest'})
+    ([4.0, 6.0], {'n_rows': 3, 'n_kept': 2, 'cell': 1.0, 'keep': 'lowest'})
     """
     given = {"every": every, "random": random, "cell": cell, "min_distance": min_distance}
     given["adaptive"] = adaptive
@@ -148,7 +148,7 @@ def thin(  # noqa: PLR0913 - options are keywords
         rows = _apart(source.points, as_positive("min_distance", value, _LENGTH), progress)
     if progress is not None:
         progress(1.0)
-    counts = {"rows": len(source), "kept": len(rows), **how}
+    counts = {"n_rows": len(source), "n_kept": len(rows), **how}
     return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
 
 

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
 from liftmesh.terrain.contours import Contours, wanted_levels
-from liftmesh.tiles.tiled_data import TiledSurfaceData, faces_of, vertices_of
+from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 
 _BLOCK = 1 << 18  # triangles that are looked at at once
 
@@ -31,7 +31,7 @@ def contour_lines(
     index_every: int,
 ) -> Contours:
     """Compute lines of equal height, reading one shard after the other."""
-    low, high = (Fraction(tiled.box[k]) for k in (2, 5))
+    low, high = map(Fraction, box_of(tiled)[2::3])
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: (low, high)
     )

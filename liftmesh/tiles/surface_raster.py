@@ -27,6 +27,7 @@ from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
 from liftmesh.base.options import as_switch, check_progress
 from liftmesh.errors import FormatError, InputError
+from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
@@ -36,7 +37,7 @@ from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report
 from liftmesh.terrain.sampling import RasterOptions, RasterPlan
 from liftmesh.terrain.surface import Surface
-from liftmesh.tiles.tiled_data import TiledSurfaceData, shard_faces, shard_vertices
+from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
 
 Bounds: TypeAlias = tuple[float, float, float, float]
 Window: TypeAlias = tuple[range, range]
@@ -76,7 +77,7 @@ def save_raster(
 ) -> WriteResult:
     """Write a raster as GeoTIFF, window by window."""
     check_progress(progress)
-    target = Path(path)
+    target = Path(at_home(path))
     check_name(target)
     is_cog = as_switch("cog", cog)
     windows = _Windows(tiled, _plan(tiled, resolution, {"dtype": np.float32, **options}))
@@ -98,7 +99,7 @@ def save_raster(
 def _plan(
     tiled: TiledSurfaceData, resolution: float | Sequence[float] | None, options: RasterOptions
 ) -> RasterPlan:
-    west, south, low, east, north, high = tiled.box
+    west, south, low, east, north, high = box_of(tiled)
     plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))

@@ -79,7 +79,7 @@ class Tiled(TiledData):
         >>> points = [[0, 0], [1, 0], [0, 1], [1, 0], [float("nan"), 2]]
         >>> report = liftmesh.tile(points, tempfile.mkdtemp(), nonfinite="skip").report
         >>> print(report)
-        5 rows, 3 of them used in 1 triangle. Left out: 1 duplicate, 1 row not finite.
+        5 rows, 3 of them used in 1 triangle. Left out: 1 duplicate, 1 row skipped.
         >>> report.left_out.tolist(), report.representatives.tolist()
         ([3, 4], [1, -1])
         """
@@ -160,10 +160,8 @@ class Tiled(TiledData):
         ------
         InputError
             The folder was made without neighbours.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------
@@ -332,9 +330,7 @@ class Tiled(TiledData):
             The source, as for `tile`; by default the files that the manifest names.
         scratch : str or path, optional
             Where to make a folder for 24 bytes a row, which is removed; by default `folder`.
-        threads : int, optional
-            As for `delaunay`.
-        progress : callable, optional
+        threads, progress
             As for `tile`.
 
         Returns
@@ -384,9 +380,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
     Attributes
     ----------
-    folder : pathlib.Path
-        The folder with the shards.
-    manifest : dict
+    folder, manifest
         As of a `Tiled`; the entry "surface" says policy, coordinate system, values and box.
 
     See Also
@@ -430,10 +424,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Raises
         ------
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------
@@ -460,10 +452,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Raises
         ------
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------
@@ -491,10 +481,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Raises
         ------
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------
@@ -524,12 +512,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        resolution : float or pair of float, optional
-            As for `Surface.raster`.
-        progress : callable, optional
-            Called with the fraction of the pixels done.
-        **options
-            As for `Surface.raster`.
+        resolution, progress, **options
+            As for `Surface.raster`; progress is called with the fraction of the pixels done.
 
         Returns
         -------
@@ -540,10 +524,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ------
         InputError
             As for `Surface.raster`.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------
@@ -579,14 +561,10 @@ class TiledSurface(TiledSurfaceData, Tiled):
             Where to write; written whole or not at all.
         resolution : float or pair of float, optional
             As for `Surface.raster`.
-        cog : bool, default False
-            Write a cloud optimised GeoTIFF, by way of a plain one beside it.
-        compress : str, optional
-            As for `Raster.save`.
-        progress : callable, optional
-            Called with the fraction of the pixels done.
-        **options
-            As for `Surface.raster`; `dtype` is float32 by default.
+        cog, compress
+            As for `Raster.save`; a cloud optimised one is written by way of a plain one beside it.
+        progress, **options
+            As for `raster`; `dtype` is float32 by default.
 
         Returns
         -------
@@ -595,14 +573,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Raises
         ------
-        InputError
-            As for `Surface.raster` and `Raster.save`.
-        FormatError
-            The name does not end in .tif or .tiff, or a file of the surface is damaged.
-        MissingDependencyError
-            rasterio is not installed.
-        OSError
-            A file cannot be read or written.
+        InputError, FormatError, MissingDependencyError, OSError
+            As for `raster` and `Raster.save`.
 
         See Also
         --------
@@ -648,10 +620,8 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ------
         InputError
             As for `Surface.contours`.
-        FormatError
-            A file is damaged.
-        OSError
-            A file cannot be read.
+        FormatError, OSError
+            As for `iter_blocks`.
 
         See Also
         --------

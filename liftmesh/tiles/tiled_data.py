@@ -114,13 +114,8 @@ class TiledSurfaceData(TiledData):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle around all vertices: xmin, ymin, xmax, ymax."""
-        west, south, _, east, north, _ = self.box
+        west, south, _, east, north, _ = box_of(self)
         return west, south, east, north
-
-    @property
-    def box(self) -> tuple[float, ...]:
-        """The least and the greatest coordinates: xmin, ymin, zmin, xmax, ymax, zmax."""
-        return tuple(self.manifest["surface"]["box"])
 
     @property
     def classes(self) -> dict[int, int]:
@@ -129,6 +124,11 @@ class TiledSurfaceData(TiledData):
         for chunk in self.manifest["chunks"]:
             counts.update({int(each): rows for each, rows in chunk.get("classes", {}).items()})
         return dict(sorted(counts.items()))
+
+
+def box_of(tiled: TiledSurfaceData) -> tuple[float, ...]:
+    """Return the least and the greatest coordinates: xmin, ymin, zmin, xmax, ymax, zmax."""
+    return tuple(tiled.manifest["surface"]["box"])
 
 
 def stated_files(tiled: TiledData) -> dict[str, Mapping[str, Any]]:

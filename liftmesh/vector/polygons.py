@@ -24,6 +24,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Indices
 from liftmesh.base.options import refused
 from liftmesh.errors import FormatError, InputError, Option
+from liftmesh.io.streams import at_home
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import check_system, read_shapes
 from liftmesh.vector.geojson import coordinates_of, planar_corners
@@ -57,7 +58,7 @@ def regions_in(crs: str | None, polygon: object, by: str = _NAME) -> list[Region
     if not isinstance(polygon, str | os.PathLike):
         check_system(crs, polygon, "the polygon")
         return as_regions(polygon, by)
-    path = Path(polygon)
+    path = Path(at_home(polygon))
     shapes = read_shapes(path, "polygons", crs)
     try:
         return as_regions(shapes, by)

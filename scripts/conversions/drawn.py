@@ -38,7 +38,7 @@ NOTES: dict[str, tuple[Any, ...]] = {
     "selection": ({"rows": 9, "selected": 3, "ground": 1}, {"rows": "9"}),
     "merged": ([{"source": "a", "rows": 3, "overlap": 0}], "twice"),
     "ground": ({"rows": 9, "ground": 3}, "clay"),
-    "thinning": ({"rows": 9, "kept": 3}, True),
+    "thinning": ({"n_rows": 9, "n_kept": 3}, True),
     "transformation": ({"operation": "noop", "accuracy": None}, "by hand"),
     "stated_crs": ("EPSG:25832",),
     "polygons": (3, "none"),

@@ -106,6 +106,8 @@ WITHOUT_DATA = {
     "Format": "describes a format",
     "WriteResult": "tells what was written",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
+    "dask.local_cluster": "starts workers",
+    "dask.triangulate": "hands the tasks of tile_surface, which is watched, to workers",
     "Flaw": "a result, made by verify",
     "Violation": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",

@@ -57,7 +57,7 @@ def proved(points: Points) -> Work:
 
 def pixels(tiled: liftmesh.TiledSurface) -> dict[str, Any]:
     """Lay about one pixel over each row."""
-    west, south, _, east, north, _ = tiled.box
+    west, south, east, north = tiled.bounds
     count = int(tiled.npoints**0.5) + 1
     transform = ((east - west) / count, 0, west, 0, (south - north) / count, north)
     return {"transform": transform, "shape": (count, count), "threads": 1}
@@ -70,7 +70,7 @@ def saved(tiled: liftmesh.TiledSurface) -> object:
 
 def lines(tiled: liftmesh.TiledSurface) -> object:
     """Find lines at four levels."""
-    return tiled.contours(np.linspace(tiled.box[2], tiled.box[5], 6)[1:-1])
+    return tiled.contours(np.linspace(*tiled.manifest["surface"]["box"][2::3], 6)[1:-1])
 
 
 def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:

@@ -3,7 +3,8 @@
 The tests compare `verify` with it, and the benchmark checks every program's triangles by it. A list
 of triangles is a Delaunay triangulation of the points if they all turn counter-clockwise, fit
 together edge to edge, use every position, satisfy Euler's relation, have a convex boundary, and if
-every interior edge is locally Delaunay. Of cocircular points any triangulation passes. It is no
+every interior edge is locally Delaunay. Of cocircular points any triangulation passes. Edges that
+are given, as pieces of constraints, must be there, and need not be Delaunay. It is no
 oracle of signs: orientation and in-circle are liftmesh's public predicates, so what it shares with
 the kernel is these, which other tests check against exact integers; the rest is its own.
 
@@ -25,20 +26,32 @@ BLOCK = 1 << 19  # triangles that are processed together
 Points = NDArray[np.float64]
 Triangles = NDArray[np.int32]
 Edges = NDArray[np.int32]
+Keys = NDArray[np.int64]
 
 
-def flaw(points: Points, triangles: Triangles, neighbors: Triangles | None = None) -> str:
+def flaw(
+    points: Points,
+    triangles: Triangles,
+    neighbors: Triangles | None = None,
+    pieces: Edges | None = None,
+) -> str:
     """Describe what is wrong with the triangles; return an empty string if nothing is."""
     found = index_flaw(points, triangles) or orientation_flaw(points, triangles)
+    fixed = np.empty(0, dtype=np.int64) if pieces is None else np.unique(keys(*pieces.T))
     if found:
         return found
     if neighbors is None:
         neighbors = find_neighbors(triangles)
-    mismatch, wrong = edge_flaws(points, triangles, neighbors)
+    mismatch, wrong = edge_flaws(points, triangles, neighbors, fixed)
     if mismatch:
         return mismatch
     boundary = boundary_of(triangles, neighbors)
-    return euler_flaw(points, triangles, boundary) or boundary_flaw(points, boundary) or wrong
+    return (
+        euler_flaw(points, triangles, boundary)
+        or boundary_flaw(points, boundary)
+        or piece_flaw(triangles, fixed)
+        or wrong
+    )
 
 
 def blocks(count: int) -> Iterator[slice]:
@@ -66,8 +79,7 @@ def orientation_flaw(points: Points, triangles: Triangles) -> str:
 
 def find_neighbors(triangles: Triangles) -> Triangles:
     """Find the triangle across the edge opposite to each vertex; -1 if there is none."""
-    start, end = (np.roll(triangles, -k, axis=1).reshape(-1).astype(np.int64) for k in (1, 2))
-    key = np.minimum(start, end) << 32 | np.maximum(start, end)
+    key = sides(triangles)
     order = np.argsort(key)
     first = np.flatnonzero(key[order[1:]] == key[order[:-1]])
     one, other = order[first], order[first + 1]
@@ -76,7 +88,26 @@ def find_neighbors(triangles: Triangles) -> Triangles:
     return neighbors.reshape(-1, 3)
 
 
-def edge_flaws(points: Points, triangles: Triangles, neighbors: Triangles) -> tuple[str, str]:
+def sides(triangles: Triangles) -> Keys:
+    """Return the key of the edge opposite to each vertex."""
+    return keys(*(np.roll(triangles, -k, axis=1).reshape(-1) for k in (1, 2)))
+
+
+def keys(start: NDArray[np.int32], end: NDArray[np.int32]) -> Keys:
+    """Return a number for each edge, the same in both directions."""
+    low, high = np.minimum(start, end).astype(np.int64), np.maximum(start, end)
+    return low << 32 | high
+
+
+def piece_flaw(triangles: Triangles, fixed: Keys) -> str:
+    """Check that every piece is an edge."""
+    missing = np.count_nonzero(~np.isin(fixed, sides(triangles))) if len(fixed) else 0
+    return f"{missing:,} pieces missing" if missing else ""
+
+
+def edge_flaws(
+    points: Points, triangles: Triangles, neighbors: Triangles, fixed: Keys
+) -> tuple[str, str]:
     """Count the interior edges that do not match their neighbour's, and those not Delaunay."""
     if neighbors.shape != triangles.shape or neighbors.max(initial=-1) >= len(triangles):
         return "neighbours that are no triangles", ""
@@ -89,7 +120,8 @@ def edge_flaws(points: Points, triangles: Triangles, neighbors: Triangles) -> tu
         edges += len(own)
         mismatched += np.count_nonzero((back[:, 0] != own) | (there[:, :2] != here).any(axis=1))
         corners = np.moveaxis(points[triangles[own]], 1, 0)
-        wrong += np.count_nonzero(incircle(*corners, points[there[:, 2]]) > 0)
+        inside = incircle(*corners, points[there[:, 2]]) > 0
+        wrong += np.count_nonzero(~np.isin(keys(*here[inside].T), fixed))
     mismatched += abs(np.count_nonzero(neighbors >= 0) - 2 * edges)
     return (
         f"{mismatched:,} edges that do not fit together" if mismatched else "",

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
+import click
 import pytest
 
 import liftmesh
@@ -27,6 +28,18 @@ def options_of(name: str) -> list[str]:
 def test_a_name_is_that_of_one_option(name: str) -> None:
     names = Counter(options_of(name))
     assert {each: count for each, count in names.items() if count > 1} == {}
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(name: str) -> None:
+    command = Command(name)
+    texts = {
+        each.name: each.help or "" for each in command.params if isinstance(each, click.Option)
+    }
+    assert not re.search(r"centre|\bThin: ", " ".join([command.help or "", *texts.values()]))
+    if "classes" in texts:
+        default = "By default all." if name in {"info", "thin"} else "as by default of LAS and LAZ."
+        assert texts["classes"].endswith(default)
 
 
 IN_THE_LIBRARY_ALONE = {

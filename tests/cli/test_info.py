@@ -112,8 +112,8 @@ def test_duplicates_and_overhangs_are_those_of_the_report():
     rows = rng.integers(0, 6, (200, 3)).astype(float)
     rows[rng.random(200) < 0.2, 0] *= -0.0
     summary, report = summarise(lm.Cloud(rows)), lm.triangulate(rows).report
-    assert (summary.duplicates, summary.overhangs) == (report.n_duplicates, report.n_overhangs)
-    assert summary.positions == report.n_used
+    assert (summary.n_duplicates, summary.n_overhangs) == (report.n_duplicates, report.n_overhangs)
+    assert summary.n_positions == report.n_used
 
 
 def test_rows_that_are_not_finite_are_counted_and_left_out(tmp_path):

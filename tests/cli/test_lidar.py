@@ -89,10 +89,10 @@ def test_info_counts_classes_returns_and_flags(folder: Path) -> None:
     assert re.search(r"returns +1: 300, 2: 200, 3: 100", shown)
     assert re.search(r"flags +withheld 12, synthetic 10, overlap 120", shown)
     found = json.loads(liftmesh("info", "tile.laz", "--json", cwd=folder).stdout)
-    assert found["rows"] == COUNT
+    assert found["n_rows"] == COUNT
     assert found["lidar"]["classes"] == {"2": 300, "5": 100, "7": 100, "9": 100}
     part = json.loads(liftmesh("info", "tile.laz", "--classes", "9", "--json", cwd=folder).stdout)
-    assert part["rows"] == 100
+    assert part["n_rows"] == 100
     assert part["notes"][0] == "100 of 600 rows; left out: 500 of other classes"
 
 
@@ -237,6 +237,10 @@ def test_a_part_of_a_copc_file(folder: Path) -> None:
     )
     done = liftmesh("triangulate", "tile.copc.laz", "tin.ply", *words, cwd=folder)
     assert re.search(r"left out: 400 finer than the resolution, \d+ outside the box", done.stderr)
+    (folder / "a.csv").write_text("x,y,z\n1,2,3\n")
+    done = liftmesh("info", "a.csv", "--copc-resolution", "5", cwd=folder)
+    assert "--copc-resolution, for which the file has no index (COPC)" in done.stderr
+    assert "leave it out, or take every k-th row by --every\n" in done.stderr
     done = liftmesh("info", "tile.laz", "--copc-resolution", "0", cwd=folder)
     assert "--copc-resolution is 0: give a positive number" in done.stderr
 

@@ -106,5 +106,14 @@ def test_options_of_groups_stand_where_the_group_stands() -> None:
     assert command(**given) == ("a", (3, {"words": "w", "count": 2}, 1), True)
 
 
+def test_a_group_may_describe_its_options_anew() -> None:
+    def run(*, outer: Annotated[Any, options.Group(_outer, texts={"words": "None."})]) -> object:
+        return outer
+
+    parameters = inspect.signature(options.with_single_options(run)).parameters
+    texts = {name: get_args(each.annotation)[1].text for name, each in parameters.items()}
+    assert texts == {"size": "A count.", "words": "None.", "count": "A count.", "last": "A count."}
+
+
 def test_a_function_without_groups_stays_as_it_is() -> None:
     assert options.with_single_options(_inner) is _inner

@@ -17,9 +17,9 @@ def test_a_terrain_within_a_distance(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     mesh = lm.read(tmp_path / "few.ply")
-    assert (told["kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
+    assert (told["n_kept"], told["n_triangles"]) == (len(mesh), len(mesh.faces))
     assert told["error"] <= 40
-    assert told["kept"] < told["positions"] / 10
+    assert told["n_kept"] < told["n_positions"] / 10
     assert lm.verify(tmp_path / "few.ply").canonical
 
 
@@ -27,6 +27,7 @@ def test_a_report_for_people(tmp_path: Path) -> None:
     points = np.random.default_rng(0).random((300, 3))
     np.savetxt(tmp_path / "a.xyz", np.concatenate([points, points[:1] + (0, 0, 9)]))  # noqa: RUF005
     words = ("a.xyz", "b.ply", "--max-error", "0.01", "--max-points", "60", "--no-prune")
+    words += ("--threads", "2")
     done = liftmesh("simplify", *words, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "b.ply: 60 of 300 positions" in done.stdout
@@ -42,6 +43,7 @@ def test_a_report_for_people(tmp_path: Path) -> None:
         (("--max-error", "-1"), "give 0 or a positive number"),
         (("--max-error", "nan"), "--max-error is nan: give 0 or"),
         (("--max-points", "2"), "--max-points"),
+        (("--max-error", "1", "--threads", "0"), "--threads is 0: give a whole number from 1"),
         (
             ("--max-error", "1", "--copc-resolution", "2,5"),
             "--copc-resolution is '2,5': give a positive",

@@ -115,6 +115,7 @@ def test_a_solid_is_written(tin, tmp_path) -> None:
     assert found.is_volume
     assert said["volume"] == pytest.approx(found.volume, rel=1e-6)
     assert max(said["size"][:2]) == 100
+    assert said["n_triangles"] == len(found.faces)
     done = run("solid", tin, tmp_path / "s.3mf", "--thickness", "3", "--pinched", "trim")
     assert "triangles, volume " in done.stdout
 
@@ -273,6 +274,11 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("contour", "tin.ply", "out.geojson", "--interval", "1", "--max-edge", "1e-9"), 3, "left"),
         (("contour", "tin.ply", "out.geojson"), 2, "either --interval or --levels"),
         (("contour", "tin.ply", "out.geojson", "--levels", "1,x"), 2, "is 'x': give a"),
+        (
+            ("contour", "tin.ply", "out.geojson", "--levels", "1", "--contour-base", "3"),
+            2,
+            "--contour-base is of --interval only, and --levels is given: leave one out",
+        ),
         (
             ("contour", "tin.ply", "o.gpkg", "--levels", "1", "--trim-polygon", "none.gpkg"),
             3,

@@ -127,7 +127,7 @@ def test_all_options_reach_the_reader(tmp_path: Path) -> None:
     words = ["--skip-rows", "1", "--delimiter", ":", "--decimal", ",", "--no-header"]
     words += ["--columns", "-,y,x,z,-", "--nodata", "-1", "--end", "STOP", "--json"]
     found = json.loads(liftmesh("info", path, *words).stdout)
-    assert (found["rows"], found["not_finite"]) == (2, 1)
+    assert (found["n_rows"], found["n_not_finite"]) == (2, 1)
     assert found["minimum"] == [1, 4.5, 2]
     assert found["columns"] == {"x": "column_3", "y": "column_2", "z": "column_4"}
 

@@ -168,8 +168,12 @@ WRONG = [
         "cells are not written as 'tiff': give one of",
     ),
     (["-"], 2, "stdout has no suffix: give the format with --output-format geojson"),
-    (["out.svg", "--domain", "none.geojson"], 2, "'none.geojson' is no file, and no box"),
-    (["out.svg", "--domain", "0,0,1"], 2, "a box is XMIN,YMIN,XMAX,YMAX"),
+    (
+        ["out.svg", "--domain", "none.geojson"],
+        2,
+        "'none.geojson' is no file: give a file of",
+    ),
+    (["out.svg", "--domain", "0,0,1"], 2, "XMIN,YMIN,XMAX,YMAX or bounds"),
     (
         ["out.svg", "--domain", "schools.csv"],
         3,

@@ -143,7 +143,7 @@ def test_coordinates_are_transformed_as_pyproj_does() -> None:
 
 def test_what_cannot_be_transformed() -> None:
     data = lidar("EPSG:4326")
-    with pytest.raises(InputError, match=r"<stream>: .*'EPSG:999999' is unknown: give WKT or EPSG"):
+    with pytest.raises(InputError, match=r"<stream>: dst_crs is 'EPSG:999999', which is unknown"):
         lm.read(io.BytesIO(data), format="las", dst_crs="EPSG:999999")
     for crs in ("+proj=utm +zone=32", "\ud800", 'A["\ud800"]', 25832):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
@@ -169,7 +169,7 @@ def test_a_system_that_the_file_does_not_state(tmp_path: Path) -> None:
     with pytest.warns(DataWarning, match="x and y are degrees"):
         lm.triangulate(part)
     assert part.crs == "EPSG:4326"
-    with pytest.raises(InputError, match="the coordinate system '' is unknown"):
+    with pytest.raises(InputError, match="src_crs is '', which is unknown"):
         lm.read(io.BytesIO(rows), format="xyz", src_crs="")
     (tmp_path / "a.xyz").write_bytes(rows)
     words = ("triangulate", "a.xyz", "a.ply", "--dst-crs", "EPSG:25832")
@@ -198,7 +198,7 @@ def test_commands_say_what_the_units_are(tmp_path: Path) -> None:
     assert (found["crs"], found["units"]) == ("EPSG:25832", ["metre", "metre", None])
     done = liftmesh("triangulate", "a.las", "b.ply", "--dst-crs", "EPSG:99", cwd=tmp_path)
     assert done.returncode == 3
-    assert "error: a.las: the coordinate system 'EPSG:99' is unknown" in done.stderr
+    assert "error: a.las: --dst-crs is 'EPSG:99', which is unknown" in done.stderr
     assert not (tmp_path / "b.ply").exists()
 
 
@@ -244,12 +244,16 @@ def test_formats_that_cannot_hold_a_system_say_so() -> None:
 @pytest.mark.parametrize("crs", ["foo", "EPSG:999999", "foo[bar]", "/etc/passwd", 25832])
 def test_what_is_given_must_be_a_system(crs: Any, tmp_path: Path) -> None:
     for read in (lm.read, lm.read_chunks):
-        with pytest.raises(InputError, match=r"^the coordinate system .* is unknown: give WKT or"):
+        with pytest.raises(InputError, match=r"^src_crs is .*, which is unknown: give WKT or"):
             read(io.BytesIO(b"0 0 1\n"), format="xyz", src_crs=crs)
     (tmp_path / "a.csv").write_text("x,y,z\n0,0,1\n1,0,1\n0,1,1\n")
     done = liftmesh("triangulate", "a.csv", "a.ply", "--src-crs", str(crs), cwd=tmp_path)
     assert done.returncode == 3
-    assert "is unknown: give WKT or EPSG:n" in done.stderr
+    assert f"error: --src-crs is '{crs}', which is unknown: give WKT or EPSG:n" in done.stderr
+    done = liftmesh(
+        "raster", "a.csv", "a.tif", "--resolution", "1", "--crs", str(crs), cwd=tmp_path
+    )
+    assert f"error: --crs is '{crs}', which is unknown: give WKT or EPSG:n" in done.stderr
 
 
 def test_a_system_in_place_of_the_stated_one_is_said(tmp_path: Path) -> None:

@@ -79,7 +79,7 @@ def test_texts_that_name_files_reach_nobody(
     assert not is_same(text, "EPSG:25832")
     for refused in (
         lambda: look_up(text),
-        lambda: check_system(text),
+        lambda: check_system("src_crs", text),
         lambda: validate_geotiff_options(text, None),
         lambda: lm.read(io.BytesIO(b"0 0 1\n"), format="xyz", src_crs=text),
     ):

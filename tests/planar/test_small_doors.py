@@ -65,6 +65,24 @@ def test_a_tilde_is_the_home(kind: type, tmp_path: Path, monkeypatch: pytest.Mon
         liftmesh.triangulate(kind("~/nowhere.ply"))
 
 
+def test_a_tilde_is_the_home_of_what_is_no_cloud(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    surface = liftmesh.triangulate(ROWS)
+    tiled = liftmesh.tile_surface(ROWS, "~/tiles")
+    for written in (
+        surface.raster(0.1).save("~/a.tif"),
+        tiled.save_raster("~/b.tif", 0.1),
+        surface.contours([0.5]).save("~/c.geojson"),
+        surface.profile([[0.2, 0.2], [0.8, 0.8]]).save("~/d.geojson"),
+        liftmesh.voronoi(ROWS).save("~/e.geojson"),
+    ):
+        assert written.path.is_file()
+        assert written.path.parent == tmp_path
+    assert len(surface.trim(polygon="~/e.geojson").vertices) == 40
+
+
 def test_a_tilde_inside_a_name_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     for name in ("a~b.ply", "~nobody-of-this-name.ply", "./~.ply"):

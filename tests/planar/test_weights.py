@@ -111,7 +111,7 @@ def test_names_that_are_not_there_list_those_that_are() -> None:
     said = "weights='w', and the points have no values of that name: there are 'size', 'class'"
     with pytest.raises(InputError, match=said):
         liftmesh.regular(cloud, weights="w")  # type: ignore[arg-type]
-    with pytest.raises(InputError, match="they have none; give an array"):
+    with pytest.raises(InputError, match="they have none; give points with such a column"):
         liftmesh.regular(POINTS, radii="size")
     pairs = liftmesh.Cloud(np.c_[POINTS, FINE], attributes={"pair": POINTS})
     with pytest.raises(InputError, match=r"weights have the shape \(6, 2\)"):

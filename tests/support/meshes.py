@@ -13,6 +13,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import ArrayLike, NDArray
 from oracles import planar as oracle
+from oracles.constrained import judge
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -82,29 +83,8 @@ def assert_oracle_agrees(
 
 
 def assert_delaunay(points: NDArray[np.float64], simplices: NDArray[np.int32]) -> None:
-    """Check exactly that the rows are the canonical triangulation of the points.
-
-    All rows are counter-clockwise, every side is used once in its direction, the sides without a
-    partner are the hull, every position is a vertex, and across each inner side the two triangles
-    are those that two cocircular or empty circles demand. This holds for one triangulation only.
-    """
-    triangles = exact_triangles(points, simplices)
-    assert all(oracle.cross(*corners) > 0 for corners in triangles), "a row is not ccw"
-    apex = {}
-    for a, b, c in triangles:
-        for side, opposite in (((a, b), c), ((b, c), a), ((c, a), b)):
-            assert side not in apex, f"two triangles on one side of {side}"
-            apex[side] = opposite
-    positions = set(oracle.exact(points.tolist()))
-    border = {(a, b) for a, b in apex if (b, a) not in apex}
-    assert border == set(oracle.hull_edges(positions)), "the border is not the hull"
-    assert {vertex for side in apex for vertex in side} == positions, "positions are missing"
-    wrong = [
-        (a, b)
-        for (a, b), left in apex.items()
-        if (b, a) in apex and not oracle.is_delaunay_side(a, b, left, apex[b, a])
-    ]
-    assert not wrong, f"{len(wrong)} sides are not Delaunay, such as {wrong[:2]}"
+    """Check exactly that the rows are the canonical triangulation of the points."""
+    judge(exact_triangles(points, simplices), oracle.exact(points.tolist()), [])
 
 
 def hard_queries(triangulation: Triangulation, rng: Generator) -> NDArray[np.float64]:

@@ -21,9 +21,10 @@ def public_names() -> Iterator[tuple[str, object]]:
     for name in liftmesh.__all__:
         if name not in EXCEPTIONS and name != "__version__":
             yield name, getattr(liftmesh, name)
-    yield "scipy.Delaunay", liftmesh.scipy.Delaunay
-    yield "scipy.Voronoi", liftmesh.scipy.Voronoi
-    yield "dask.delaunay", liftmesh.dask.delaunay
+    for name in liftmesh.scipy.__all__:
+        yield f"scipy.{name}", getattr(liftmesh.scipy, name)
+    for name in liftmesh.dask.__all__:
+        yield f"dask.{name}", getattr(liftmesh.dask, name)
 
 
 def public_methods() -> Iterator[tuple[str, object]]:

@@ -45,7 +45,7 @@ def check(tiled: TiledSurface, expected: Surface) -> None:
     assert one.left_out.dtype == one.representatives.dtype == np.int64
     assert np.array_equal(one.left_out, other.left_out)
     assert np.array_equal(one.representatives, other.representatives)
-    assert tiled.crs == expected.crs
+    assert (tiled.crs, tiled.bounds) == (expected.crs, expected.bounds)
     seen = [check_vertices(vertices, expected) for vertices in tiled.iter_vertices()]
     assert np.array_equal(np.unique(np.concatenate(seen)), np.unique(expected.faces))
     assert tiled.is_sound()

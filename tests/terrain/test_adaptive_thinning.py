@@ -86,7 +86,7 @@ def test_the_command_writes_the_rows_that_stay(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "a.ply", rng.random((90, 3)))
     done = run("thin", "a.ply", "b.ply", "--adaptive", "30", "--json", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    assert json.loads(done.stdout)["thinning"] == {"rows": 90, "kept": 30, "adaptive": 30}
+    assert json.loads(done.stdout)["thinning"] == {"n_rows": 90, "n_kept": 30, "adaptive": 30}
     assert len(liftmesh.read(tmp_path / "b.ply")) == 30
     assert (
         "b.ply: 12 rows"

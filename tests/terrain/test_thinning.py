@@ -40,7 +40,7 @@ def test_rows_a_distance_apart_and_no_room_between(distance: float) -> None:
     tree = cKDTree(found.points[:, :2])
     assert not tree.query_pairs(distance * (1 - 1e-9))
     assert (tree.query(points[:, :2])[0] < distance).all()
-    counts = {"rows": 3000, "kept": len(found), "min_distance": distance}
+    counts = {"n_rows": 3000, "n_kept": len(found), "min_distance": distance}
     assert found.metadata["thinning"] == counts
 
 
@@ -89,7 +89,7 @@ def test_random_rows_are_the_same_everywhere() -> None:
     cloud = Cloud(rows(1000), attributes={"row": np.arange(1000)})
     found = liftmesh.thin(cloud, random=5, seed=7)
     assert found.attributes["row"].tolist() == [16, 555, 723, 781, 893]
-    assert found.metadata["thinning"] == {"rows": 1000, "kept": 5, "random": 5, "seed": 7}
+    assert found.metadata["thinning"] == {"n_rows": 1000, "n_kept": 5, "random": 5, "seed": 7}
     assert len(liftmesh.thin(cloud, random=2000)) == 1000
     counts = np.zeros(1000)
     for seed in range(200):
@@ -142,7 +142,7 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
     done = command(*words, cwd=tmp_path)
     kept = len(liftmesh.thin(rows(500), cell=10.0))
     assert f"thinned to {kept} of 500 rows: cell 10.0, keep highest" in done.stderr
-    assert f'"kept": {kept}' in done.stdout
+    assert f'"n_kept": {kept}' in done.stdout
     assert len(liftmesh.read(tmp_path / "b.ply")) == kept
     assert "cell 10.0, keep lowest" in command(*words[:5], "--overwrite", cwd=tmp_path).stderr
 

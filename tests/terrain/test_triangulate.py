@@ -280,7 +280,7 @@ class TestReport:
         report = triangulate(points, nonfinite="skip").report
         assert str(report).startswith(
             f"304 rows, 300 of them used in {report.n_triangles} triangles. Left out: 1 duplicate, "
-            "2 overhangs (policy 'first'), 1 row not finite. "
+            "2 overhangs (policy 'first'), 1 row skipped. "
         )
         assert str(report).endswith(f"heights {report.seconds['heights']:.3f}.")
 
