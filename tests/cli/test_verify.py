@@ -109,6 +109,9 @@ def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
     assert found.returncode == 3
     assert "cloud.xyz: holds no triangles" in found.stderr
     assert "columns" not in found.stderr
+    liftmesh.write(tmp_path / "cloud.ply", np.eye(3))
+    found = run("verify", "cloud.ply", cwd=tmp_path)
+    assert found.stderr.startswith("liftmesh: error: cloud.ply: holds no triangles: make some")
     points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.nan, 0.0]])
     path = mesh(tmp_path / "mesh.ply", points, [[0, 1, 2]])
     found = run("verify", path)
