@@ -220,7 +220,7 @@ def judge(
     along, left = follow(segments, apex)
     others = {*points} - {None} - {*chain(*apex)} if carved else set()
     if carved:
-        wrong = wrong or problem_of_carved(boundary, {*points} - {None}, others, along, left)
+        wrong = wrong or problem_of_carved(apex, boundary, {*points} - {None}, others, along, left)
     else:
         wrong = wrong or problem_of(boundary)
         wrong = wrong or ("a constraint is no union of edges" if left else "")

@@ -45,6 +45,7 @@ def follow(
 
 
 def problem_of_carved(
+    apex: dict[HalfEdge, Point],
     boundary: list[HalfEdge],
     points: set[Point],
     others: set[Point],
@@ -60,7 +61,7 @@ def problem_of_carved(
     pieces = set()
     for p, q in left:
         pieces |= {*pairwise(sorted(r for r in points if p <= r <= q and turn(p, q, r) == 0))}
-    edges = {(min(edge), max(edge)) for edge in boundary}
+    edges = {(min(edge), max(edge)) for edge in apex}
     along |= pieces & edges
     crossed = [(a, b, 1) if a < b else (b, a, -1) for a, b in boundary]
     crossed += [(p, q, 0) for p, q in pieces - edges]

@@ -7,6 +7,7 @@
 // that is covered, and one from right to left ends it: so these must alternate. No two edges may
 // cross, and none may pass through a vertex of another. Crossing edges are neighbours before they
 // cross; whatever become neighbours are tested, and the first pair that cross ends the sweep.
+// Constraints may cross in a row, which is no vertex.
 //
 // - Rows without a vertex must lie where nothing is covered.
 // - A constraint, or a part of one, that no edge continues at a vertex must go on where nothing is
@@ -104,7 +105,7 @@ class Sweep {
         for (std::size_t row = 0; row < roles_.size(); ++row)
             if (is_other(row)) roles_[named_.lowest[row]] |= event;
         for (const Segment& each : segments_)
-            if (each.reached != each.to) roles_[each.to] |= event;
+            if (!each.is_whole()) roles_[each.to] |= event;
         for (Row row = 0; row < roles_.size(); ++row)
             if (roles_[row] & event) events_.push_back(row);
         std::sort(events_.begin(), events_.end(), [&](Row a, Row b) { return is_before(a, b); });
@@ -120,7 +121,7 @@ class Sweep {
         });
         waiting_.assign(roles_.size(), none);
         for (std::uint32_t i = 0; i < segments_.size(); ++i)
-            if (segments_[i].reached != segments_[i].to) wait(i, segments_[i].reached);
+            if (!segments_[i].is_whole()) wait(i, segments_[i].reached);
     }
 
     // Whether it is finite, and has no vertex.
@@ -242,7 +243,27 @@ class Sweep {
 
     void test_neighbors(Line::iterator above) {
         if (above == line_.begin() || above == line_.end()) return;
-        if (cross(*std::prev(above), *above)) overlap(*std::prev(above), *above);
+        const Crossed &low = *std::prev(above), &high = *above;
+        const bool may_meet = !low.is_edge() && !high.is_edge();
+        if (cross(low, high) && !(may_meet && meet_in_row(low, high))) overlap(low, high);
+    }
+
+    // Whether there is a row where two constraints cross: then both are cut there. Rounding mostly
+    // tells which it is; otherwise all are tried.
+    bool meet_in_row(const Crossed& s, const Crossed& t) const {
+        const auto meet_at = [&](Row row) {
+            return turn(s.left, s.right, row) == 0 && turn(t.left, t.right, row) == 0;
+        };
+        const Point a = points_[s.left], b = points_[s.right];
+        const Point c = points_[t.left], d = points_[t.right];
+        const double ux = b.x - a.x, uy = b.y - a.y, vx = d.x - c.x, vy = d.y - c.y;
+        const double along = ((c.x - a.x) * vy - (c.y - a.y) * vx) / (ux * vy - uy * vx);
+        const Point place{a.x + along * ux, a.y + along * uy};
+        const auto near =
+            std::lower_bound(events_.begin(), events_.end(), place,
+                             [&](Row row, Point p) { return before_xy(points_[row], p); });
+        return (near != events_.end() && meet_at(*near)) ||
+               std::any_of(events_.begin(), events_.end(), meet_at);
     }
 
     // Whether the lower one of two will be above the other where the first of them ends.

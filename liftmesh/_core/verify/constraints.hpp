@@ -7,43 +7,56 @@
 
 namespace liftmesh {
 
+// A constraint, and the row at which edges along it end: `to` if it is a union of edges. Otherwise
+// `from` is its lesser end.
+struct Segment {
+    Row from, to, reached;
+    bool is_whole() const { return reached == to; }
+};
+
 // The edges of the triangles that constraints run along.
 class ConstrainedEdges {
  public:
-    explicit ConstrainedEdges(const MeshView& mesh) : mesh_(mesh) {}
+    ConstrainedEdges(const MeshView& mesh, ThreadPool& pool)
+        : mesh_(mesh), pool_(pool), marked_(3 * mesh.count) {}
 
-    // False if the interrupt came first.
-    bool collect(ThreadPool& pool);
+    // Marks the edges that are segments as a whole. False if the interrupt came first.
+    bool match(std::vector<Segment>& segments);
 
-    // Marks the edges that run along the segment between two rows, from the lesser on; returns
-    // where they end. Corners are named by the lowest rows of their positions.
+    // Lists the edges of each vertex, which `follow` needs. False if the interrupt came first.
+    bool collect();
+
+    // Marks the edges that run along a segment, from its lesser end on; returns where they end.
     Row follow(Row from, Row to);
 
     // Whether the edge opposite that corner is marked.
-    bool contain(std::uint32_t place) const { return !chain_.empty() && chain_[place] != none; }
+    bool contain(std::uint32_t place) const { return marked_[place] != 0; }
 
  private:
+    struct Edge {
+        Row end;
+        std::uint32_t place;
+    };
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    Row ends_at(std::uint32_t place) const;
-    std::uint32_t edge_towards(Row from, Row to) const;
+    Edge edge_towards(Row from, Row to) const;
     std::uint32_t last_of_chain(std::uint32_t place);
+    Row greater_end(std::uint32_t place) const;
 
     const MeshView& mesh_;
-    std::vector<std::uint32_t> first_;  // of each row, and the end: where its edges are
-    Buffer<std::uint32_t> edges_;       // the places of half-edges, by their lesser ends
-    std::vector<std::uint32_t> chain_;  // for each place that is marked one further on, or itself
+    ThreadPool& pool_;
+    Marks marked_;                      // of each place
+    std::vector<std::uint32_t> first_;  // of each row, and the end: where its edges begin
+    Buffer<Edge> edges_;                // half-edges of either direction, at their lesser ends
+    std::vector<std::uint32_t>
+        chain_;  // of each place that was followed: one further on, or itself
 };
 
-// A constraint between the lowest rows of its ends, the lesser first, and where edges along it end.
-struct Segment {
-    Row from, to, reached;
-};
-
-// Triangles whose corners are named by the lowest rows of their positions.
+// Triangles whose corners are the lowest rows of their positions; or without `lowest`, which is
+// that row for each one, if all ends of constraints are corners.
 struct NamedMesh {
     const MeshView& mesh;
-    const std::vector<Row>& lowest;  // of each row: the lowest at its position
+    const std::vector<Row>& lowest;
     const Marks& corners;
     const std::vector<HalfEdge>& boundary;
     ThreadPool& pool;
@@ -56,7 +69,7 @@ bool check_carving(const NamedMesh& named, const std::vector<Segment>& segments,
                    ConstrainedEdges& edges, Flaws& flaws, std::optional<std::size_t>& outside);
 
 // Adds every constraint that is no union of edges, and removes edges along constraints from
-// `pairing.flippable`. Where these are carved, checks the boundary too. False if the interrupt came
+// `pairing.flippable`. Of carved triangles, checks the boundary too. False if the interrupt came
 // first.
 bool check_constraints(const NamedMesh& named, const Constraints& constraints, EdgePairing& pairing,
                        Flaws& flaws, std::optional<std::size_t>& outside);

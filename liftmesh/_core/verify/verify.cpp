@@ -104,8 +104,8 @@ class Verification {
         if (!read_corners()) return false;
         if (verdict_.flaws.any(Flaw::invalid_index)) return true;
         if (mesh_.rows > mesh_.count + 2 && !mark_corners()) return false;
-        if ((member_.is_constrained() || has_too_many_corners()) && !merge_positions())
-            return false;
+        if (member_.is_constrained() && !mark_corners()) return false;
+        if ((needs_positions() || has_too_many_corners()) && !merge_positions()) return false;
         if (!gather_triangles()) return false;
         Findings found;
         if (!check_triangles(found)) return false;
@@ -291,6 +291,14 @@ class Verification {
         if (is_corner_.empty()) return false;
         const auto corners = std::count(is_corner_.begin(), is_corner_.end(), 1);
         return static_cast<std::size_t>(corners) > mesh_.count + 2;
+    }
+
+    // Carved triangles may touch at a position of several rows, and constraints end at any of them.
+    bool needs_positions() const {
+        const Constraints& given = member_.constraints;
+        return given.are_carved ||
+               std::any_of(given.ends, given.ends + 2 * given.count,
+                           [&](std::int32_t row) { return !is_corner_[static_cast<Row>(row)]; });
     }
 
     bool gather_triangles() {
