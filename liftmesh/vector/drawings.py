@@ -1,7 +1,7 @@
 """Lines of drawings: DXF by ezdxf, and the ``l`` elements of OBJ.
 
-Straight parts keep every bit. Curves become chords that are within a thousandth of the curve's size
-of it. What closes itself ends at its first corner. Texts, hatches and the like are left out.
+Straight parts keep every bit. Curves become chords that are about a thousandth of the curve's size
+off at most. What closes itself ends at its first corner. Texts, hatches and the like are left out.
 """
 
 from __future__ import annotations
