@@ -166,6 +166,11 @@ class ConstrainedTriangulation(Triangulation):
         count = len(self.constraints)
         return f"{super().__repr__()[:-1]}, {count} constraint{'s' * (count != 1)}>"
 
+    @property
+    def carved(self) -> bool:
+        """Whether regions were removed."""
+        return self.nsimplex < len(self._constrained)
+
     @cached_property
     def is_constrained(self) -> Mask:
         """Whether the edge opposite vertex k of each triangle is a constraint, (m, 3) bool."""
