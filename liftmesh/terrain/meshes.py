@@ -5,9 +5,9 @@ and of a regular one, too, by whose weights the metadata of a file say that it w
 corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
 faces: it is made again, and what the mesh does not have is masked.
 
-A mesh that follows lines has sides that the Delaunay triangulation of its corners lacks. These are
-all that must be asked for: a side that is Delaunay is in every constrained triangulation whose
-edges it does not cross.
+A mesh that follows lines has sides that the Delaunay triangulation of its corners lacks. Its edges
+are asked for if the file has kept them, else these sides: a side that is Delaunay is in every
+constrained triangulation whose edges it does not cross.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, used_rows
 from liftmesh.errors import CrossingError, InputError
-from liftmesh.io.columns import checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces, edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
@@ -98,8 +98,11 @@ def as_surface(
     _check(cloud, planar, used)
     planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
     solved = _solved(cloud, planar, threads)
-    if BREAKLINE in cloud.attributes:
-        solved = _following(solved, faces, planar, threads)
+    if len(edges := checked_edges(edges_of(cloud), len(cloud), "the mesh")):
+        edges = edges[np.isfinite(planar[edges]).all(axis=(1, 2))]
+        solved = _with_edges(solved, edges, planar, threads)
+    elif BREAKLINE in cloud.attributes:
+        solved = _with_edges(solved, _missing(solved, faces), planar, threads)
     if len(solved.duplicates):
         row, kept = solved.duplicates[0].tolist()
         raise InputError(
@@ -133,16 +136,20 @@ def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
     return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
 
 
-def _following(
-    solved: Triangulation, faces: Rows, planar: Floats, threads: int | None
-) -> Triangulation:
-    """Triangulate the corners with the sides that a triangulation does not have."""
+def _missing(solved: Triangulation, faces: Rows) -> Rows:
+    """Return the sides of faces that a triangulation does not have."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     sides = np.unique(pair_keys(*ends.T))
     missing = np.setdiff1d(sides, pair_keys(*solved.edges.T), assume_unique=True)
-    if not len(missing):
+    return np.stack(pairs_of_keys(missing), axis=1).astype(np.int32)
+
+
+def _with_edges(
+    solved: Triangulation, edges: Rows, planar: Floats, threads: int | None
+) -> Triangulation:
+    """Triangulate the corners with edges."""
+    if not len(edges):
         return solved
-    edges = np.stack(pairs_of_keys(missing), axis=1).astype(np.int32)
     try:
         return constrained_delaunay(
             planar, edges, nonfinite="skip", order="canonical", threads=threads
