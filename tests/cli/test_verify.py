@@ -27,7 +27,7 @@ def mesh(path: Path, points: np.ndarray, simplices: np.ndarray) -> Path:
 
 
 def check(*arguments: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-I", str(CHECKER), *map(str, arguments)]
+    command = [sys.executable, "-E", "-s", str(CHECKER), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
