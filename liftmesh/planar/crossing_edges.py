@@ -33,7 +33,9 @@ _GROWTH, _ALLOWANCE = 4, 200  # crossings of a round, by those of the first
 _NAMED, _MOST_PLACES = 10, 10_000
 
 
-def crossing_error(points: Array, given: Constraints, crossings: Rows) -> CrossingError:
+def crossing_error(
+    points: Array, given: Constraints, crossings: Rows, remedy: str
+) -> CrossingError:
     """Name the crossings in an order that the order and direction of edges do not change."""
     edges = given.edges
     ends = np.sort(edges[crossings], axis=2)  # (c, 2, 2)
@@ -54,7 +56,7 @@ def crossing_error(points: Array, given: Constraints, crossings: Rows) -> Crossi
     rest = f"; and {len(pairs) - _NAMED:,} more" if len(pairs) > _NAMED else ""
     return CrossingError(
         f"{counted(len(pairs), 'pair')} of edges cross where no row is: {'; '.join(named)}{rest}. "
-        f"Add their crossings as points, or give {Option('crossing', 'split')}",
+        f"Add their crossings as points, or {remedy}",
         crossings=pairs,
         rows=rows,
         places=np.array(places).reshape(-1, 2),
