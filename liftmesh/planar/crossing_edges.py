@@ -3,8 +3,9 @@
 A crossing has rational coordinates, and the new row is the nearest float64 of each. The parts of
 both edges then bend by that rounding, and may cross others: so the crossings are sought again,
 until there are none. Where many edges lie within a few units in the last place, there would be more
-in each round: then an error names a place. The result is exact for the rounded points. Displacements are distances of the
-rows from the edges that the caller gave, so they tell of all rounds together.
+in each round: then an error names a place. The result is exact for the rounded points.
+Displacements are distances of the rows from the edges that the caller gave, so they tell of all
+rounds together.
 """
 
 from __future__ import annotations
