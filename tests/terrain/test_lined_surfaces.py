@@ -139,7 +139,7 @@ def test_trimmed_closed_and_moved(surface) -> None:
     np.testing.assert_array_equal(copy.triangulation.constraints, surface.triangulation.constraints)
 
 
-@pytest.mark.parametrize("suffix", ["ply", "npz"])
+@pytest.mark.parametrize("suffix", ["ply", "npz", "obj", "off"])
 def test_a_file_gives_the_surface_again(surface, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"tin.{suffix}"
     surface.save(path)
