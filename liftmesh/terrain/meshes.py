@@ -5,9 +5,9 @@ and of a regular one, too, by whose weights the metadata of a file say that it w
 corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
 faces: it is made again, and what the mesh does not have is masked.
 
-Other meshes, as those that follow lines, have sides that the Delaunay triangulation of their corners
-lacks. These are all that must be asked for: a side that is Delaunay is in every constrained triangulation whose
-edges it does not cross.
+Other meshes, as those that follow lines, have sides that the Delaunay triangulation of their
+corners lacks. These are all that must be asked for: a side that is Delaunay is in every constrained
+triangulation whose edges it does not cross.
 """
 
 from __future__ import annotations
