@@ -134,6 +134,15 @@ def test_trimmed_closed_and_moved(surface) -> None:
     assert (np.unique(ends, axis=0, return_counts=True)[1] == 2).all()
     raised = surface.replace(vertices=surface.vertices * [1, 1, 2])
     assert raised.triangulation is surface.triangulation
+    shifted = surface.replace(vertices=surface.vertices + np.array([64, -128, 1]))
+    assert shifted.verify().canonical
+    np.testing.assert_array_equal(shifted.faces, surface.faces)
+    np.testing.assert_array_equal(
+        shifted.triangulation.constraints, surface.triangulation.constraints
+    )
+    mixed = surface.vertices * np.array([1, 8, 1])
+    with pytest.raises(InputError, match="moved vertices have another triangulation"):
+        surface.replace(vertices=mixed)
     copy = pickle.loads(pickle.dumps(surface))
     np.testing.assert_array_equal(copy.faces, surface.faces)
     np.testing.assert_array_equal(copy.triangulation.constraints, surface.triangulation.constraints)
