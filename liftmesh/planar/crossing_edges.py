@@ -15,7 +15,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -84,12 +84,12 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
     """Build, insert what crosses, and build again until nothing does."""
     edges = given.edges
     split = Split(points, edges, np.arange(len(edges), dtype=np.int32))
-    most = 0
-    for number in count():
+    number = most = 0
+    while True:
         split.built = build(split.points, split.edges)
         *_, zero_length, _, crossings = split.built
         if not len(crossings):
-            break
+            return split
         if number == 0:
             most = _GROWTH * len(crossings) + _ALLOWANCE
         if number == _MOST_ROUNDS or len(crossings) > most:
@@ -97,7 +97,7 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
         _insert(split, crossings, points, edges)
         if number == 0:  # later, ends of parts may be at one position
             split.zero_length = zero_length
-    return split
+        number += 1
 
 
 def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> InputError:
