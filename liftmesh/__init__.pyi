@@ -24,6 +24,7 @@ from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
 from .disks.apollonius import ApolloniusGraph as ApolloniusGraph, apollonius as apollonius
 from .errors import (
+    CrossingError as CrossingError,
     DataWarning as DataWarning,
     DegenerateInputError as DegenerateInputError,
     DuplicateHeightError as DuplicateHeightError,
@@ -43,6 +44,10 @@ from .planar.anisotropic import (
     anisotropic_stars as anisotropic_stars,
 )
 from .planar.certificate import Certificate as Certificate, Flaw as Flaw, Violation as Violation
+from .planar.constrained import constrained_delaunay as constrained_delaunay
+from .planar.constrained_triangulation import (
+    ConstrainedTriangulation as ConstrainedTriangulation,
+)
 from .planar.delaunay import delaunay as delaunay
 from .planar.dynamic_triangulation import DynamicTriangulation as DynamicTriangulation
 from .planar.lifting import (

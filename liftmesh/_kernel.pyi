@@ -69,7 +69,9 @@ def carve(
     carving: str,
     seeds: NDArray[np.int32],
 ) -> NDArray[np.uint8]: ...
-def regions(neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]) -> NDArray[np.int32]: ...
+def label_regions(
+    neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]
+) -> NDArray[np.int32]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
     skip_non_finite: bool,

@@ -229,6 +229,31 @@ class DuplicateHeightError(InputError):
         self.rows = rows
 
 
+class CrossingError(InputError):
+    """Edges of a constrained triangulation cross where no row is.
+
+    Attributes
+    ----------
+    crossings : (c, 2) ndarray of int32
+        All pairs of edges that cross, as indices into the input edges: those given as edges come
+        first, then those of polylines, then those of polygons.
+    rows : (c, 4) ndarray of int32
+        The rows of the ends of each pair.
+    places : (p, 2) ndarray of float64
+        Where they cross, rounded to the nearest float64: of the first 10,000 pairs.
+
+    See Also
+    --------
+    constrained_delaunay : Inserts the crossings with ``crossing="split"``.
+    """
+
+    def __init__(self, message: str, *, crossings: Any, rows: Any, places: Any) -> None:
+        super().__init__(message)
+        self.crossings = crossings
+        self.rows = rows
+        self.places = places
+
+
 class FormatError(LiftmeshError, ValueError):
     """A file cannot be read or written; the message gives file, line or byte, and cause.
 

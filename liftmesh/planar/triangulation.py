@@ -224,10 +224,10 @@ class Triangulation:
         Those of row i are ``indices[indptr[i]:indptr[i + 1]]``.
         """
         a, b, c = self.simplices.T
-        following = np.roll(self._hull, -1)
-        # Each triangle yields its three edges in one direction; hull edges lack the other.
-        start = np.concatenate([a, b, c, following])
-        end = np.concatenate([b, c, a, self._hull])
+        outer = (self.neighbors < 0).T
+        # Each triangle yields its three edges in one direction; edges of the rim lack the other.
+        start = np.concatenate([a, b, c, c[outer[0]], a[outer[1]], b[outer[2]]])
+        end = np.concatenate([b, c, a, b[outer[0]], c[outer[1]], a[outer[2]]])
         indptr = np.zeros(self.npoints + 1, dtype=np.int32)
         np.cumsum(np.bincount(start, minlength=self.npoints), out=indptr[1:])
         return self._kept(indptr), self._kept(end[np.argsort(start, kind="stable")])

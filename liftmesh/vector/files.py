@@ -1,5 +1,7 @@
 """Geometries of files: GeoJSON, GeoPackage and shapefiles, told apart by how they begin.
 
+Drawings, DXF and OBJ, are known by their suffix, and have lines alone (`drawings.py`).
+
 They are read here, by the standard library and NumPy: a general library would choose among many
 formats by itself, and some of those fetch addresses, open other files, or run statements.
 
@@ -40,6 +42,7 @@ from liftmesh.io.markup import parsed
 from liftmesh.io.metadata import Unread, noted
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.vector import geojson, geopackage
+from liftmesh.vector.drawings import read_dxf, read_obj_lines
 from liftmesh.vector.geojson import geometries
 from liftmesh.vector.geopackage import MAGIC as GEOPACKAGE, read_geopackage
 from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile
@@ -54,6 +57,9 @@ LINE_SUFFIXES = (".geojson", ".json", ".gpkg")
 
 def read_features(path: Path, what: str) -> dict[str, Any]:
     """Read the geometries of a file, and the values that they have."""
+    suffix = path.suffix.lower()
+    if suffix == ".dxf":
+        return read_dxf(path)
     with path.open("rb") as stream:
         head = stream.read(len(GEOPACKAGE))
         data = b"" if head == GEOPACKAGE else head + stream.read()
@@ -62,10 +68,13 @@ def read_features(path: Path, what: str) -> dict[str, Any]:
     if data.startswith(SHAPEFILE):
         return _with_system(*read_shapefile(path, data), path)
     text = data.removeprefix(_MARK)
-    if path.suffix.lower() in _TEXT or text.lstrip()[:1] == b"{":
+    if suffix == ".obj":
+        return read_obj_lines(path, text)
+    if suffix in _TEXT or text.lstrip()[:1] == b"{":
         return _geojson(path, text)
     raise FormatError(
-        f"{path}: cannot be read as {what}: neither GeoJSON nor a GeoPackage nor a shapefile (.shp)"
+        f"{path}: cannot be read as {what}: neither GeoJSON nor a GeoPackage nor a shapefile "
+        "(.shp) nor a drawing (.dxf, .obj)"
     )
 
 

@@ -71,7 +71,7 @@ void bind_constrained(nb::module_& m) {
           "shared"_a, "progress"_a.none());
     m.def("carve", &carve, "simplices"_a, "neighbors"_a, "constrained"_a, "pieces"_a, "bounds"_a,
           "winding"_a, "carving"_a, "seeds"_a);
-    m.def("regions", &regions, "neighbors"_a, "constrained"_a);
+    m.def("label_regions", &regions, "neighbors"_a, "constrained"_a);
 }
 
 }  // namespace bindings

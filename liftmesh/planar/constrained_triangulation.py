@@ -1,0 +1,344 @@
+"""`ConstrainedTriangulation`: triangles with edges that were asked for.
+
+Where regions were removed, the triangles of the whole convex hull are still there for point
+location, whose walks must not meet holes: first the triangles that are left, in their order, then
+those that were removed. So the first triangle at a point is one that is left if any is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liftmesh import _kernel
+from liftmesh._typing import Apex, Mask, Reals, Rows
+from liftmesh.base.arrays import pair_keys, read_only
+from liftmesh.base.frozen import cached_property, check_numbers, check_starts
+from liftmesh.errors import InputError
+from liftmesh.planar.triangulation import Triangulation
+
+if TYPE_CHECKING:
+    import scipy.spatial
+
+    from liftmesh.planar.lifting import LowerHull
+
+Bits = NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Pieces:
+    """What constraints have become."""
+
+    rows: Rows  # (p, 2)
+    indptr: Rows
+    members: Rows  # input edges
+    edges: Rows  # (k, 2): the input edges
+    polyline: Rows
+    polygon: Rows
+    zero_length: Rows
+    added: int  # rows after those of the caller
+    crossings: int  # rows after these
+    displacement: float
+
+
+class ConstrainedTriangulation(Triangulation):
+    """A triangulation with edges that were asked for, as returned by `constrained_delaunay`.
+
+    A `Triangulation`, with the same attributes and methods; what the constraints add stands here.
+    ``convex_hull``, ``min_bound`` and ``max_bound`` are those of all rows, also where regions were
+    removed; ``neighbors``, ``edges``, ``vertex_to_simplex`` and ``vertex_neighbor_vertices`` are
+    those of the triangles that are left, and `find_simplex` returns -1 where none is. Arrays are
+    read-only.
+
+    Parameters
+    ----------
+    points, simplices, neighbors, convex_hull, duplicates, skipped
+        As for `Triangulation`, of the whole convex hull.
+    constrained : (m,) ndarray of uint8
+        For each triangle, bit k tells whether the edge opposite vertex k is a constraint.
+    pieces : object
+        The constraints and where they come from.
+    left : int
+        How many triangles are left, which are the first.
+
+    Attributes
+    ----------
+    constraints : (p, 2) ndarray of int32
+        The edges that are constraints, as rows: the lesser first, in ascending order. An input edge
+        through other rows is several of them.
+    constraint_inputs : tuple of ndarray of int32
+        The input edges of each constraint: indptr, (p + 1,), and indices. Those of constraint i are
+        ``indices[indptr[i]:indptr[i + 1]]``, in ascending order; see also `inputs_of`.
+    input_edges : (k, 2) ndarray of int32
+        The input edges as rows: those given as edges, then those along polylines, then those along
+        the rings of polygons.
+    input_polylines, input_polygons : (k,) ndarray of int32
+        The polyline, and the polygon, that each input edge belongs to; -1 for other edges. The
+        parts of a MultiLineString or MultiPolygon, and the rows of a table, count one by one.
+    zero_length : (z,) ndarray of int32
+        Input edges whose ends are at one position, which are no constraints.
+    added : (a,) ndarray of int32
+        The rows that coordinates of polylines and polygons have become: those that follow the
+        caller's.
+    crossing_rows : (c,) ndarray of int32
+        The rows inserted where edges cross, which come last.
+    displacement : float
+        The largest distance of a crossing row from an input edge that it is on.
+
+    See Also
+    --------
+    constrained_delaunay : Computes it.
+    Triangulation : Without constraints.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0], [4, -1], [8, 0], [4, 1]]
+    >>> tri = liftmesh.constrained_delaunay(points, [[0, 2]])
+    >>> tri
+    <ConstrainedTriangulation: 2 triangles over 4 rows, 0 duplicates, 0 skipped, 1 constraint>
+    >>> tri.is_constrained.sum(axis=1), tri.regions
+    (array([1, 1]), array([0, 1], dtype=int32))
+    """
+
+    def __init__(  # noqa: PLR0913, PLR0917 - as many as there are arrays
+        self,
+        points: Reals,
+        simplices: Rows,
+        neighbors: Rows,
+        convex_hull: Rows,
+        duplicates: Rows,
+        skipped: Rows,
+        constrained: Bits,
+        pieces: Pieces,
+        left: int,
+    ) -> None:
+        super().__init__(points, simplices, neighbors, convex_hull, duplicates, skipped)
+        self.constraints = read_only(pieces.rows)
+        self.constraint_inputs = read_only(pieces.indptr), read_only(pieces.members)
+        self.input_edges = read_only(pieces.edges)
+        self.input_polylines = read_only(pieces.polyline)
+        self.input_polygons = read_only(pieces.polygon)
+        self.zero_length = read_only(pieces.zero_length)
+        own = len(points) - pieces.added - pieces.crossings
+        rows = read_only(np.arange(own, len(points), dtype=np.int32))
+        self.added, self.crossing_rows = rows[: pieces.added], rows[pieces.added :]
+        self.displacement = pieces.displacement
+        self._whole = self.simplices, self.neighbors
+        self._constrained = read_only(constrained)
+        self._cut(left)
+
+    def _cut(self, left: int) -> None:
+        """Leave the first triangles, and outside instead of others."""
+        simplices, neighbors = self._whole
+        if left < len(simplices):
+            cut = neighbors[:left].copy()
+            cut[cut >= left] = -1
+            self.simplices, self.neighbors = simplices[:left], read_only(cut)
+
+    def _given(self) -> tuple[Rows, ...]:
+        whole = getattr(self, "_whole", (self.simplices, self.neighbors))
+        return *whole, self._hull, self.duplicates, self.skipped
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        del state["neighbors"]
+        state["simplices"] = self.nsimplex  # both are cut from all again
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        left = state.pop("simplices")
+        self.simplices, self.neighbors = state["_whole"]
+        super().__setstate__(state)
+        rows, (indptr, members) = len(self._rows), self.constraint_inputs
+        check_numbers(0, rows, self.constraints, self.input_edges)
+        check_starts(indptr, len(self.constraints), len(members))
+        check_numbers(0, len(self.input_edges), members)
+        check_numbers(0, len(self.simplices) + 1, np.array([left, len(self._constrained)]))
+        for array in (*self._whole, indptr, members):
+            array.setflags(write=False)
+        self._cut(left)
+
+    def __repr__(self) -> str:
+        count = len(self.constraints)
+        return f"{super().__repr__()[:-1]}, {count} constraint{'s' * (count != 1)}>"
+
+    @cached_property
+    def is_constrained(self) -> Mask:
+        """Whether the edge opposite vertex k of each triangle is a constraint, (m, 3) bool."""
+        bits = self._constrained[: self.nsimplex, None] >> np.arange(3, dtype=np.uint8)
+        return self._kept((bits & 1).astype(np.bool_))
+
+    @cached_property
+    def regions(self) -> Rows:
+        """The region of each triangle, (m,) int32: regions are what constraints separate.
+
+        They are numbered from 0 in the order of their first triangles.
+        """
+        bits = self._constrained[: self.nsimplex]
+        return self._kept(_kernel.label_regions(np.ascontiguousarray(self.neighbors), bits))
+
+    @cached_property
+    def repeated(self) -> Rows:
+        """Input edges from and to the same positions as an earlier one, (r, 2) int32.
+
+        Each with the first such edge, in either direction; those in `zero_length` are left out.
+        """
+        kept = np.arange(self.npoints)
+        row, first = self.duplicates.T
+        kept[row] = first
+        ends = np.sort(kept[self.input_edges], axis=1)
+        edges = np.flatnonzero(ends[:, 0] != ends[:, 1])
+        _, start, group = np.unique(
+            pair_keys(*ends[edges].T), return_index=True, return_inverse=True
+        )
+        earliest = start[group]
+        is_later = earliest != np.arange(len(edges))
+        pairs = np.stack([edges[is_later], edges[earliest[is_later]]], axis=1)
+        return self._kept(pairs.astype(np.int32))
+
+    def inputs_of(self, constraint: int) -> Rows:
+        """Return the input edges that a constraint belongs to.
+
+        Parameters
+        ----------
+        constraint : int
+            Which row of ``constraints``.
+
+        Returns
+        -------
+        (e,) ndarray of int32
+            Rows of ``input_edges``, in ascending order.
+
+        Raises
+        ------
+        IndexError
+            There is no such constraint.
+
+        See Also
+        --------
+        ConstrainedTriangulation : Its ``constraint_inputs`` are those of all constraints.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> points = [[0, 0], [1, 0], [2, 0], [1, 1]]
+        >>> tri = liftmesh.constrained_delaunay(points, [[0, 2], [2, 1]])
+        >>> tri.constraints.tolist(), tri.inputs_of(1)
+        ([[0, 1], [1, 2]], array([0, 1], dtype=int32))
+        """
+        indptr, members = self.constraint_inputs
+        number = range(len(self.constraints))[constraint]
+        return members[indptr[number] : indptr[number + 1]]
+
+    def find_simplex(
+        self, xi: ArrayLike, bruteforce: bool = False, tol: float | None = None
+    ) -> Rows:
+        """Find the triangles that contain the given points, exactly.
+
+        Parameters
+        ----------
+        xi : array_like of shape (..., 2)
+            Planar points.
+        bruteforce, tol
+            Accepted for compatibility with SciPy; ignored, as the result is exact.
+
+        Returns
+        -------
+        (...) ndarray of int32
+            As for `Triangulation`: the first triangle that contains each point, or -1; also where
+            regions were removed.
+
+        Raises
+        ------
+        InputError
+            As for `Triangulation`.
+
+        See Also
+        --------
+        Triangulation.find_simplex : How points are located.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> square = [[0, 0], [3, 0], [3, 3], [0, 3]]
+        >>> hole = [[1, 1], [1, 2], [2, 2], [2, 1]]
+        >>> tri = liftmesh.constrained_delaunay(square, polygons=[[square, hole]], carve="holes")
+        >>> tri.nsimplex, tri.find_simplex([1.5, 1.5])
+        (8, array(-1, dtype=int32))
+        """
+        triangles = super().find_simplex(xi, bruteforce, tol)
+        triangles[triangles >= self.nsimplex] = -1
+        return triangles
+
+    @cached_property
+    def _locator(self) -> _kernel.Locator:
+        return _kernel.Locator(self._rows, *map(np.ascontiguousarray, self._whole))
+
+    def lifted(self, apex: Apex = "median") -> LowerHull:  # noqa: ARG002 - no apex helps
+        """Raise: the lift of constrained triangles is no lower hull.
+
+        Parameters
+        ----------
+        apex : {"median", "origin"} or (2,) array_like, default "median"
+            As for `Triangulation`.
+
+        Returns
+        -------
+        LowerHull
+            Never.
+
+        Raises
+        ------
+        InputError
+            Always.
+
+        See Also
+        --------
+        lift : The lift of points.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.constrained_delaunay([[0, 0], [1, 0], [0, 1]], [[0, 1]])
+        >>> liftmesh.lift(tri.points, apex="origin")[:, 2]
+        array([0., 1., 1.])
+        """
+        raise InputError(
+            "triangles with constraints are no lower hull of lifted points: liftmesh.lift(points) "
+            "and simplices are the vertices and faces of their lift"
+        )
+
+    def to_scipy(self) -> scipy.spatial.Delaunay:
+        """Convert to ``scipy.spatial.Delaunay``, for code that requires this class.
+
+        Returns
+        -------
+        scipy.spatial.Delaunay
+            An instance created without running Qhull.
+
+        Raises
+        ------
+        InputError
+            Regions were removed: SciPy's point location would end at them.
+
+        See Also
+        --------
+        Triangulation.to_scipy : Without constraints.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.constrained_delaunay([[0, 0], [1, 0], [0, 1]], [[0, 1]])
+        >>> tri.to_scipy().simplices.shape
+        (1, 3)
+        """
+        if self.nsimplex < len(self._whole[0]):
+            raise InputError(
+                "regions were removed, and SciPy's point location would end at them: convert the "
+                "triangulation without carve, and mask what find_simplex tells to be outside"
+            )
+        return super().to_scipy()

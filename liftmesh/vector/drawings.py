@@ -1,0 +1,79 @@
+"""Lines of drawings: DXF by ezdxf, and the ``l`` elements of OBJ.
+
+Straight parts keep every bit. Curves become chords that are within a thousandth of the curve's size
+of it. What closes itself ends at its first corner. Texts, hatches and the like are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from liftmesh.base.interruption import preserve_signals
+from liftmesh.errors import FormatError
+from liftmesh.optional import load
+
+_KINDS = {"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"}
+_CHORD, _CHORDS = 1e-3, 16  # of the size of a curve; at least so many for each part of it
+
+
+def read_dxf(path: Path) -> dict[str, Any]:
+    """Read the lines of a drawing, those in blocks where they are inserted."""
+    ezdxf = load("ezdxf", extra="shapes")
+    load("ezdxf.path"), load("ezdxf.disassemble")
+    try:
+        with preserve_signals():
+            drawing = ezdxf.readfile(path)
+            found = ezdxf.disassemble.recursive_decompose(drawing.modelspace())
+            lines = [_corners(ezdxf, each) for each in found if each.dxftype() in _KINDS]
+    except OSError as error:
+        if error.errno is not None:
+            raise
+        raise FormatError(f"{path}: no DXF: {error}") from error
+    except (ezdxf.DXFError, ValueError, TypeError, LookupError, ArithmeticError) as error:
+        raise FormatError(f"{path}: damaged, or no DXF: {error}") from error
+    return _tree(lines)
+
+
+def _corners(ezdxf: Any, entity: Any) -> list[tuple[float, ...]]:
+    path = ezdxf.path.make_path(entity)
+    distance = 1.0
+    if path.has_curves:
+        distance = _CHORD * (ezdxf.path.bbox([path], fast=True).size.magnitude or 1.0)
+    return [tuple(each) for each in path.flattening(distance, _CHORDS)]
+
+
+def read_obj_lines(path: Path, data: bytes) -> dict[str, Any]:
+    """Read the lines of an OBJ file; faces are left out."""
+    try:
+        return _tree(list(_obj_lines(data.decode())))
+    except ValueError as error:
+        raise FormatError(f"{path}: {error}") from error
+
+
+def _obj_lines(text: str) -> Iterator[list[tuple[float, ...]]]:
+    vertices: list[tuple[float, ...]] = []
+    for number, line in enumerate(text.replace("\\\n", " ").splitlines(), 1):
+        keyword, *values = line.partition("#")[0].split() or [""]
+        try:
+            if keyword == "v":
+                vertices.append((float(values[0]), float(values[1])))
+            elif keyword == "l":
+                places = [int(each.partition("/")[0]) for each in values]
+                yield [vertices[_place(each, len(vertices))] for each in places]
+        except (ValueError, IndexError) as error:
+            raise ValueError(f"line {number}: {line[:80]!r} cannot be read: {error}") from error
+
+
+def _place(given: int, count: int) -> int:
+    """Convert the number of a vertex, from 1, or backwards from the last one."""
+    place = given - 1 if given > 0 else count + given
+    if not 0 <= place < count:
+        raise ValueError(f"vertex {given} of {count}")
+    return place
+
+
+def _tree(lines: list[Any]) -> dict[str, Any]:
+    lines = [line for line in lines if len(line) > 1]
+    return {"type": "MultiLineString", "coordinates": lines}

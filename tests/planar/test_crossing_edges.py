@@ -1,0 +1,135 @@
+"""Edges that cross: named, or split, against exact rationals."""
+
+from __future__ import annotations
+
+import pickle
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+import liftmesh
+from liftmesh import constrained_delaunay
+from liftmesh.planar import crossing_edges
+
+SQUARE = [[0, 0], [3, 0], [3, 3], [0, 3]]
+
+
+def test_all_crossings_are_named() -> None:
+    with pytest.raises(liftmesh.CrossingError) as caught:
+        constrained_delaunay(SQUARE, [[2, 0], [3, 1], [0, 2]])
+    error = caught.value
+    assert "2 pairs of edges cross where no row is: edge 0 from row 0 (0.0, 0.0) to row 2" in (
+        str(error)
+    )
+    assert "row 3 (0.0, 3.0), at (1.5, 1.5). Add" in str(error)
+    assert str(error).endswith("or give crossing='split'")
+    assert error.crossings.tolist() == [[0, 1], [2, 1]]
+    assert error.rows.tolist() == [[0, 2, 1, 3], [0, 2, 1, 3]]
+    assert error.places.tolist() == [[1.5, 1.5], [1.5, 1.5]]
+    twin = pickle.loads(pickle.dumps(error))
+    np.testing.assert_array_equal(twin.crossings, error.crossings)
+    assert str(twin) == str(error)
+
+
+def test_crossings_of_lines_and_polygons_name_these() -> None:
+    with pytest.raises(liftmesh.CrossingError, match=r"edge 1 \(of polyline 0\)") as caught:
+        constrained_delaunay(
+            SQUARE, [[0, 1]], polylines=[[0, 2]], polygons=[[[1, 0], [1, 3], [2, 3]]]
+        )
+    assert "(of polygon 0)" in str(caught.value)
+
+
+def comb(teeth: int) -> tuple[list[list[float]], list[list[int]]]:
+    points = [[-1.0, 0.5], [float(teeth), 0.5]]
+    for k in range(teeth):
+        points += [[float(k), 0.0], [float(k), 1.0]]
+    return points, [[0, 1], *([2 * k + 2, 2 * k + 3] for k in range(teeth))]
+
+
+def test_only_some_of_many_are_in_words() -> None:
+    points, edges = comb(13)
+    with pytest.raises(liftmesh.CrossingError, match=r"13 pairs .*; and 3 more. Add") as caught:
+        constrained_delaunay(points, edges)
+    assert len(caught.value.crossings) == len(caught.value.places) == 13
+
+
+def test_the_order_of_edges_changes_nothing() -> None:
+    rng = np.random.default_rng(3)
+    points, edges = rng.random((20, 2)), rng.permutation(20).reshape(-1, 2)
+    with pytest.raises(liftmesh.CrossingError) as one:
+        constrained_delaunay(points, edges)
+    turn = rng.permutation(10)
+    with pytest.raises(liftmesh.CrossingError) as other:
+        constrained_delaunay(points, edges[turn][:, ::-1])
+    np.testing.assert_array_equal(one.value.rows, other.value.rows)
+    np.testing.assert_array_equal(one.value.crossings, turn[other.value.crossings])
+    np.testing.assert_array_equal(one.value.places, other.value.places)
+
+
+def test_a_crossing_at_a_row_is_none() -> None:
+    tri = constrained_delaunay([*SQUARE, [1.5, 1.5]], [[0, 2], [1, 3]])
+    assert len(tri.constraints) == 4
+
+
+def test_crossings_become_rows() -> None:
+    points, edges = comb(4)
+    tri = constrained_delaunay(points, edges, crossing="split")
+    assert tri.crossing_rows.tolist() == [10, 11, 12, 13]
+    assert sorted(tri.points[tri.crossing_rows].tolist()) == [[float(k), 0.5] for k in range(4)]
+    assert (tri.displacement, len(tri.constraints), len(tri.input_edges)) == (0.0, 13, 5)
+    along = [k for k in range(13) if 0 in tri.inputs_of(k)]
+    assert len(along) == 5
+    assert len(tri.added) == 0
+
+
+@pytest.mark.parametrize("scale", [1e-290, 1e-30, 1.0, 1e300])
+def test_displacement_is_the_largest_distance(scale: float) -> None:
+    points = np.array([[0, 0], [10, 3], [0, 3], [10, 1]]) * scale
+    tri = constrained_delaunay(points, [[0, 1], [2, 3]], crossing="split")
+    (x, y), (a, b) = ([Fraction(c) for c in points[1]], [Fraction(c) for c in tri.points[4]])
+    first = abs(x * b - y * a) ** 2 / (x * x + y * y)
+    (p, q), (r, s) = ([Fraction(c) for c in points[2]], [Fraction(c) for c in points[3]])
+    second = ((r - p) * (b - q) - (s - q) * (a - p)) ** 2 / ((r - p) ** 2 + (s - q) ** 2)
+    exact = max(first, second)
+    found = Fraction(tri.displacement) ** 2
+    assert abs(found - exact) <= exact * Fraction(1, 10**12)
+    assert len(tri.constraints) == 4
+
+
+@settings(deadline=None, max_examples=60)
+@given(st.integers(0, 2**32 - 1), st.sampled_from(["unit", "thin", "lattice", "far"]))
+def test_edges_are_chains_from_end_to_end(seed: int, kind: str) -> None:
+    """With two rows of odd degree, and near their edges; nothing crosses any more."""
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 5, (14, 2)).astype(float) if kind == "lattice" else rng.random((14, 2))
+    points *= [1, 1e-12] if kind == "thin" else 1
+    points += 1e6 if kind == "far" else 0
+    edges = rng.integers(0, 14, (7, 2))
+    try:
+        tri = constrained_delaunay(points, edges, crossing="split")
+    except liftmesh.DegenerateInputError:
+        return
+    assert tri.displacement <= 2.0**-52 * np.abs(points).max() * 4
+    kept = np.arange(tri.npoints)
+    kept[tri.duplicates[:, 0]] = tri.duplicates[:, 1]
+    indptr, members = tri.constraint_inputs
+    piece = np.repeat(np.arange(len(tri.constraints)), np.diff(indptr))
+    for k, (a, b) in enumerate(kept[edges].tolist()):
+        degree = np.bincount(tri.constraints[piece[members == k]].ravel(), minlength=tri.npoints)
+        assert np.flatnonzero(degree % 2).tolist() == ([] if a == b else sorted((a, b)))
+        assert (k in tri.zero_length) == (a == b) == (not degree.any())
+    i, j = np.triu_indices(len(tri.constraints), 1)
+    (a, b), (c, d) = (tri.points[tri.constraints[each]].transpose(1, 0, 2) for each in (i, j))
+    turn = liftmesh.orient2d
+    crosses = (turn(a, b, c) * turn(a, b, d) < 0) & (turn(c, d, a) * turn(c, d, b) < 0)
+    assert not crosses.any()
+
+
+def test_rounds_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossing_edges, "_MOST_ROUNDS", 0)
+    with pytest.raises(
+        liftmesh.InputError, match=r"after 0 rounds .*edge 0 and edge 1 do at \(1.5"
+    ):
+        constrained_delaunay(SQUARE, [[0, 2], [1, 3]], crossing="split")
