@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from files import stream_of
-from growth import cells, changing, disks, functions, stars, surfaces, weighted
+from growth import cells, changing, disks, edges, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
@@ -112,6 +112,7 @@ WITHOUT_DATA = {
     "Violation": "a result, made by verify",
     "Certificate": "a result, made by verify; its methods are watched",
     "Comparison": "a result, made by compare; its methods are watched",
+    "ConstrainedTriangulation": "a result, made by constrained_delaunay; its methods are watched",
     "Contour": "a line of Contours",
     "Contours": "a result, made by Surface.contours; its methods are watched",
     "Counters": "a result, made by delaunay",
@@ -225,6 +226,7 @@ def subjects() -> Mapping[str, Subject]:
             *disks.FUNCTIONS,
             *stars.FUNCTIONS,
             *changing.CHANGING,
+            *edges.FUNCTIONS,
         )
     )
     return MappingProxyType({each.name: each for each in (*made, *of_formats())})
