@@ -21,7 +21,7 @@ Outcome: TypeAlias = tuple[
 ]
 Run: TypeAlias = tuple[NDArray[np.floating[Any]], bool, int, bool, Callable[[float], None] | None]
 Flaws: TypeAlias = list[tuple[int, list[tuple[int, int]]]]
-Verdict: TypeAlias = tuple[str, int, int, int, int, int, int, int, Flaws]
+Verdict: TypeAlias = tuple[str, int, int, int, int, int, int, int, Flaws, int | None]
 Merged: TypeAlias = tuple[
     str,
     int,
@@ -94,6 +94,8 @@ def verify(
     progress: Callable[[float], None] | None,
     member: str,
     values: NDArray[np.float64],
+    edges: NDArray[np.int32] | None = None,
+    carved: bool = False,
 ) -> Verdict: ...
 def verify_part(
     rows: NDArray[np.floating[Any]],

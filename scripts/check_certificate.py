@@ -2,9 +2,11 @@
 
     python scripts/check_certificate.py mesh.json mesh.obj
     python scripts/check_certificate.py mesh.json mesh.obj weights.txt
+    python scripts/check_certificate.py mesh.json mesh.obj constraints.txt
 
-It uses the standard library only. Every coordinate becomes a `fractions.Fraction`, which is exact,
-and each predicate is its textbook formula; nothing is filtered, scaled or approximated.
+It uses the standard library only, and check_constraints.py beside it. Every coordinate becomes a
+`fractions.Fraction`, which is exact, and each predicate is its textbook formula; nothing is
+filtered, scaled or approximated.
 
 Exit code 0: the certificate is true. 1: it is false, or belongs to another mesh. 2: it cannot be
 checked, and a message says why. The mesh may have some ten thousand vertices; its faces are
@@ -15,6 +17,8 @@ list of flaws is not checked further.
 
 Certificates of regular triangulations speak of weights or radii, by their SHA-256 sum. These are
 the column of the PLY file that has this sum, or stand in a file of their own, one number a line.
+Those of constrained triangulations speak of constraints, by theirs: the edges of the PLY file, the
+lines (l) of the OBJ file, or a file of their own with two rows a line, counted from 0.
 """
 
 from __future__ import annotations
@@ -31,22 +35,25 @@ from itertools import chain, pairwise
 from pathlib import Path
 from typing import Any
 
+from check_constraints import HalfEdge, Point, follow, problem_of_carved, turn
+
 Row = tuple[float, float]
 Triangle = tuple[int, int, int]
 Columns = list[tuple[float, ...]]
-Mesh = tuple[list[Row], list[Triangle], Columns]
-Point = tuple[Fraction, Fraction]
+Pair = tuple[int, int]
+Mesh = tuple[list[Row], list[Triangle], Columns, list[Pair]]
 Heights = dict[Point, Fraction]  # of the vertices, lifted
-HalfEdge = tuple[Point, Point]  # its triangle lies on its left
 Four = tuple[Point, Point, Point, Point]
 INTEGERS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
 INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i", "uint32": "I"}
 NUMBERS = INTEGERS | {"float": "f", "float32": "f", "double": "d", "float64": "d"}
 FORMAT = {"format": "liftmesh certificate"}
-MEMBERS = {1: ("delaunay",), 2: ("weights", "radii", "metric", "farthest")}  # of each version
+MEMBERS = {1: ("delaunay",), 2: ("weights", "radii", "metric", "farthest"), 3: ("constrained",)}
 NAMES = {"delaunay": "Delaunay", "metric": "Delaunay in the metric", "farthest": "farthest-point"}
 NAMES |= {"weights": "regular by weights", "radii": "regular by radii"}
+NAMES |= {"constrained": "constrained Delaunay"}
 HIDING = ("weights", "radii", "farthest")
+HEIGHTS = (*HIDING, "metric")  # lifted otherwise than by x^2 + y^2
 INDICES = ("vertex_indices", "vertex_index")
 
 
@@ -59,6 +66,7 @@ def require(condition: object, why_not: str) -> None:
 def read_obj(data: bytes) -> Mesh:
     rows: list[Row] = []
     triangles = []
+    edges: list[Pair] = []
     for number, line in enumerate(data.splitlines(), 1):
         word, *rest = line.partition(b"#")[0].split() or [b""]
         if word == b"v":
@@ -68,8 +76,10 @@ def read_obj(data: bytes) -> Mesh:
             require(len(rest) == 3, f"line {number} is a face of {len(rest)} vertices, not three")
             a, b, c = (row_of(text, len(rows)) for text in rest)
             triangles.append((a, b, c))
+        elif word == b"l":
+            edges += pairwise(row_of(text, len(rows)) for text in rest)
     require(rows, "it is no PLY file, nor an OBJ file with vertices")
-    return rows, triangles, []
+    return rows, triangles, [], edges
 
 
 def row_of(text: bytes, rows: int) -> int:
@@ -79,17 +89,21 @@ def row_of(text: bytes, rows: int) -> int:
 
 
 def read_ply(data: bytes) -> Mesh:
-    (vertices, faces), body = read_header(data)
-    x, y, row = layout_of_vertices(vertices[1:])
+    (vertices, faces, *more), body = read_header(data)
+    x, y, row = layout_of(vertices[1:], "x", "y")
     rows, body = take(body, row, int(vertices[0][2]))
-    found, _ = take(body, layout_of_a_face(faces[1:]), int(faces[0][2]))
+    found, body = take(body, layout_of_a_face(faces[1:]), int(faces[0][2]))
     require(all(count == 3 for count, *_ in found), "the PLY file has faces that are no triangles")
+    edges = []
+    if more and more[0][0][1] == "edge":
+        tail, head, row = layout_of(more[0][1:], "vertex1", "vertex2", "edges")
+        edges = [(each[tail], each[head]) for each in take(body, row, int(more[0][0][2]))[0]]
     planar = [(values[x], values[y]) for values in rows]
-    return planar, [(a, b, c) for _, a, b, c in found], [*zip(*rows, strict=True)]
+    return planar, [(a, b, c) for _, a, b, c in found], [*zip(*rows, strict=True)], edges
 
 
 def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
-    """Return the lines of the first two elements, and the bytes after the header."""
+    """Return the lines of the first three elements, and the bytes after the header."""
     found = re.match(rb"ply\r?\n(.*?\n)end_header\r?\n", data, re.DOTALL)
     require(found, "the PLY header does not end")
     lines = [line.decode("latin-1").split() for line in found[1].splitlines()]
@@ -97,8 +111,8 @@ def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
     require(form in lines, "the PLY file is not binary_little_endian: write it so, or as OBJ")
     lines = [line for line in lines if line[:1] in (["element"], ["property"])]
     at = [i for i, line in enumerate(lines) if line[0] == "element"] + [len(lines)]
-    elements = [lines[i:j] for i, j in pairwise(at)][:2]
-    named = [element[0][1] for element in elements]
+    elements = [lines[i:j] for i, j in pairwise(at)][:3]
+    named = [element[0][1] for element in elements[:2]]
     require(named == ["vertex", "face"], "the PLY file does not begin with vertices, then faces")
     return elements, data[found.end() :]
 
@@ -110,12 +124,15 @@ def take(body: bytes, row: struct.Struct, count: int) -> tuple[list[tuple[Any, .
     return list(row.iter_unpack(body[:end])), body[end:]
 
 
-def layout_of_vertices(properties: list[list[str]]) -> tuple[int, int, struct.Struct]:
+def layout_of(
+    properties: list[list[str]], first: str, second: str, what: str = "vertices"
+) -> tuple[int, int, struct.Struct]:
+    """Return the places of two columns of vertices or edges, and the layout of a row."""
     names, types = [line[-1] for line in properties], [line[1] for line in properties]
-    require({"x", "y"} <= {*names}, "the PLY file's vertices have no x and y")
-    require({*types} <= NUMBERS.keys(), f"the PLY file's vertices hold {', '.join({*types})}")
+    require({first, second} <= {*names}, f"the PLY file's {what} have no {first} and {second}")
+    require({*types} <= NUMBERS.keys(), f"the PLY file's {what} hold {', '.join({*types})}")
     row = struct.Struct("<" + "".join(NUMBERS[name] for name in types))
-    return names.index("x"), names.index("y"), row
+    return names.index(first), names.index(second), row
 
 
 def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
@@ -127,11 +144,6 @@ def layout_of_a_face(properties: list[list[str]]) -> struct.Struct:
         "the PLY file's faces hold other things than one list of whole numbers, vertex_indices",
     )
     return struct.Struct("<" + INTEGERS[properties[0][2]] + 3 * INTEGERS[properties[0][3]])
-
-
-def turn(a: Point, b: Point, c: Point) -> Fraction:
-    """Positive if a, b, c are counter-clockwise."""
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
 def cofactors(a: Point, b: Point, c: Point, d: Point) -> dict[Point, Fraction]:
@@ -191,37 +203,56 @@ def metric_of(claimed: dict[str, Any]) -> tuple[Fraction, Fraction, Fraction]:
     return a, b, c
 
 
-def judge(lifted: list[Any], triangles: list[Triangle], member: str) -> tuple[str, dict[str, Any]]:
+def judge(
+    lifted: list[Any],
+    triangles: list[Triangle],
+    member: str,
+    constraints: Iterable[Pair] = (),
+    carved: bool = False,
+) -> tuple[str, dict[str, Any]]:
     """Return what is wrong with a mesh, and what its certificate must say."""
     points = [None if row is None else row[0] for row in lifted]
     counts = {"n_rows": len(lifted), "n_skipped": points.count(None)}
     counts["n_triangles"] = len(triangles)
     wrong, apex = half_edges_of(points, triangles)
     boundary = [(a, b) for a, b in apex if (b, a) not in apex]
-    wrong = wrong or problem_of(boundary)
+    segments = [(a, b) for a, b in (sorted((points[i], points[j])) for i, j in constraints)]
+    along, left = follow(segments, apex)
+    others = {*points} - {None} - {*chain(*apex)} if carved else set()
+    if carved:
+        wrong = wrong or problem_of_carved(apex, boundary, {*points} - {None}, others, along, left)
+    else:
+        wrong = wrong or problem_of(boundary)
+        wrong = wrong or ("a constraint is no union of edges" if left else "")
     height = {} if wrong else dict(lifted[row] for row in chain(*triangles))
     if any(lifted[row][1] != height[points[row]] for row in chain(*triangles) if height):
         wrong = "corners at one position are lifted to several heights"
-    if not wrong and member not in HIDING and {*height} != {*points} - {None}:
+    if not wrong and member not in HIDING and {*height} | others != {*points} - {None}:
         wrong = "a point is not a vertex"
-    sides = [] if wrong else across(apex, height)
+    sides = [] if wrong else across(apex, height, along)
     if any(sign > 0 for sign, _ in sides):
         wrong = "a circumcircle contains the apex of a neighbour"
-        wrong = wrong if member == "delaunay" else "the lifted triangles are not convex"
+        wrong = (
+            wrong
+            if member in ("delaunay", "constrained")
+            else "the lifted triangles are not convex"
+        )
     hidden = 0
     if not wrong and member in HIDING:
-        wrong, hidden = others(lifted, triangles, apex, height)
+        wrong, hidden = judge_others(lifted, triangles, apex, height)
     if wrong:
         return wrong, {"valid": False, "canonical": False, "counts": counts}
     vertices, corners = len(height), len({*chain(*triangles)})
     counts |= {"n_vertices": vertices, "n_merged": corners - vertices}
     counts["n_hull_edges"] = len(boundary)
-    counts |= {} if member == "delaunay" else {"n_hidden": hidden}
+    counts |= {} if member in ("delaunay", "constrained") else {"n_hidden": hidden}
+    if member == "constrained":
+        counts["n_outside"] = sum(point in others for point in points)
     ties = sum(below_by_perturbation(*four) for sign, four in sides if sign == 0)
     return "", valid(counts, ties)
 
 
-def others(
+def judge_others(
     lifted: list[Any], triangles: list[Triangle], apex: dict[HalfEdge, Point], height: Heights
 ) -> tuple[str, int]:
     """Return what is wrong with rows that are no corners, and how many are hidden."""
@@ -296,16 +327,20 @@ def problem_of(edges: list[HalfEdge]) -> str:
     return "" if windings == 1 else "the boundary winds around more than once"
 
 
-def across(apex: dict[HalfEdge, Point], height: Heights) -> list[tuple[Fraction, Four]]:
-    """For each interior edge, return the side of its points: a triangle and an apex."""
-    fours = [(a, b, c, apex[b, a]) for (a, b), c in apex.items() if a < b and (b, a) in apex]
+def across(
+    apex: dict[HalfEdge, Point], height: Heights, along: set[HalfEdge]
+) -> list[tuple[Fraction, Four]]:
+    """For each interior edge off constraints, return the side of a triangle and an apex."""
+    inner = [(a, b) for a, b in apex if a < b and (b, a) in apex and (a, b) not in along]
+    fours = [(a, b, apex[a, b], apex[b, a]) for a, b in inner]
     return [(below(height, *four), four) for four in fours]
 
 
 def valid(counts: dict[str, int], ties: int) -> dict[str, Any]:
     """Return the certificate of a valid mesh in which `ties` edges are not canonical."""
     edges = (3 * counts["n_triangles"] + counts["n_hull_edges"]) // 2
-    others = counts["n_skipped"] + counts["n_vertices"] + counts.get("n_hidden", 0)
+    others = counts["n_skipped"] + counts["n_vertices"]
+    others += counts.get("n_hidden", 0) + counts.get("n_outside", 0)
     return {
         "valid": True,
         "canonical": not ties,
@@ -360,11 +395,31 @@ def column_of(
     raise ValueError("no column has the sum of the weights: give them in a third file")
 
 
+def constraints_of(
+    claimed: dict[str, Any], rows: list[Row], edges: list[Pair], columns: Columns
+) -> list[Pair]:
+    """Return the constraints: the edges of the mesh, or of another file, that have their sum."""
+    if claimed.get("member") != "constrained":
+        return []
+    require(type(claimed.get("carved")) is bool, "it does not say whether regions were carved")
+    for pairs in (edges, *(zip(column[::2], column[1::2], strict=False) for column in columns)):
+        found = [(int(a), int(b)) for a, b in pairs if a == a // 1 and b == b // 1]
+        if not all(0 <= row < len(rows) for row in chain(*found)):
+            continue
+        packed = struct.pack(f"<{2 * len(found)}i", *chain(*found))
+        if hashlib.sha256(packed).hexdigest() == claimed.get("constraints_sha256"):
+            finite = all(math.isfinite(value) for edge in found for i in edge for value in rows[i])
+            require(finite, "a constraint ends at a row that is not finite")
+            return found
+    raise ValueError("no edges have the sum of the constraints: give them in a third file")
+
+
 def check(
     claimed: dict[str, Any],
     rows: list[Row],
     triangles: list[Triangle],
     columns: Iterable[tuple[float, ...]] = (),
+    edges: Iterable[Pair] = (),
 ) -> int:
     """Check a certificate against a mesh and print the verdict."""
     for name, value in sums(rows, triangles).items():
@@ -372,7 +427,10 @@ def check(
             print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")
             return 1
     lifted = lifts(claimed, rows, column_of(claimed, len(rows), columns))
-    wrong, truth = judge(lifted, triangles, claimed.get("member", "delaunay"))
+    constraints = constraints_of(claimed, rows, [*edges], [*columns])
+    member, carved = claimed.get("member", "delaunay"), claimed.get("carved", False)
+    wrong, truth = judge(lifted, triangles, member, constraints, carved)
+    truth["counts"] |= {"n_constraints": len(constraints)} if member == "constrained" else {}
     flaws = flaws_of(claimed)
     found = differences(claimed | {"flaws": flaws}, truth)
     if wrong and all(kind == "not_canonical" for kind, _ in flaws or []):
@@ -400,7 +458,7 @@ def read_certificate(path: str) -> dict[str, Any]:
     of_disks = known and claimed.get("member") == "apollonius"
     require(not of_disks, "it is of a graph of disks, which no mesh file holds")
     known = type(version) is int and claimed.get("member", "delaunay") in MEMBERS.get(version, ())
-    form = f"{json.dumps(FORMAT)}, version 1, or version 2 with its member"
+    form = f"{json.dumps(FORMAT)}, version 1, or version 2 or 3 with its member"
     require(known, f"the certificate is not of the format {form}")
     return dict(claimed)
 
@@ -408,10 +466,10 @@ def read_certificate(path: str) -> dict[str, Any]:
 def main(certificate: str, mesh: str, *weights: str) -> int:
     try:
         claimed, data = read_certificate(certificate), Path(mesh).read_bytes()
-        rows, triangles, columns = (read_ply if data[:3] == b"ply" else read_obj)(data)
+        rows, triangles, columns, edges = (read_ply if data[:3] == b"ply" else read_obj)(data)
         for path in weights:
             columns.append(tuple(map(float, Path(path).read_text().split())))
-        return check(claimed, rows, triangles, columns)
+        return check(claimed, rows, triangles, columns, edges)
     except Exception as error:  # noqa: BLE001 - no error here makes the certificate false
         text = f"{certificate} cannot be checked against {mesh}: {str(error) or repr(error)}"
         print(text, file=sys.stderr)

@@ -19,6 +19,7 @@ from liftmesh.base.arrays import as_numbers, as_pairs, check_finite, read_only
 from liftmesh.base.options import as_threads, counted
 from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
+from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.triangulation import Triangulation
@@ -128,8 +129,8 @@ def natural_neighbors(
     Raises
     ------
     InputError
-        As for `delaunay`; the triangulation is by weights, a metric or the farthest point; or its
-        points have changed since.
+        As for `delaunay`; the triangulation is by weights, a metric or the farthest point, or has
+        constraints; or its points have changed since.
     NonFiniteError
         A point or a query is not finite.
     DegenerateInputError
@@ -160,6 +161,11 @@ def natural_neighbors(
         if isinstance(points, Triangulation)
         else delaunay(sites_of(points, queries), threads=threads, copy=True)
     )
+    if isinstance(tri, ConstrainedTriangulation):
+        raise InputError(
+            "the triangulation has constraints, and natural neighbours are those of a Delaunay "
+            "triangulation: give the points"
+        )
     if other := options_of(tri):
         raise InputError(
             f"points are triangulated by {', '.join(other)}, and natural neighbours are those of a "

@@ -36,7 +36,7 @@ from liftmesh.base.options import (
 from liftmesh.cli.wording import VALUE
 from liftmesh.errors import InputError, Option
 
-PANELS = ("Arguments", "Options", "Input", "Selection", "Output", "Advanced")
+PANELS = ("Arguments", "Options", "Input", "Selection", "Lines", "Output", "Advanced")
 """Parts of the help of a command, in this order."""
 
 

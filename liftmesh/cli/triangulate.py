@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Algorithm, GroundAlgorithm, refused
+from liftmesh.base.options import Algorithm, Crossing, GroundAlgorithm, refused
 from liftmesh.cli import inputs, notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument, flag, option, positive
 from liftmesh.cli.thin import Thinning, thinned
@@ -32,10 +32,15 @@ EXAMPLES = [
     "liftmesh triangulate facade.ply mesh.ply --plane 0,-1,0",
     "liftmesh triangulate trees.csv mesh.ply --radii crown_radius",
     "liftmesh triangulate ground.laz tin.ply --max-edge 5 --boundary-only",
+    "liftmesh triangulate ground.laz tin.ply --breaklines kerbs.gpkg --holes lakes.geojson",
     "liftmesh triangulate - - --input-format xyz --output-format ply < points.xyz > mesh.ply",
 ]
 
 
+_LINES = {  # of the report
+    "rows": "of lines", "rows_from_around": "height from around", "rows_at_crossings": "crossings",
+    "edges": "edges of lines", "flat_triangles": "flat triangles",
+}  # fmt: skip
 _GROUND = 2  # not "ground", which takes all rows where there is none
 _NO_UNIT = "; the unit is not known, and taken to be metres"
 _UNITS = {  # what is said where that of the plane and that of heights are known
@@ -84,6 +89,48 @@ def _ground(
     return {} if ground is None else {"algorithm": ground, **choices}
 
 
+def _lines(
+    breaklines: Annotated[
+        Path | None,
+        option(
+            "FILE",
+            "Lines that faces do not cross, with their heights (GeoJSON, GeoPackage, shapefile, "
+            "DXF); without, with those around.",
+        ),
+    ] = None,
+    soft_breaklines: Annotated[
+        Path | None, option("FILE", "Lines draped over the surface, in which they are edges.")
+    ] = None,
+    boundary: Annotated[
+        Path | None, option("FILE", "Polygons: leave out faces outside, cut at the rings.")
+    ] = None,
+    holes: Annotated[
+        Path | None, option("FILE", "Polygons that hide faces inside; their holes show islands.")
+    ] = None,
+    densify: Annotated[
+        float | None, option("LENGTH", "Corners of these lines no farther apart.", positive)
+    ] = None,
+    crossing: Annotated[
+        Crossing | None,
+        option("POLICY", "Of breaklines that cross: error, or split, by the first one's height."),
+    ] = None,
+) -> dict[str, Any]:
+    """Check the options of lines, and return those given, as `liftmesh.triangulate` has them."""
+    files = options.given(
+        breaklines=breaklines, soft_breaklines=soft_breaklines, boundary=boundary, holes=holes
+    )
+    for path in files.values():
+        path.open("rb").close()
+    choices = options.given(densify=densify, crossing=crossing)
+    if choices and not files:
+        raise click.BadParameter(
+            f"--{next(iter(choices))} is for lines: give --breaklines, --soft-breaklines, "
+            "--boundary or --holes"
+        )
+    return files | choices
+
+
+Lines: TypeAlias = Annotated[dict[str, Any], options.Group(_lines, "Lines")]
 Ground: TypeAlias = Annotated[dict[str, Any], options.Group(_ground, "Selection")]
 Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
 
@@ -114,6 +161,7 @@ def run(
     nonfinite: options.SkipNonFinite = "error",
     ground: Ground,
     thin: Thinning,
+    lines: Lines,
     trimming: surfaces.Trimming,
     threads: options.Threads = None,
     json: options.Json = False,
@@ -143,6 +191,7 @@ def run(
             apex=apex,
             threads=threads,
             **lifted_by,
+            **lines,
         )
         surface = surfaces.trimmed(surface, trimming)
     seconds["triangulate"] = sum(surface.report.seconds.values())
@@ -183,7 +232,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     """What to say of values of the cloud that those of the surface have replaced."""
-    from liftmesh.terrain.triangulate import replaced_flags
+    from liftmesh.terrain.lifting import replaced_flags
 
     said = replaced_flags(cloud) if hasattr(surface.triangulation, "hidden") else ""
     return [said] if said else []
@@ -231,6 +280,7 @@ def _print_report(
     if surface.mask is not None:
         counts["n_trimmed"] = int(surface.mask.sum())
     rows = [(name[2:], f"{count:,}") for name, count in counts.items()]
+    rows += [(_LINES[name], f"{count:,}") for name, count in report.lines.items() if count]
     rows += notes.lidar_lines({"classes": report.classes})
     rows += [("seconds", "  ".join(f"{name} {value:.2f}" for name, value in seconds.items()))]
     terminal.table(rows)
@@ -260,6 +310,7 @@ def _values(written: WriteResult, report: Report, seconds: dict[str, float]) -> 
         "policy": report.policy,
         "left_out": report.left_out.tolist(),
         "columns": dict(report.columns),
+        "lines": dict(report.lines) or None,
         "color_depth": report.color_depth,
         "seconds": seconds,
     }

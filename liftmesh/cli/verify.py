@@ -143,13 +143,11 @@ def _check_format(source: Path, file_format: str | None) -> None:
         return
     kind = find_format(file_format or suffix_of(source.name), str(source))
     if "faces" not in kind.keeps:
-        raise _no_triangles(source)
+        raise _no_triangles(source).within(source)
 
 
 def _no_triangles(source: Path) -> InputError:
-    return InputError(
-        f"{source}: holds no triangles: make some with liftmesh triangulate {source} OUT"
-    )
+    return InputError(f"holds no triangles: make some with liftmesh triangulate {source} OUT")
 
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:

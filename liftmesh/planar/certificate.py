@@ -19,6 +19,7 @@ from liftmesh._typing import Array
 FORMAT = "liftmesh certificate"
 FORMAT_VERSION = 1
 OF_MEMBERS = 2  # of other triangulations than Delaunay's, which readers of version 1 do not know
+OF_CONSTRAINED = 3  # of these, which readers of version 2 do not know
 _HASHED_AT_ONCE = 1 << 20
 
 
@@ -72,9 +73,11 @@ class Flaw:
         Its name: "invalid_index", "non_finite", "clockwise", "degenerate", "non_manifold_edges",
         "non_manifold_vertices", "boundary_loops", "boundary_winding", "not_convex",
         "missing_vertices", "not_delaunay", "no_triangles", "no_boundary", "euler" or
-        "not_canonical"; of tiles also "other_hull", "other_duplicates", "other_skipped" or
-        "damaged_files"; of graphs of disks also "no_circle", "wrong_neighbors", "wrong_hull",
-        "wrong_order", "wrong_hidden", "wrong_duplicates", "other_circles" or "other_skipped".
+        "not_canonical"; with constraints also "missing_constraints", "open_boundaries" or
+        "overlaps", of which only the first is found; of tiles also "other_hull",
+        "other_duplicates", "other_skipped" or "damaged_files"; of graphs of disks also "no_circle",
+        "wrong_neighbors", "wrong_hull", "wrong_order", "wrong_hidden", "wrong_duplicates",
+        "other_circles" or "other_skipped".
     count : int
         The number of occurrences.
     text : str
@@ -104,8 +107,8 @@ class Flaw:
 class Certificate:
     """Whether some triangles are a triangulation of some points: what `verify` has found.
 
-    It is said of Delaunay triangulations, of regular, metric or farthest-point ones, and of graphs
-    of disks: `member`.
+    It is said of Delaunay triangulations, of constrained, regular, metric or farthest-point ones,
+    and of graphs of disks: `member`.
 
     As a truth value it is `valid`.
 
@@ -126,7 +129,8 @@ class Certificate:
     n_triangles : int
         Triangles.
     n_edges, n_hull_edges : int or None
-        Edges, and those of them that belong to one triangle only.
+        Edges, and those of them that belong to one triangle only. Where regions were carved, these
+        are the boundary of what is left.
     flaws : tuple of Flaw
         What is wrong. A flaw of the kind "not_canonical" leaves the triangulation valid.
     points_sha256 : str
@@ -139,8 +143,8 @@ class Certificate:
     version : str
         Of liftmesh.
     member : str
-        Of which triangulation this is said: "delaunay", "weights" or "radii" (regular), "metric",
-        "farthest", or "apollonius" for the graph of disks.
+        Of which triangulation this is said: "delaunay", "constrained", "weights" or "radii"
+        (regular), "metric", "farthest", or "apollonius" for the graph of disks.
     n_hidden : int or None
         Finite rows that are no vertices as their lifted points are strictly above the triangles, or
         as their disks are within others; 0 where none can be, None if they were not counted. They
@@ -149,6 +153,15 @@ class Certificate:
         The matrix of a metric.
     values_sha256 : str or None
         Of the weights or radii of all rows, also of disks, as little-endian float64.
+    n_constraints : int or None
+        Constraints, as given; None for others than constrained triangulations.
+    n_outside : int or None
+        Finite rows that lie where no triangle is, since regions were carved; None if they were not
+        counted. They are not among the duplicates.
+    carved : bool
+        Whether regions bounded by constraints were allowed to be missing.
+    constraints_sha256 : str or None
+        Of the two rows of each constraint, as given, as little-endian int32.
 
     See Also
     --------
@@ -181,6 +194,10 @@ class Certificate:
     n_hidden: int | None = 0
     metric: tuple[tuple[float, float], tuple[float, float]] | None = None
     values_sha256: str | None = None
+    n_constraints: int | None = None
+    n_outside: int | None = 0
+    carved: bool = False
+    constraints_sha256: str | None = None
 
     @property
     def valid(self) -> bool:
@@ -194,7 +211,10 @@ class Certificate:
 
     @property
     def euler_characteristic(self) -> int | None:
-        """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted."""
+        """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted.
+
+        Of carved triangulations it may be another number.
+        """
         if self.n_vertices is None or self.n_edges is None:
             return None
         return self.n_vertices - self.n_edges + self.n_triangles
@@ -203,6 +223,7 @@ class Certificate:
     def name(self) -> str:
         """What the triangles are said to be, without an article."""
         return {
+            "constrained": "constrained Delaunay triangulation",
             "farthest": "farthest-point Delaunay triangulation",
             "apollonius": "Delaunay graph of disks",
             "weights": "regular triangulation by weights",
@@ -224,6 +245,7 @@ class Certificate:
         kind = "the canonical" if self.canonical else "a"
         said = f"valid: {these} {kind} {self.name} of {self.n_rows:,} rows"
         said += f", {self.n_hidden:,} of them hidden" if self.n_hidden else ""
+        said += f", {self.n_outside:,} of them outside" if self.n_outside else ""
         return said + "".join(f"; not canonical: {flaw.text}" for flaw in self.flaws)
 
     def _describe_flaws(self) -> str:
@@ -251,11 +273,14 @@ class Certificate:
         3
         """
         counts = {k: v for k, v in asdict(self).items() if k.startswith("n_")}
-        if self.member == "delaunay":
+        if self.member in ("delaunay", "constrained"):
             del counts["n_hidden"]
+        if self.member != "constrained":
+            del counts["n_constraints"], counts["n_outside"]
+        versions = {"delaunay": FORMAT_VERSION, "constrained": OF_CONSTRAINED}
         return {
             "format": FORMAT,
-            "format_version": FORMAT_VERSION if self.member == "delaunay" else OF_MEMBERS,
+            "format_version": versions.get(self.member, OF_MEMBERS),
             **self._member(),
             "liftmesh": self.version,
             "valid": self.valid,
@@ -271,6 +296,8 @@ class Certificate:
         """What a certificate of a Delaunay triangulation does not hold."""
         said = {"member": self.member, "metric": _plain(self.metric)}
         said |= {"values_sha256": self.values_sha256}
+        if self.member == "constrained":
+            said |= {"carved": self.carved, "constraints_sha256": self.constraints_sha256}
         return {} if self.member == "delaunay" else {k: v for k, v in said.items() if v is not None}
 
     def to_json(self) -> str:

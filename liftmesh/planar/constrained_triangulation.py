@@ -166,6 +166,11 @@ class ConstrainedTriangulation(Triangulation):
         count = len(self.constraints)
         return f"{super().__repr__()[:-1]}, {count} constraint{'s' * (count != 1)}>"
 
+    @property
+    def carved(self) -> bool:
+        """Whether regions were removed."""
+        return self.nsimplex < len(self._constrained)
+
     @cached_property
     def is_constrained(self) -> Mask:
         """Whether the edge opposite vertex k of each triangle is a constraint, (m, 3) bool."""
@@ -342,3 +347,38 @@ class ConstrainedTriangulation(Triangulation):
                 "triangulation without carve, and mask what find_simplex tells to be outside"
             )
         return super().to_scipy()
+
+
+def with_rows(
+    tri: ConstrainedTriangulation, points: Reals, names: Rows, duplicates: Rows, hull: Rows
+) -> ConstrainedTriangulation:
+    """Make the same triangles of other rows, of which there are as many."""
+    ends = np.sort(names[tri.constraints], axis=1)
+    order = np.argsort(pair_keys(*ends.T), kind="stable")
+    starts, members = tri.constraint_inputs
+    counts = np.diff(starts)[order]
+    indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    place = np.arange(len(members)) + np.repeat(starts[:-1][order] - indptr[:-1], counts)
+    simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
+    return ConstrainedTriangulation(
+        points,
+        names[simplices],
+        neighbors,
+        names[hull],
+        duplicates,
+        tri.skipped,
+        tri._constrained,  # noqa: SLF001 - of this module
+        Pieces(
+            ends[order],
+            indptr,
+            members[place],
+            tri.input_edges,
+            tri.input_polylines,
+            tri.input_polygons,
+            tri.zero_length,
+            len(tri.added),
+            len(tri.crossing_rows),
+            tri.displacement,
+        ),
+        tri.nsimplex,
+    )

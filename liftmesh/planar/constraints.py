@@ -149,8 +149,7 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
 
 def _without_return(ring: Line) -> Line:
     """Leave out the last corner of a ring if it repeats the first."""
-    is_closed = len(ring) > 1 and bool(np.all(ring[0] == ring[-1]))
-    return ring[:-1] if is_closed else ring
+    return ring[:-1] if ring[0].tolist() == ring[-1].tolist() else ring
 
 
 def _lines(given: Any) -> list[Any]:
@@ -198,7 +197,7 @@ def _polygons(given: Any) -> tuple[list[Sequence[Any]], bool]:
 
 
 def _items(name: str, given: Any) -> Sequence[Any]:
-    if isinstance(given, list | tuple | np.ndarray) and np.ndim(given[:1]):
+    if isinstance(given, list | tuple) or (isinstance(given, np.ndarray) and given.ndim):
         return given  # type: ignore[return-value]
     raise InputError(
         f"{Option(name)} are {shown(given)}: give a list of {name}, each as rows or as coordinates "

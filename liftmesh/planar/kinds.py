@@ -133,11 +133,11 @@ def options_of(triangulation: Any) -> dict[str, Any]:
         return _stated(triangulation, metadata)
     if not hasattr(triangulation, "simplices"):
         return {}
-    held = {name: getattr(triangulation, name, None) for name in ("weights", "radii", "metric")}
+    names = ("weights", "radii", "metric", "constraints")
+    held = {name: getattr(triangulation, name, None) for name in names}
     options = {name: value for name, value in held.items() if value is not None}
-    if getattr(triangulation, "furthest_site", False):
-        options["furthest_site"] = True
-    return options
+    told = {name: getattr(triangulation, name, False) for name in ("furthest_site", "carved")}
+    return options | {name: True for name, value in told.items() if value}
 
 
 def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:

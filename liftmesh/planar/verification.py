@@ -17,14 +17,24 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite, widened
-from liftmesh.base.options import NonFinite, as_switch, as_threads, check_option, check_progress
-from liftmesh.errors import InputError
+from liftmesh.base.options import (
+    NonFinite,
+    as_switch,
+    as_threads,
+    check_option,
+    check_progress,
+    counted,
+)
+from liftmesh.errors import InputError, Option
 from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
 from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
 MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
-_REMEDY = "give the three rows of each triangle; cut other polygons into triangles first"
+_REMEDIES = {
+    "triangle": "give the three rows of each triangle; cut other polygons into triangles first",
+    "constraint": "give the two rows of each constraint; a polyline is several",
+}
 _PREMATURE = {"invalid_index", "non_finite"}  # with these, neither edges nor rows are counted
 
 
@@ -39,11 +49,14 @@ def verify(  # noqa: PLR0913 - options are keywords
     radii: ArrayLike | None = None,
     metric: ArrayLike | None = None,
     furthest_site: bool = False,
+    constraints: ArrayLike | None = None,
+    carved: bool = False,
 ) -> Certificate:
     """Verify exactly that triangles, from any source, are the Delaunay triangulation of points.
 
     Or another member of the family: their regular triangulation by weights or radii, their Delaunay
-    triangulation in a metric, or their farthest-point Delaunay triangulation.
+    triangulation in a metric, their farthest-point Delaunay triangulation, or their constrained
+    Delaunay triangulation.
 
     The checks are: every corner is a row; every triangle is counter-clockwise; every edge has one
     triangle on either side, or lies on the boundary; the boundary is one convex curve that winds
@@ -80,6 +93,17 @@ def verify(  # noqa: PLR0913 - options are keywords
         Whether the triangles are to be the farthest-point Delaunay triangulation, as of
         `scipy.Delaunay`. Without any of these options, a `Triangulation`, a `Surface` or a file
         that liftmesh wrote says itself which member it is.
+    constraints : (k, 2) array_like of int, optional
+        Edges between two rows each: the triangles are to be the constrained Delaunay triangulation.
+        Each constraint must be a union of edges of the triangles; it may lead through other rows,
+        and on top of other constraints. Those whose ends are at one position are ignored. Edges
+        along constraints need not be locally Delaunay, all others must.
+    carved : bool, default False
+        Whether regions that constraints bound may be missing, outside and inside: then the boundary
+        need not be convex, and may have several curves, but each of its edges must be on a
+        constraint or on the convex hull of the rows. Rows where no triangle is are counted
+        (``n_outside``), and of constraints only the parts that touch triangles must be edges. It is
+        not proved that the right regions are missing.
 
     Returns
     -------
@@ -91,7 +115,8 @@ def verify(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         `points` or `simplices` have another shape or other values, `simplices` are masked, a mesh
-        has no triangles, an option is unknown or invalid, or several members are named.
+        has no triangles, an option is unknown or invalid, or several members are named. Or a
+        constraint has an end that is no row, or is skipped.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     UnsupportedTypeError
@@ -118,6 +143,12 @@ def verify(  # noqa: PLR0913 - options are keywords
     it, or a duplicate of a vertex. Point location finds the triangle under such a row, and three
     orientations check that it is there.
 
+    That the local test of all other edges suffices where constraints are given was shown by D. T.
+    Lee and A. K. Lin, "Generalized Delaunay triangulation for planar graphs" (1986). Carved
+    triangles do not overlap if a line that sweeps over their boundary enters and leaves covered
+    ground in turns (M. I. Shamos and D. Hoey, 1976): O(b log b) for b edges of the boundary, rows
+    outside and constraints there. Constraints that cross each other are not all unions of edges.
+
     Examples
     --------
     >>> import liftmesh
@@ -128,37 +159,47 @@ def verify(  # noqa: PLR0913 - options are keywords
     True
     >>> print(verify(square, [[0, 1, 2], [0, 2, 3]]))
     not valid: 1 row has no vertex; first: row 4 (0.5, 0.25) is not a vertex, and no vertex is ...
+    >>> kite, across = [[0, 0], [4, -1], [8, 0], [4, 1]], [[0, 1, 2], [0, 2, 3]]
+    >>> bool(verify(kite, across)), bool(verify(kite, across, constraints=[[0, 2]]))
+    (False, True)
     """
     check_option("nonfinite", nonfinite, NonFinite)
     check_progress(progress)
     given = (weights, radii, metric)
     lifted_by: dict[str, Any] = dict(zip(("weights", "radii", "metric"), given, strict=True))
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
+    edges = None if constraints is None else _as_tuples(constraints, 2, "constraints", "constraint")
+    is_carved = as_switch("carved", carved)
+    _refuse_members(edges is not None, is_carved, lifted_by)
     _refuse_other_results(points, simplices)
     if _is_graph_of_disks(points):
-        _refuse_more(simplices is not None, is_farthest, *(each is not None for each in given))
+        others = (*given, simplices, constraints)
+        _refuse_more(is_farthest, *(each is not None for each in others))
         certificate: Certificate = points.verify(threads=threads, progress=progress)
         return certificate
     if simplices is None:
-        told = is_farthest or any(each is not None for each in given)
+        told = is_farthest or any(each is not None for each in (*given, constraints))
         points, simplices, is_skipping, own = _points_and_triangles(points, told=told)
         nonfinite = "skip" if is_skipping else nonfinite
+        edges = own.pop("constraints", edges)
+        is_carved = own.pop("carved", is_carved)
         lifted_by |= own
     rows = as_coordinates(points)
     kind = as_kind(len(rows), **lifted_by)
-    triangles = _as_triples(simplices)
+    triangles = _as_tuples(simplices, 3, "simplices", "triangle")
     corners = _as_int32(triangles)
+    ends = None if edges is None else _as_ends(edges, rows)
     most = max(len(rows), len(corners))
     count, shared = as_threads(threads, most)
     run = (rows, corners, nonfinite == "skip", count, shared, progress)
-    verdict = _kernel.verify(*run, kind.name, widened(kind.values))
+    verdict = _kernel.verify(*run, kind.name, widened(kind.values), ends, is_carved)
     status, row, *_ = verdict
     if status == "non-finite":
         if kind.has_values and not np.isfinite(kind.values[row]):
             raise kind.non_finite(row)
         raise non_finite(row, rows[row])
     sums = _sums(rows, triangles, count > 1 and most >= 2 * _kernel.ROWS_PER_THREAD)
-    certificate = _certify(rows, triangles, verdict, sums, kind)
+    certificate = _certify(rows, triangles, verdict, sums, kind, ends, is_carved)
     if progress is not None:
         progress(1.0)
     return certificate
@@ -173,7 +214,21 @@ def _refuse_more(*are_given: bool) -> None:
     if any(are_given):
         raise InputError(
             "a graph of disks has triangles and radii of its own: give it without simplices, "
-            "weights, radii, metric or furthest_site"
+            "weights, radii, metric, furthest_site or constraints"
+        )
+
+
+def _refuse_members(constrained: bool, carved: bool, lifted_by: dict[str, Any]) -> None:
+    others = [name for name, value in lifted_by.items() if value is not None and value is not False]
+    if constrained and others:
+        raise InputError(
+            f"{Option('constraints')} and {Option(others[0])} are given: only Delaunay "
+            "triangulations are verified with constraints; give one of the two"
+        )
+    if carved and not constrained:
+        raise InputError(
+            f"{Option('carved', True)} is given without constraints, which bound what may be "
+            f"missing: give {Option('constraints')}"
         )
 
 
@@ -220,55 +275,77 @@ def _as_mesh(mesh: Any) -> Any:
     return cloud
 
 
-def _as_triples(simplices: ArrayLike) -> Array:
-    array = _as_integers(_as_array(simplices))
-    if array.ndim == 2 and array.shape[1] == 3 and array.dtype.kind in "iu":
-        if len(array) > MOST_TRIANGLES:
+def _as_tuples(given: ArrayLike, width: int, name: str, each: str) -> Array:
+    """Convert the corners of triangles, or the ends of constraints."""
+    array = _as_integers(_as_array(given, width, name, each), each)
+    if array.ndim == 2 and array.shape[1] == width and array.dtype.kind in "iu":
+        if width == 3 and len(array) > MOST_TRIANGLES:
             raise InputError(f"{len(array):,} triangles are more than {MOST_TRIANGLES:,}")
         return array
     if array.size == 0:
-        return np.empty((0, 3), dtype=np.int32)
-    remedy = "give simplices.T" if array.ndim == 2 and len(array) == 3 else _REMEDY
+        return np.empty((0, width), dtype=np.int32)
+    remedy = f"give {name}.T" if array.ndim == 2 and len(array) == width else _REMEDIES[each]
     raise InputError(
-        f"simplices need the shape (m, 3) and 64-bit integers, not {array.shape} of "
-        f"{array.dtype}: {remedy}"
+        f"{name} need the shape ({'m' if width == 3 else 'k'}, {width}) and 64-bit integers, not "
+        f"{array.shape} of {array.dtype}: {remedy}"
     )
 
 
-def _as_array(simplices: ArrayLike) -> Array:
+def _as_array(given: ArrayLike, width: int, name: str, each: str) -> Array:
     try:
-        array = np.asanyarray(simplices)
+        array = np.asanyarray(given)
     except ValueError as error:
-        raise InputError(
-            f"simplices are not an array: {_odd(simplices, error)}: {_REMEDY}"
-        ) from error
+        odd = _odd(given, width, each, error)
+        raise InputError(f"{name} are not an array: {odd}: {_REMEDIES[each]}") from error
     if is_masked_array(array) and np.ma.is_masked(array):
         first = np.argwhere(np.atleast_1d(np.ma.getmaskarray(array)))[0, 0]
-        raise InputError(f"simplices are masked, first at triangle {first}: leave masked ones out")
+        raise InputError(f"{name} are masked, first at {each} {first}: leave masked ones out")
     return np.asarray(array)
 
 
-def _odd(simplices: Any, error: ValueError) -> str:
-    """Describe the triangle because of which simplices are not an array."""
+def _odd(given: Any, width: int, each: str, error: ValueError) -> str:
+    """Describe the triangle, or the constraint, because of which there is no array."""
     reason = str(error).rstrip(".")
-    if not isinstance(simplices, Sequence):
+    if not isinstance(given, Sequence):
         return reason
-    odd = (at for at, row in enumerate(simplices) if not isinstance(row, Sized) or len(row) != 3)
+    odd = (at for at, row in enumerate(given) if not isinstance(row, Sized) or len(row) != width)
     row = next(odd, None)
-    return reason if row is None else f"triangle {row} is {repr(simplices[row])[:80]}"
+    return reason if row is None else f"{each} {row} is {repr(given[row])[:80]}"
 
 
-def _as_integers(array: Array) -> Array:
+def _as_integers(array: Array, each: str) -> Array:
     """Convert Python's integers, which may be of any size, to 64-bit ones."""
     if array.dtype.kind != "O" or array.ndim != 2:
         return array
-    for (triangle, _), value in np.ndenumerate(array):
+    for (row, _), value in np.ndenumerate(array):
         if not isinstance(value, int | np.integer) or not -(2**63) <= value < 2**63:
             raise InputError(
-                f"triangle {triangle} refers to row {repr(value)[:80]}, which is not a 64-bit "
-                f"integer: {_REMEDY}"
+                f"{each} {row} refers to row {repr(value)[:80]}, which is not a 64-bit integer: "
+                f"{_REMEDIES[each]}"
             )
     return array.astype(np.int64)
+
+
+def _as_ends(edges: Array, rows: Reals) -> Rows:
+    """Check that both ends of each constraint are finite rows."""
+    is_row = (edges >= 0) & (edges < len(rows))
+    if not is_row.all():
+        constraint, end = np.argwhere(~is_row)[0]
+        raise InputError(
+            f"constraint {constraint} refers to row {edges[constraint, end]}; there are "
+            f"{counted(len(rows), 'row')}: leave it out, or add the point"
+        )
+    ends = np.ascontiguousarray(edges, dtype=np.int32)
+    finite = np.isfinite(rows[:, 0]) & np.isfinite(rows[:, 1])
+    if not finite.all() and not (are_finite := finite[ends]).all():
+        constraint, end = np.argwhere(~are_finite)[0]
+        row = int(ends[constraint, end])
+        x, y = rows[row, :2].tolist()
+        raise InputError(
+            f"constraint {constraint} ends at row {row} ({x!r}, {y!r}), which is not finite: leave "
+            "it out"
+        )
+    return ends
 
 
 def _as_int32(given: Array) -> Rows:
@@ -286,24 +363,29 @@ def _certify(
     verdict: _kernel.Verdict,
     sums: tuple[str, str],
     kind: TriangulationKind,
+    constraints: Rows | None,
+    carved: bool,
 ) -> Certificate:
-    _, _, skipped, vertices, merged, hidden, interior_edges, boundary_edges, places = verdict
-    violations = TriangleViolations(rows, given, kind)
+    _, _, skipped, vertices, merged, hidden, interior_edges, boundary_edges, places, off = verdict
+    violations = TriangleViolations(rows, given, kind, constraints)
     reported = zip(MEANINGS, places, strict=True)
     flaws = {name: violations.flaw(name, *counted) for name, counted in reported if counted[0]}
     is_counted = not flaws.keys() & _PREMATURE
     edges = interior_edges + boundary_edges
     if is_counted:
-        flaws |= _disk_flaw(len(given), vertices, edges, boundary_edges)
+        found = _disk_flaw(len(given), vertices, edges, boundary_edges)
+        flaws |= found if not carved else {k: v for k, v in found.items() if k != "euler"}
     missing = flaws["missing_vertices"].count if "missing_vertices" in flaws else 0
     # Of lifts that may hide rows, those without a vertex are judged if nothing else is wrong.
     is_judged = not kind.may_hide or not flaws.keys() - {"not_canonical", "missing_vertices"}
-    others = len(rows) - skipped - vertices - missing - hidden
+    is_swept = not carved or off is not None
+    outside = off or 0
+    others = len(rows) - skipped - vertices - missing - hidden - outside
     return Certificate(
         n_rows=len(rows),
         n_skipped=skipped,
         n_vertices=vertices if is_counted else None,
-        n_duplicates=others if is_counted and is_judged else None,
+        n_duplicates=others if is_counted and is_judged and is_swept else None,
         n_merged=merged if is_counted else None,
         n_triangles=len(given),
         n_edges=edges if is_counted else None,
@@ -312,10 +394,14 @@ def _certify(
         points_sha256=sums[0],
         simplices_sha256=sums[1],
         version=_kernel.VERSION,
-        member=kind.name,
+        member=kind.name if constraints is None else "constrained",
         n_hidden=hidden if is_counted and is_judged else None,
         metric=kind.metric,
         values_sha256=sha256_of(kind.values, "<f8") if kind.has_values else None,
+        n_constraints=None if constraints is None else len(constraints),
+        n_outside=outside if is_counted and is_swept else None,
+        carved=carved,
+        constraints_sha256=None if constraints is None else sha256_of(constraints, "<i4"),
     )
 
 

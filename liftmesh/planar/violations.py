@@ -47,6 +47,15 @@ MEANINGS = {
         "vertices of the boundary are not convex",
     ),
     "missing_vertices": ("row has no vertex", "rows have no vertex"),
+    "missing_constraints": (
+        "constraint is not a union of edges",
+        "constraints are not unions of edges",
+    ),
+    "open_boundaries": (
+        "edge of the boundary is on no constraint, and not on the convex hull",
+        "edges of the boundary are on no constraint, and not on the convex hull",
+    ),
+    "overlaps": ("overlap of triangles is found", "overlaps of triangles are found"),
     "not_delaunay": ("edge is not locally Delaunay", "edges are not locally Delaunay"),
     "not_canonical": ("edge is not the canonical choice", "edges are not the canonical choice"),
 }
@@ -96,10 +105,13 @@ class Violations:
 class TriangleViolations(Violations):
     """Places where triangles are wrong, with exact signs."""
 
-    def __init__(self, rows: Reals, given: Array, kind: TriangulationKind) -> None:
+    def __init__(
+        self, rows: Reals, given: Array, kind: TriangulationKind, constraints: Array | None
+    ) -> None:
         super().__init__(rows, MEANINGS if kind.name == "delaunay" else MEANINGS | _OF_LIFTED)
         self._given = given
         self._kind = kind
+        self._constraints = constraints
 
     def _corners(self, triangle: int) -> tuple[int, int, int]:
         a, b, c = self._given[triangle].tolist()
@@ -174,6 +186,28 @@ class TriangleViolations(Violations):
             f"plane of triangle {beside - 1} of {self._named(*corners)}, not above it"
         )
         return Violation(text, rows, points, (beside - 1,), sign)
+
+    def _missing_constraints(self, constraint: int, row: int) -> Violation:
+        assert self._constraints is not None  # noqa: S101 - for the type checker
+        ends: tuple[int, int] = tuple(self._constraints[constraint].tolist())
+        text = (
+            f"constraint {constraint} between {self._named(*ends)} is not a union of edges: none "
+            f"goes on along it at {self._named(row)}"
+        )
+        return self._at(text, *ends, row)
+
+    def _open_boundaries(self, place: int, _: int) -> Violation:
+        rows = self._edge(place)
+        text = f"the edge between {self._named(*rows)} has a triangle on one side only"
+        return self._at(text, *rows, triangles=(place // 3,))
+
+    def _overlaps(self, place: int, other: int) -> Violation:
+        one, two = self._edge(place), self._edge(other)
+        text = (
+            f"the edges of the boundary between {self._named(*one)} and between "
+            f"{self._named(*two)} cross or touch, or what they bound overlaps"
+        )
+        return self._at(text, *one, *two, triangles=(place // 3, other // 3))
 
     def _turned(self, triangle: int) -> tuple[int, int, int]:
         """Corners in counter-clockwise order, in which the kernel checks them."""

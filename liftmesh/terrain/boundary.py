@@ -104,7 +104,7 @@ def trim(
     if max_radius is not None:
         left_out |= _radii(corners) > _length("max_radius", max_radius)
     if polygon is not None:
-        left_out |= ~contains(polygons_in(surface.crs, polygon), _centroids(corners))
+        left_out |= ~contains(polygons_in(surface.crs, polygon), centroids(corners))
     if max_edge is not None:
         is_long = _sides(corners) > _length("max_edge", max_edge)
         left_out = _from_rim(surface, is_long, left_out) if inwards else left_out | is_long.any(1)
@@ -196,11 +196,11 @@ def _radii(corners: Floats) -> Floats:
     return np.where(np.isnan(radii), np.inf, radii)
 
 
-def _centroids(corners: Floats) -> Floats:
+def centroids(corners: Floats) -> Floats:
     """Compute centroids; the order of the corners changes no bit."""
     a, b, c = np.moveaxis(ordered_corners(corners), 1, 0)
-    centroids: Floats = a / 3 + b / 3 + c / 3
-    return centroids
+    middles: Floats = a / 3 + b / 3 + c / 3
+    return middles
 
 
 def _length(name: str, value: Any) -> float:

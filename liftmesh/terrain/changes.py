@@ -22,6 +22,7 @@ from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
+from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.surface_data import HIDDEN, as_cloud
@@ -215,6 +216,8 @@ def _at(planar: Floats, old: Triangulation) -> Triangulation:
     same = (planar, old.simplices, old.neighbors, hull, old.duplicates, old.skipped)
     if isinstance(old, RegularTriangulation):
         return RegularTriangulation(*same, old.hidden, weights=old.weights, radii=old.radii)
+    if isinstance(old, ConstrainedTriangulation):
+        return with_rows(old, planar, np.arange(len(planar), dtype=np.int32), old.duplicates, hull)
     return Triangulation(*same, metric=old.metric)
 
 

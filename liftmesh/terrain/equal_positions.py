@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Reals, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.base.options import OnDuplicate, check_option
 from liftmesh.errors import DuplicateHeightError, Option
@@ -34,17 +34,19 @@ class Choice:
 def choose_rows(
     duplicates: Rows,  # pairs (row, kept row), the kept one being the first at its position
     heights: Floats,
-    planar: Floats,
+    planar: Reals,
     policy: str,
     names: Integers | None = None,  # of rows in messages, if not their numbers
+    ranks: Array | None = None,  # of rows: those of the highest rank in a group are candidates
 ) -> Choice:
     """Choose the row that is used as the vertex at each shared planar position."""
     check_option("on_duplicate", policy, OnDuplicate)
-    if policy == "error":
-        _refuse_overhangs(duplicates, heights, planar, names)
     groups = _Groups.of(duplicates, heights)
-    chosen = groups.chosen(policy)
-    moved, new_heights = groups.means() if policy == "mean" else (chosen[:0], heights[:0])
+    candidates = groups if ranks is None else groups.highest(ranks)
+    if policy == "error":
+        _refuse_overhangs(candidates, planar, names)
+    chosen = candidates.chosen(policy)
+    moved, new_heights = candidates.means() if policy == "mean" else (chosen[:0], heights[:0])
     representatives = groups.spread(chosen)
     left = groups.rows != representatives
     left_out, representatives = _sorted_pairs(groups.rows[left], representatives[left])
@@ -59,19 +61,21 @@ def choose_rows(
     )
 
 
-def _refuse_overhangs(
-    duplicates: Rows, heights: Floats, planar: Floats, names: Integers | None
-) -> None:
-    """Raise for the first row at another height than the kept row at its position."""
-    unequal = heights[duplicates[:, 0]] != heights[duplicates[:, 1]]
-    if not unequal.any():
+def _refuse_overhangs(groups: _Groups, planar: Reals, names: Integers | None) -> None:
+    """Raise for the first row at another height than the first row of its group."""
+    firsts = groups.spread(groups.starts)
+    unequal = np.flatnonzero(groups.heights != groups.heights[firsts])
+    if not len(unequal):
         return
-    row, kept = duplicates[np.argmax(unequal)].tolist()
+    other = unequal[np.argmin(groups.rows[unequal])]
+    pair = [firsts[other], other]
+    kept, row = groups.rows[pair].tolist()
+    one, two = groups.heights[pair].tolist()
     x, y = planar[kept].tolist()
     low, high = (kept, row) if names is None else names[[kept, row]].tolist()
     raise DuplicateHeightError(
         f"rows {low} and {high} share the planar position ({x!r}, {y!r}) at the heights "
-        f"{float(heights[kept])!r} and {float(heights[row])!r}: give "
+        f"{one!r} and {two!r}: give "
         f"{Option('on_duplicate', 'first')}, 'last', 'lowest', 'highest' or 'mean' to choose the "
         "vertex",
         rows=(low, high),
@@ -92,6 +96,13 @@ class _Groups:
         begins = np.flatnonzero(np.diff(kept, prepend=-1))
         rows = np.insert(others, begins, kept[begins])
         return cls(rows, heights[rows], begins + np.arange(len(begins)))
+
+    def highest(self, ranks: Array) -> _Groups:
+        """Return the groups with the rows of the highest rank in each."""
+        own = ranks[self.rows]
+        kept = own == self.spread(np.maximum.reduceat(own, self.starts)) if len(own) else own > 0
+        before = np.cumsum(kept) - kept
+        return _Groups(self.rows[kept], self.heights[kept], before[self.starts])
 
     def firsts(self) -> Rows:
         return self.rows[self.starts]

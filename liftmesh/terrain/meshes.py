@@ -4,6 +4,10 @@ A triangle of a Delaunay triangulation is one of every subset of the points that
 and of a regular one, too, by whose weights the metadata of a file say that it was made. So the
 corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
 faces: it is made again, and what the mesh does not have is masked.
+
+A mesh that follows lines has sides that the Delaunay triangulation of its corners lacks. These are
+all that must be asked for: a side that is Delaunay is in every constrained triangulation whose
+edges it does not cross.
 """
 
 from __future__ import annotations
@@ -14,15 +18,17 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import used_rows
-from liftmesh.errors import InputError
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, used_rows
+from liftmesh.errors import CrossingError, InputError
 from liftmesh.io.columns import checked_faces
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
+from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
+from liftmesh.terrain.breaklines import BREAKLINE
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
@@ -92,6 +98,8 @@ def as_surface(
     _check(cloud, planar, used)
     planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
     solved = _solved(cloud, planar, threads)
+    if BREAKLINE in cloud.attributes:
+        solved = _following(solved, faces, planar, threads)
     if len(solved.duplicates):
         row, kept = solved.duplicates[0].tolist()
         raise InputError(
@@ -123,6 +131,24 @@ def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
     ((kind, name),) = said.items()
     values: dict[str, Any] = {kind: named_values(cloud, kind, name)}
     return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
+
+
+def _following(
+    solved: Triangulation, faces: Rows, planar: Floats, threads: int | None
+) -> Triangulation:
+    """Triangulate the corners with the sides that a triangulation does not have."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    sides = np.unique(pair_keys(*ends.T))
+    missing = np.setdiff1d(sides, pair_keys(*solved.edges.T), assume_unique=True)
+    if not len(missing):
+        return solved
+    edges = np.stack(pairs_of_keys(missing), axis=1).astype(np.int32)
+    try:
+        return constrained_delaunay(
+            planar, edges, nonfinite="skip", order="canonical", threads=threads
+        )
+    except CrossingError:
+        return solved  # faces that overlap: the first that it does not have is named
 
 
 def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:

@@ -287,7 +287,7 @@ class LineCrossings:
         ends = np.column_stack([corners, heights_at(self._surface, corners)])
         pieces = [*pairwise(ends)]
         return [
-            _along(self._met(np.stack(pieces[number]), near), *corners[number : number + 2])
+            along_piece(self._met(np.stack(pieces[number]), near), *corners[number : number + 2])
             for number, near in self._near(corners, 0, np.arange(len(self._surface.faces)))
         ]
 
@@ -335,12 +335,12 @@ class LineCrossings:
         meets = orient2d(tails, heads, p) * orient2d(tails, heads, q) <= 0
         sides, tails, heads = sides[meets], tails[meets], heads[meets]
         share = _share(p, q, tails, heads)
-        at = np.clip(_between(tails, heads, share[:, None]), np.minimum(p, q), np.maximum(p, q))
+        at = np.clip(between(tails, heads, share[:, None]), np.minimum(p, q), np.maximum(p, q))
         low, high = self._heights[sides.T]
-        return np.column_stack([at, _between(low, high, share)])
+        return np.column_stack([at, between(low, high, share)])
 
 
-def _along(met: Floats, p: Floats, q: Floats) -> Floats:
+def along_piece(met: Floats, p: Floats, q: Floats) -> Floats:
     """Order what a piece meets from p to q, and keep of each position what comes first."""
     points = met[np.isfinite(met[:, 2])] + 0.0  # -0.0 becomes 0.0
     far = np.minimum(np.hypot(*(points[:, :2] - p).T), np.hypot(*(q - p)))
@@ -384,7 +384,7 @@ def _scaled(origin: Floats, points: Floats) -> Wide:
     return np.ldexp(offsets, -scale), scale - np.frexp(half)[1]
 
 
-def _between(tails: Floats, heads: Floats, share: Floats) -> Floats:
+def between(tails: Floats, heads: Floats, share: Floats) -> Floats:
     """Interpolate between the ends of sides, also where their difference is no double."""
     with np.errstate(over="ignore", invalid="ignore"):
         steps = heads - tails

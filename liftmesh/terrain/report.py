@@ -66,6 +66,11 @@ class Report(FrozenResult):
     transformation : mapping
         How ``dst_crs=`` transformed the coordinates of a file: "operation", "accuracy" in metres or
         None, and a "better" one with its "grid", if that is missing; empty if they were not.
+    lines : mapping of str to int
+        Of a surface that was made with lines: the "rows" that these have become, which are the
+        last ones; the "rows_from_around", whose heights are those of the surface without them, and
+        the "rows_at_crossings" among them; the "edges" that lines are; and the "flat_triangles"
+        whose corners are at one height, as between contour lines. Else empty.
 
     See Also
     --------
@@ -100,6 +105,7 @@ class Report(FrozenResult):
     classes: Mapping[int, int] = field(default_factory=dict, repr=False)
     selection: Mapping[str, int] = field(default_factory=dict, repr=False)
     transformation: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    lines: Mapping[str, int] = field(default_factory=dict, repr=False)
 
     def __str__(self) -> str:
         stages = ", ".join(f"{stage} {seconds:.3f}" for stage, seconds in self.seconds.items())
@@ -107,7 +113,7 @@ class Report(FrozenResult):
             f"{counted(self.n_rows, 'row')}, {self.n_used:,} of them used in "
             f"{counted(self.n_triangles, 'triangle')}. "
             f"Left out: {self._omissions()}. {self._columns()}{self._classes()}{self._colors()}"
-            f"{self._change()}"
+            f"{self._change()}{self._lines()}"
             f"{sum(self.seconds.values()):.3f} s: {stages}."
         ).removesuffix(" 0.000 s: .")
 
@@ -123,6 +129,18 @@ class Report(FrozenResult):
     def _change(self) -> str:
         said = transformation_text(self.transformation) if self.transformation else ""
         return f"{said[:1].upper()}{said[1:]}. " if said else ""
+
+    def _lines(self) -> str:
+        if not self.lines:
+            return ""
+        said = [counted(self.lines["rows"], "row") + f" in {counted(self.lines['edges'], 'edge')}"]
+        if around := self.lines["rows_from_around"]:
+            said.append(f"{around:,} with the height of the surface around")
+        if crossings := self.lines["rows_at_crossings"]:
+            said.append(f"{crossings:,} where lines cross")
+        if flat := self.lines["flat_triangles"]:
+            said.append(counted(flat, "flat triangle"))
+        return f"Lines: {', '.join(said)}. "
 
     def _colors(self) -> str:
         depth = self.color_depth

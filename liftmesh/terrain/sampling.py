@@ -20,8 +20,9 @@ from typing import TYPE_CHECKING, Any, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_pairs, planar_bounds
+from liftmesh.base.arrays import as_pairs, planar_bounds, used_rows
 from liftmesh.base.options import (
     Interpolation,
     RasterQuantity,
@@ -30,6 +31,8 @@ from liftmesh.base.options import (
     refused,
 )
 from liftmesh.errors import InputError, Option
+from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
+from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.surface_data import (
@@ -44,6 +47,8 @@ from liftmesh.terrain.surface_data import (
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+    from liftmesh.planar.triangulation import Triangulation
 
 
 def heights_at(
@@ -80,7 +85,8 @@ def heights_at(
     ------
     InputError
         The last axis is not of length two, an option is unknown, or another interpolation
-        than "linear" is asked of a surface with weights, radii or a metric.
+        than "linear" is asked of a surface with weights, radii or a metric, or than "linear" and
+        "nearest" of one that follows lines.
 
     See Also
     --------
@@ -108,21 +114,50 @@ def heights_at(
     """
     check_option("interpolation", interpolation, Interpolation)
     solved = surface.triangulation
-    if interpolation != "linear" and (solved.metric is not None or hasattr(solved, "hidden")):
-        raise InputError(
-            f"{Option('interpolation')} {interpolation!r} needs a Delaunay triangulation, and the "
-            f"surface has weights, radii or a metric: give {Option('interpolation', 'linear')}"
-        )
+    is_following = isinstance(solved, ConstrainedTriangulation)
+    if interpolation != "linear":
+        _check_delaunay(surface, interpolation)
     pairs = as_pairs(points)
     heights = np.empty(pairs.shape[:-1])
-    kernel_surface(surface).sample(
+    asked = kernel_surface(surface)
+    if is_following and interpolation == "nearest":
+        is_off = np.isnan(heights_at(surface, pairs, threads=threads))
+        solved, asked = _without_lines(surface)
+    asked.sample(
         solved._locator,  # noqa: SLF001 - made once for all that is asked of it
         pairs.reshape(-1, 2),
         heights.reshape(-1),
         interpolation,
         *as_threads(threads, heights.size),
     )
+    if is_following and interpolation == "nearest":
+        heights[is_off] = np.nan
     return heights[()]
+
+
+def _check_delaunay(surface: SurfaceData, interpolation: Interpolation) -> None:
+    """Raise for an interpolation that a triangulation does not have."""
+    solved = surface.triangulation
+    if solved.metric is not None or hasattr(solved, "hidden"):
+        reason, remedy = "has weights, radii or a metric", "'linear'"
+    elif isinstance(solved, ConstrainedTriangulation) and interpolation != "nearest":
+        reason, remedy = "follows lines", "'linear' or 'nearest'"
+    else:
+        return
+    raise InputError(
+        f"{Option('interpolation')} {interpolation!r} needs a Delaunay triangulation, and the "
+        f"surface {reason}: give {Option('interpolation')} {remedy}"
+    )
+
+
+def _without_lines(surface: SurfaceData) -> tuple[Triangulation, _kernel.Relief]:
+    """Triangulate the vertices anew, for walks to the nearest one."""
+    places = np.full_like(surface.triangulation.points, np.nan)
+    used = used_rows(len(places), surface.triangulation.simplices)
+    places[used] = surface.triangulation.points[used]
+    solved = delaunay(places, nonfinite="skip")
+    arrays = places, solved.simplices, solved.neighbors
+    return solved, _kernel.Relief(*arrays, surface.frame.heights(surface.vertices), None)
 
 
 def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:

@@ -53,6 +53,7 @@ from liftmesh.base.options import (
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
+from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
 from liftmesh.terrain.meshes import as_surface
@@ -242,6 +243,11 @@ def _check_member(surface: Surface) -> None:
         raise InputError(
             "the surface has weights, radii or a metric: a simplified one is a Delaunay "
             "triangulation; triangulate its vertices without them"
+        )
+    if isinstance(tri, ConstrainedTriangulation):
+        raise InputError(
+            "the surface follows lines, which a simplified one would not: simplify the cloud by "
+            f"itself, and triangulate its vertices with {Option('breaklines', ...)}"
         )
 
 

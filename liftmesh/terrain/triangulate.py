@@ -4,12 +4,6 @@ The input is converted to a `Cloud`; its rows are projected to planar coordinate
 planar points are triangulated, exactly; if several rows share a planar position, a policy selects
 the row that is used as the vertex. The surface's vertices are all of the caller's rows, in their
 order: the selection concerns the faces only.
-
-Weights and radii, by which points may be lifted, are named values of the cloud, so they go where
-the surface goes, radii as radii. A surface with weights also has the named values ``hidden``: 1 for
-rows that are in no face because they are strictly above the lower hull. Its metadata say which
-values were taken, and so do files that keep metadata. A surface that is triangulated again has what
-the new run says.
 """
 
 from __future__ import annotations
@@ -17,16 +11,17 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Apex, Floats, Mask, Progress, Rows
+from liftmesh._typing import Apex, Floats, Progress, Rows
 from liftmesh.base.arrays import check_finite, non_finite, of_one_array
 from liftmesh.base.options import (
     Algorithm,
+    Crossing,
     NonFinite,
     OnDuplicate,
     check_option,
@@ -36,24 +31,17 @@ from liftmesh.base.options import (
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
-from liftmesh.io.metadata import LIFTED, Provenance
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
-from liftmesh.planar import delaunay, regular
-from liftmesh.planar.delaunay import Solution, triangulation_of
-from liftmesh.planar.kinds import (
-    TriangulationKind,
-    as_metric,
-    as_weights,
-    named_values,
-    weights_or_radii,
-)
-from liftmesh.planar.regular import regular_triangulation_of
+from liftmesh.planar.delaunay import Solution
+from liftmesh.terrain.breaklines import Following, Network, with_lines
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.lifting import Lifting, lifting_of
+from liftmesh.terrain.lines import check_plain, lines_given
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
-from liftmesh.terrain.surface_data import HIDDEN
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -86,6 +74,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     weights: ArrayLike | str | None = None,
     radii: ArrayLike | str | None = None,
     metric: ArrayLike | None = None,
+    breaklines: Any = None,
+    soft_breaklines: Any = None,
+    boundary: Any = None,
+    holes: Any = None,
+    densify: float | None = None,
+    crossing: Crossing = "error",
     **options: Unpack[ReadOptions],
 ) -> Surface:
     """Triangulate a point cloud over a plane.
@@ -141,6 +135,32 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         these.
     metric : (2, 2) array_like, optional
         The metric of the planar coordinates, as for `delaunay`.
+    breaklines : (c, 3) or (c, 2) array_like, list of these, geometries or path, optional
+        Hard breaklines, which faces do not cross: polylines whose corners become rows after those
+        of the cloud, with their heights. A row of the cloud on a line divides it, and keeps its
+        height; at a corner of the line, that of the line holds. A line without heights, or with one
+        that is NaN, takes those of the surface without it at its corners. Geometries are those of
+        shapely, a GeoDataFrame, GeoJSON as a mapping, or a file of GeoJSON, GeoPackage or
+        shapefile; rings of polygons are lines, too. With contour lines, look at the
+        "flat_triangles" of the report.
+    soft_breaklines : as `breaklines`, optional
+        Lines draped over the surface without them: they are edges, with a row wherever they cross
+        one, and bring no heights of their own. Parts beyond the faces are left out.
+    boundary : (c, 2) or (c, 3) array_like, list of polygons, geometries or path, optional
+        The outer boundary: faces outside are left out, cut at its rings, which are edges. Rings
+        with heights are hard breaklines; others are draped. A polygon is a ring, or a list of
+        rings: the outer one, then its holes. Of several polygons, what is inside of one is inside.
+    holes : as `boundary`, optional
+        Boundaries that hide: faces inside are left out, as in a lake. Holes of these polygons show
+        what is inside of them, as islands do.
+    densify : float, optional
+        Insert corners into all lines so that they are no farther apart in the plane than this, with
+        heights that are linear between those given. Their places are rounded.
+    crossing : {"error", "split"}, default "error"
+        What is done where two lines cross whose heights hold, and neither has a corner: raise an
+        error that names lines, place and both heights; or insert a row there, with the height of
+        the line that comes first, linear between its corners. Of lines of different kinds, one
+        whose heights hold gives the height, and nothing is raised.
     **options
         Of a file all options of `read`, such as `bounds`, `src_crs` or `columns`; of an array or a
         table in memory ``columns``, ``flat`` and ``nodata``, as for `as_cloud`. The default of
@@ -159,13 +179,19 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         ``metadata["triangulated_by"]`` says what was taken. If the cloud's
         points are float64, the surface shares their memory: do not write to them while it is in
         use, or give a copy. The surface's own arrays are read-only.
+        Rows of lines come last, with the colours, normals and named values of the nearest row of
+        the cloud; among the named values ``breakline`` is 1 for rows whose line has heights, 2 for
+        others of lines, and 0 for rows of the cloud; ``report.lines`` has the counts. The faces
+        that a boundary or holes leave out are masked, as `Surface.trim` masks them.
 
     Raises
     ------
     InputError
         An option is unknown; the cloud, colours, normals, named values, weights, radii or metric
-        have the wrong shape, type or values, or do not go together; or coordinates are geocentric
-        and the plane is one of names.
+        have the wrong shape, type or values, or do not go together; coordinates are geocentric
+        and the plane is one of names; lines are in another system than the cloud, cross, or have
+        no heights and leave the faces; they stand together with weights, radii or a metric; or
+        they need rows of their own, and the plane is not of two axes.
     NonFiniteError
         A row is not finite and ``nonfinite`` is ``"error"``.
     DuplicateHeightError
@@ -204,14 +230,28 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     >>> corners = [[0, 0, 5], [4, 0, 6], [0, 3, 7]]
     >>> triangulate(corners, attributes={"class": [2, 2, 6]}).attributes["class"]
     array([2, 2, 6])
+
+    A ditch between two banks, and a pond:
+
+    >>> banks = [[0, 0, 5], [8, 0, 5], [0, 8, 5], [8, 8, 5]]
+    >>> ditch = [[0, 4, 1], [8, 4, 1]]
+    >>> pond = [[1, 5], [3, 5], [3, 7], [1, 7]]
+    >>> surface = triangulate(banks, breaklines=ditch, holes=pond)
+    >>> surface.sample([[4, 4], [4, 6], [2, 6]])
+    array([ 1.,  3., nan])
+    >>> surface.attributes["breakline"][:6], surface.report.lines["edges"]
+    (array([0, 0, 0, 0, 1, 1], dtype=uint8), 7)
     """
     check_option("on_duplicate", on_duplicate, OnDuplicate)
     check_option("nonfinite", nonfinite, NonFinite)
     check_option("algorithm", algorithm, Algorithm)
     check_progress(progress)
+    check_option("crossing", crossing, Crossing)
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
     source = with_parts(read_rows(cloud, **options), given)
+    given_lines = breaklines, soft_breaklines, boundary, holes
+    lines = lines_given(*given_lines, densify, crossing, source.crs)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -219,33 +259,17 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     if nonfinite == "error" and isinstance(plane, str) and plane == "fit":
         check_finite(source.points)  # a fit ignores such rows, and its errors would hide them
     frame = resolve_plane(plane, source.points)
-    planar, heights = frame.planar(source.points), frame.heights(source.points)
-    stages.finish("plane")
     engine: _Options = {
         "nonfinite": nonfinite,
         "algorithm": algorithm,
         "apex": apex,
         "threads": threads,
     }
-    solution = _solve(lifting, planar, heights, engine, stages.within("triangulation"))
-    stages.finish("triangulation")
-    choice = choose_rows(solution.duplicates, heights, planar, on_duplicate)
-    triangulation = lifting.triangulation(_chosen(solution, choice))
-    hidden = solution.hidden
-    vertices = _vertices(source.points, heights, frame, choice)
-    stages.finish("heights")
-    surface = Surface(
-        vertices=vertices,
-        faces=triangulation.simplices,
-        triangulation=triangulation,
-        frame=frame,
-        report=_report(triangulation, choice, hidden, on_duplicate, stages.seconds, source),
-        colors=source.colors,
-        normals=source.normals,
-        attributes=lifting.with_hidden(hidden),
-        metadata=source.metadata,
-        crs=source.crs,
-    )
+    stages.finish("plane")
+    if lines is not None:
+        check_plain(lifting, algorithm)
+    run = _Run(lifting, frame, on_duplicate, engine, stages)
+    surface = run.surface() if lines is None else with_lines(frame, lines, run.surface)
     stages.end()
     return surface
 
@@ -274,6 +298,48 @@ class _Options(TypedDict):
     algorithm: Algorithm
     apex: Apex
     threads: int | None
+
+
+@dataclass(slots=True, eq=False)
+class _Run:
+    """Makes surfaces of one cloud."""
+
+    lifting: Lifting
+    frame: Frame
+    policy: OnDuplicate
+    options: _Options
+    stages: _Stages
+
+    def surface(self, network: Network | None = None, *, is_last: bool = True) -> Surface:
+        """Make the surface of the cloud, and of rows and edges of lines if there are any."""
+        stages = self.stages if is_last else _Stages(None)
+        frame = self.frame
+        lifting: Lifting | Following = self.lifting
+        if network is not None and len(network.edges):
+            lifting = Following(self.lifting.cloud, frame, network)
+        within = stages.within("triangulation")
+        solution = _solve(lifting, frame, self.options, within)
+        stages.finish("triangulation")
+        source, heights = lifting.completed(solution.hidden), frame.heights(lifting.points)
+        choice = choose_rows(
+            solution.duplicates, heights, solution.points, self.policy, ranks=lifting.ranks
+        )
+        triangulation = lifting.triangulation(_chosen(solution, choice))
+        hidden = solution.hidden
+        vertices = _vertices(source.points, heights, frame, choice)
+        stages.finish("heights")
+        return Surface(
+            vertices=vertices,
+            faces=triangulation.simplices,
+            triangulation=triangulation,
+            frame=frame,
+            report=_report(triangulation, choice, hidden, self.policy, stages.seconds, source),
+            colors=source.colors,
+            normals=source.normals,
+            attributes=source.attributes,
+            metadata=source.metadata,
+            crs=source.crs,
+        )
 
 
 class _Stages:
@@ -307,14 +373,14 @@ class _Stages:
 
 
 def _solve(
-    lifting: Lifting,
-    planar: Floats,
-    heights: Floats,
+    lifting: Lifting | Following,
+    frame: Frame,
     options: _Options,
     progress: Progress | None,
 ) -> Solution:
     """Triangulate the planar points; a row whose height is not finite counts as not finite."""
-    points = lifting.cloud.points
+    points = lifting.points
+    planar, heights = frame.planar(points), frame.heights(points)
     if not np.isfinite(heights).all():
         if options["nonfinite"] == "error":
             raise _nonfinite_error(points, planar, heights)
@@ -405,111 +471,4 @@ def _report(
         representatives=representatives[order],
         columns=Provenance(cloud.metadata).columns,
         n_hidden=len(hidden),
-    )
-
-
-_DIVIDING = ("auto", "divide-and-conquer")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Lifting:
-    """What the planar points of a cloud are lifted by."""
-
-    cloud: Cloud  # has weights or radii among its named values
-    weights: TriangulationKind | None = None
-    metric: Floats | None = None
-
-    def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
-        """Return the arguments of the triangulation of planar points."""
-        if self.weights is None:
-            return delaunay.solve(planar, **options, metric=self.metric)
-        shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
-        return regular.solve(planar, self.weights.name, self.weights.values, **shared)
-
-    def triangulation(self, solution: Solution) -> Triangulation:
-        """Make the triangulation of a solution."""
-        make = triangulation_of if self.weights is None else regular_triangulation_of
-        return make(solution)
-
-    def is_weighable(self, rows: Rows) -> Mask:
-        """Tell which rows are not skipped because of their weight."""
-        if self.weights is None:
-            return np.ones(len(rows), dtype=np.bool_)
-        return np.isfinite(self.weights.values[rows])
-
-    def with_hidden(self, rows: Rows) -> dict[str, Any]:
-        """Return the named values of the surface."""
-        named = dict(self.cloud.attributes)
-        if self.weights is not None:
-            named[HIDDEN] = np.zeros(len(self.cloud), dtype=np.uint8)
-            named[HIDDEN][rows] = 1
-        return named
-
-
-def lifting_of(
-    cloud: Cloud,
-    weights: ArrayLike | str | None,
-    radii: ArrayLike | str | None,
-    metric: ArrayLike | None,
-    algorithm: Algorithm,
-) -> Lifting:
-    """Convert the options to what the points are lifted by."""
-    cloud = _without_former(cloud)
-    if weights is None and radii is None:
-        if metric is None:
-            return Lifting(cloud)
-        form = as_metric(metric)
-        return Lifting(_with_entry(cloud, {"metric": form.tolist()}), metric=form)
-    kind, given = weights_or_radii(weights, radii)
-    if metric is not None:
-        raise InputError(f"both {kind} and a metric are given: give one of them")
-    if algorithm not in _DIVIDING:
-        raise InputError(
-            f"{Option('algorithm')} {algorithm!r} takes no {Option(kind)}: leave one of the two out"
-        )
-    _check_hidden(cloud, kind)
-    if isinstance(given, str):
-        values = as_weights(kind, named_values(cloud, kind, given), len(cloud))
-        return Lifting(_with_entry(cloud, {kind: given}), values)
-    values = as_weights(kind, given, len(cloud))
-    array = given if type(given) is np.ndarray and given.ndim == 1 else values.values
-    named = replace(cloud, attributes={**cloud.attributes, kind: array})
-    return Lifting(_with_entry(named, {kind: kind}), values)
-
-
-def _check_hidden(cloud: Cloud, kind: str) -> None:
-    """Raise for values that would be replaced, or warn if they are 0 and 1."""
-    if HIDDEN not in cloud.attributes:
-        return
-    if not np.isin(cloud.attributes[HIDDEN], (0, 1)).all():
-        raise InputError(
-            f"the points have values named {HIDDEN!r}, the name of those that say by 0 or 1 which "
-            f"rows the {kind} hide: rename them, or leave them out"
-        )
-    warnings.warn(replaced_flags(cloud), DataWarning, stacklevel=5)
-
-
-def replaced_flags(cloud: Cloud) -> str:
-    """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
-    former = Provenance(cloud.metadata).lifted_by
-    if HIDDEN not in cloud.attributes or (former and "metric" not in former):
-        return ""
-    ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
-    return f"the values {HIDDEN!r} of the points, {ones}, are replaced by those of this run"
-
-
-def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
-    return replace(cloud, metadata={**cloud.metadata, LIFTED: entry})
-
-
-def _without_former(cloud: Cloud) -> Cloud:
-    """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
-    former = Provenance(cloud.metadata).lifted_by
-    if not former:
-        return cloud
-    noted = () if "metric" in former else (HIDDEN,)
-    return replace(
-        cloud,
-        attributes={name: each for name, each in cloud.attributes.items() if name not in noted},
-        metadata={name: each for name, each in cloud.metadata.items() if name != LIFTED},
     )

@@ -244,7 +244,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         As for `tile`; `plane` is another; the rows of several files have not the same values; or
-        weights, a metric or trimming are asked for, which only `triangulate` knows.
+        weights, a metric, lines or trimming are asked for, which only `triangulate` knows.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DuplicateHeightError

@@ -37,7 +37,9 @@ if TYPE_CHECKING:
     from liftmesh.tiles.schema import Schema
     from liftmesh.tiles.source_chunks import SourceChunk
 
+_LINES = "lines of all tiles would have to be known before any"
 _WHOLE = {
+    **dict.fromkeys(("breaklines", "soft_breaklines", "boundary", "holes"), _LINES),
     "weights": "the merges of tiles know Delaunay triangles alone",
     "radii": "the merges of tiles know Delaunay triangles alone",
     "metric": "the merges of tiles know Delaunay triangles alone",

@@ -1,7 +1,7 @@
 """Lines of drawings: DXF by ezdxf, and the ``l`` elements of OBJ.
 
-Straight parts keep every bit. Curves become chords that are within a thousandth of the curve's size
-of it. What closes itself ends at its first corner. Texts, hatches and the like are left out.
+Straight parts keep every bit. Curves become chords that are about a thousandth of the curve's size
+off at most. What closes itself ends at its first corner. Texts, hatches and the like are left out.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ def read_dxf(path: Path) -> dict[str, Any]:
         raise FormatError(f"{path}: no DXF: {error}") from error
     except (ezdxf.DXFError, ValueError, TypeError, LookupError, ArithmeticError) as error:
         raise FormatError(f"{path}: damaged, or no DXF: {error}") from error
+    if not any(corner[2] for line in lines for corner in line):  # a plan, whose z says nothing
+        lines = [[corner[:2] for corner in line] for line in lines]
     return _tree(lines)
 
 
@@ -58,7 +60,7 @@ def _obj_lines(text: str) -> Iterator[list[tuple[float, ...]]]:
         keyword, *values = line.partition("#")[0].split() or [""]
         try:
             if keyword == "v":
-                vertices.append((float(values[0]), float(values[1])))
+                vertices.append((float(values[0]), float(values[1]), *map(float, values[2:3])))
             elif keyword == "l":
                 places = [int(each.partition("/")[0]) for each in values]
                 yield [vertices[_place(each, len(vertices))] for each in places]

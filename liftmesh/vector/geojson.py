@@ -53,6 +53,21 @@ def coordinates_of(tree: object, kind: str) -> Iterator[Any]:
 
 def planar_corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
     """Convert the corners of a line or ring; heights, which GeoJSON allows, are left out."""
+    return as_pairs(_corners(corners, part, whole, fewest)[:, :2])
+
+
+def spatial_corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
+    """Convert the corners of a line or ring, (c, 3), with NaN as the heights that are missing."""
+    array = _corners(corners, part, whole, fewest)
+    if array.shape[1] == 2:
+        return np.column_stack([array, np.full(len(array), np.nan)])
+    if np.isinf(array[:, 2]).any():
+        raise InputError(f"a height of {whole} is not finite")
+    return array
+
+
+def _corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
+    """Convert corners, with heights if they have some."""
     try:
         array = as_reals(corners)
     except (TypeError, ValueError, OverflowError) as error:
@@ -61,9 +76,9 @@ def planar_corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
     if array.ndim != 2 or array.shape[1] not in (2, 3) or len(array) < fewest:
         count = {2: "two", 3: "three"}[fewest]
         raise InputError(f"{part} needs {count} corners x, y or more, not the shape {array.shape}")
-    if not np.isfinite(array).all():
+    if not np.isfinite(array[:, :2]).all():
         raise InputError(f"a corner of {whole} is not finite")
-    return as_pairs(array[:, :2])
+    return array
 
 
 def write_lines(

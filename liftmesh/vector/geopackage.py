@@ -191,6 +191,7 @@ def _geometry(value: object) -> dict[str, Any] | None:
 
 
 Geometry: TypeAlias = dict[str, Any]
+_Size: TypeAlias = tuple[int, int]  # numbers of a corner, and how many of them are x, y and z
 
 _POINT, _LINE, _POLYGON, _COLLECTION = 1, 2, 3, 7
 _KINDS = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon")
@@ -211,7 +212,7 @@ class _Reader:
 
     def geometry(self, depth: int = 0) -> Geometry:
         """Read a geometry."""
-        order, kind, width = self._head()
+        order, kind, size = self._head()
         if kind == _COLLECTION and depth < _DEEPEST:
             parts = [self.geometry(depth + 1) for _ in range(self._count(order))]
             return {"type": "GeometryCollection", "geometries": parts}
@@ -220,45 +221,43 @@ class _Reader:
         if kind > _POLYGON:
             several = [self._part(kind - _POLYGON) for _ in range(self._count(order))]
             return {"type": _KINDS[kind - 1], "coordinates": several}
-        return {"type": _KINDS[kind - 1], "coordinates": self._simple(order, kind, width)}
+        return {"type": _KINDS[kind - 1], "coordinates": self._simple(order, kind, size)}
 
     def _part(self, expected: int) -> list[Any]:
-        order, kind, width = self._head()
+        order, kind, size = self._head()
         if kind != expected:
             raise ValueError(f"a Multi{_KINDS[expected - 1]} holds type {shown(kind)}")
-        return self._simple(order, kind, width)
+        return self._simple(order, kind, size)
 
-    def _simple(self, order: str, kind: int, width: int) -> list[Any]:
+    def _simple(self, order: str, kind: int, size: _Size) -> list[Any]:
         if kind == _POLYGON:
             rings = range(self._count(order))
-            return [self._corners(order, self._count(order), width) for _ in rings]
+            return [self._corners(order, self._count(order), size) for _ in rings]
         if kind == _LINE:
-            return self._corners(order, self._count(order), width)
-        (point,) = self._corners(order, 1, width)
+            return self._corners(order, self._count(order), size)
+        (point,) = self._corners(order, 1, size)
         return [] if np.isnan(point).all() else list(point)
 
-    def _head(self) -> tuple[str, int, int]:
-        """Read order of bytes, type, and how many numbers a corner has."""
+    def _head(self) -> tuple[str, int, _Size]:
+        """Read order of bytes, type, and what a corner has."""
         order = "<" if self._data[self._place] else ">"
         self._place += 1
         code = self._count(order)
         self._place += 4 if code & _SRID else 0
         extra, kind = divmod(code & 0x0FFFFFFF, 1000)
-        return (
-            order,
-            kind,
-            2 + (extra in (1, 3)) + (extra in (2, 3)) + sum(bool(code & mark) for mark in (_Z, _M)),
-        )
+        kept = 2 + (extra in (1, 3)) + bool(code & _Z)
+        return order, kind, (kept + (extra in (2, 3)) + bool(code & _M), kept)
 
     def _count(self, order: str) -> int:
         (count,) = struct.unpack_from(order + "I", self._data, self._place)
         self._place += 4
         return int(count)
 
-    def _corners(self, order: str, count: int, width: int) -> list[list[float]]:
+    def _corners(self, order: str, count: int, size: _Size) -> list[list[float]]:
+        width, kept = size
         numbers = np.frombuffer(self._data, order + "f8", count * width, self._place)
         self._place += numbers.nbytes
-        return numbers.reshape(-1, width)[:, :2].tolist()  # type: ignore[no-any-return]
+        return numbers.reshape(-1, width)[:, :kept].tolist()  # type: ignore[no-any-return]
 
 
 def write_lines(

@@ -1,8 +1,8 @@
 """Shapes and values of a shapefile: corners in .shp, values beside it in .dbf, the system in .prj.
 
-Records are read in the order of the file; heights and measures of corners are left out. A ring that
-turns clockwise is an outer one, as the format says, and each other ring a hole of the outer ring
-around it.
+Records are read in the order of the file, with the heights of lines and rings; other heights, and
+measures, are left out. A ring that turns clockwise is an outer one, as the format says, and each
+other ring a hole of the outer ring around it.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ _KINDS = {
     _POLYGON: "MultiPolygon",
     _POINTS: "MultiPoint",
 }
+_SPATIAL = 1  # the tens of types with heights
 _FEWEST = 4  # corners of a ring, of which the last is the first
 _AT_ONCE = 64  # outer rings that are compared with all holes
 _PAIRS, _PAIRS_MORE = 100, 1_000_000  # of outer rings and holes whose boxes meet
@@ -87,6 +88,9 @@ def _shape(kind: int, record: bytes) -> dict[str, Any]:
     count, corners = struct.unpack_from("<2I", record, 32)
     begins = np.frombuffer(record, "<u4", count, 40)
     points = _corners(record, 40 + 4 * count, corners)
+    if kind // 10 == _SPATIAL:
+        place = 40 + 4 * count + 16 * corners + 16  # behind the least and the greatest height
+        points = np.column_stack([points, np.frombuffer(record, "<f8", corners, place)])
     if count and (begins[0] or begins[-1] > corners or (begins[1:] < begins[:-1]).any()):
         raise ValueError("the parts of a shape do not begin one after the other")
     parts = np.split(points, begins[1:]) if count else []
@@ -102,7 +106,7 @@ def _nested(rings: Sequence[Floats]) -> list[list[Any]]:
     """Assign each hole to the smallest outer ring around it; a ring alone is no hole."""
     if len(rings) < 2:
         return [[each.tolist()] for each in rings]
-    if min(map(len, rings)) < _FEWEST or not all(np.isfinite(each).all() for each in rings):
+    if min(map(len, rings)) < _FEWEST or not all(np.isfinite(each[:, :2]).all() for each in rings):
         raise ValueError("a ring has less than four corners, or one that is not finite")
     shapely = load("shapely", extra="shapes")
     lines = shapely.linearrings(np.concatenate(rings), indices=_numbers(rings))

@@ -7,9 +7,9 @@ the discretised curves of a ``trimesh.path.Path2D``. Heights are left out.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from liftmesh._typing import Floats
 from liftmesh.base.options import shown
@@ -18,6 +18,7 @@ from liftmesh.vector.files import read_features
 from liftmesh.vector.geojson import geometries, planar_corners
 from liftmesh.vector.polygons import Polygon, as_polygons
 
+Shapes = TypeVar("Shapes")
 _DEPTH = {"LineString": 1, "LinearRing": 1, "MultiLineString": 2, "Polygon": 2, "MultiPolygon": 3}
 
 
@@ -26,16 +27,7 @@ def lines_in(given: Any) -> list[Floats] | None:
 
     None for what is no shape.
     """
-    if isinstance(given, str | os.PathLike):
-        path = Path(given)
-        try:
-            return _lines(read_features(path, "lines"))
-        except InputError as error:
-            raise FormatError(f"{path}: {error.message.marked}") from error
-    if _is_path(given):
-        return [planar_corners(each, "a line", "a line", 2) for each in given.discrete]
-    described = getattr(given, "__geo_interface__", given)
-    return _lines(described) if isinstance(described, Mapping) else None
+    return _taken(given, "lines", _lines)
 
 
 def areas_in(given: Any) -> tuple[list[Polygon], bool] | None:
@@ -44,21 +36,30 @@ def areas_in(given: Any) -> tuple[list[Polygon], bool] | None:
     Or, where there is no polygon, lines that end where they begin, and True: of these nothing says
     which are holes.
     """
+    return _taken(given, "polygons", _areas)
+
+
+def _taken(given: Any, what: str, take: Callable[[Any], Shapes]) -> Shapes | None:
+    """Take shapes from GeoJSON, or from what is as good."""
     if isinstance(given, str | os.PathLike):
         path = Path(given)
         try:
-            return _areas(read_features(path, "polygons"))
+            return take(read_features(path, what))
         except InputError as error:
             raise FormatError(f"{path}: {error.message.marked}") from error
-    if _is_path(given):
-        return [each for area in given.polygons_full for each in as_polygons(area)], False
+    if hasattr(type(given), "discrete") and hasattr(type(given), "entities"):
+        return take({"type": "MultiLineString", "coordinates": list(_lines_of_path(given))})
     described = getattr(given, "__geo_interface__", given)
-    return _areas(described) if isinstance(described, Mapping) else None
+    return take(described) if isinstance(described, Mapping) else None
 
 
-def _is_path(given: Any) -> bool:
-    """Whether this is a path of trimesh, whose attributes are costly to look up."""
-    return hasattr(type(given), "discrete") and hasattr(type(given), "polygons_full")
+def _lines_of_path(path: Any) -> Iterator[Any]:
+    """Yield the lines of a path of trimesh: those that close themselves, then other entities."""
+    yield from path.discrete
+    closed = {entity for each in path.paths for entity in each}
+    for number, entity in enumerate(path.entities):
+        if number not in closed and len(entity.points) > 1:
+            yield entity.discrete(path.vertices, scale=path.scale)
 
 
 def _lines(tree: Any) -> list[Floats]:

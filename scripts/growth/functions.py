@@ -176,10 +176,10 @@ def predicate(call: Callable[..., object], rows: int) -> Prepare:
     return on_points(lambda points: call(*(np.roll(points, k, axis=0) for k in range(rows))))
 
 
-def computed(kind: type, name: str) -> Callable[[Any], object]:
+def computed(name: str) -> Callable[[Triangulation], object]:
     """Return the function behind a property."""
-    held: Any = vars(kind)[name]
-    function: Callable[[Any], object] = getattr(held, "func", None) or held.fget
+    held: Any = vars(Triangulation)[name]
+    function: Callable[[Triangulation], object] = getattr(held, "func", None) or held.fget
     return function
 
 
@@ -293,12 +293,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "Triangulation.find_simplex at first", PLANAR, on_triangulation(located_anew), FANS[:2]
     yield "Triangulation.find_simplex of rows", PLANAR, queries(lambda t: t.points), FANS[:2]
     for name in PROPERTIES:
-        yield (
-            f"Triangulation.{name}",
-            PLANAR,
-            on_triangulation(computed(Triangulation, name)),
-            PLAIN,
-        )
+        yield f"Triangulation.{name}", PLANAR, on_triangulation(computed(name)), PLAIN
     yield "Triangulation.verify", PLANAR, on_triangulation(lambda t: t.verify(threads=1)), PLAIN
     yield "Triangulation.lifted", PLANAR, on_triangulation(lambda t: t.lifted("median")), PLAIN
     yield "Triangulation.to_scipy", PLANAR, on_triangulation(lambda t: t.to_scipy()), ("uniform",)

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from files import stream_of
-from growth import cells, changing, disks, edges, functions, stars, surfaces, weighted
+from growth import cells, changing, constraints, disks, functions, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
@@ -226,7 +226,7 @@ def subjects() -> Mapping[str, Subject]:
             *disks.FUNCTIONS,
             *stars.FUNCTIONS,
             *changing.CHANGING,
-            *edges.FUNCTIONS,
+            *constraints.CONSTRAINED,
         )
     )
     return MappingProxyType({each.name: each for each in (*made, *of_formats())})

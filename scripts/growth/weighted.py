@@ -6,7 +6,7 @@ made. The families are those of the plane.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from distributions import Points
 from growth.counting import Prepare, Work, on
 from growth.families import random
-from growth.functions import EXACT, PLAIN, computed
+from growth.functions import EXACT, PLAIN
 from growth.planar import PLANAR
 
 import liftmesh
@@ -62,6 +62,13 @@ on_weighted = on(lambda points: weighted(points, 1.0))
 """Prepare a call on a triangulation with weights."""
 
 
+def computed(name: str) -> Callable[[RegularTriangulation], object]:
+    """Return the function behind a cached property."""
+    held: Any = vars(RegularTriangulation)[name]
+    function: Callable[[RegularTriangulation], object] = held.func
+    return function
+
+
 def named(points: Points) -> Work:
     """Prepare a triangulation whose weights are named values of a cloud."""
     rows = np.column_stack([points, np.zeros(len(points))])
@@ -80,12 +87,7 @@ def weighted_functions() -> Iterator[tuple[Any, ...]]:
     yield "regular of named values", PLANAR, named, ()
     yield "verify by weights", PLANAR, on_weighted(lambda tri: tri.verify(threads=1)), FEW
     for name in ("hidden_to_simplex", "degenerate", "equations"):
-        yield (
-            f"RegularTriangulation.{name}",
-            PLANAR,
-            on_weighted(computed(RegularTriangulation, name)),
-            FEW,
-        )
+        yield f"RegularTriangulation.{name}", PLANAR, on_weighted(computed(name)), FEW
     for name, call in (
         ("lift_points", lambda tri: tri.lift_points(tri.points)),
         ("plane_distance", lambda tri: tri.plane_distance(tri.points[0])),

@@ -27,7 +27,7 @@ def mesh(path: Path, points: np.ndarray, simplices: np.ndarray) -> Path:
 
 
 def check(*arguments: Path) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-I", str(CHECKER), *map(str, arguments)]
+    command = [sys.executable, "-E", "-s", str(CHECKER), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
@@ -109,6 +109,9 @@ def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
     assert found.returncode == 3
     assert "cloud.xyz: holds no triangles" in found.stderr
     assert "columns" not in found.stderr
+    liftmesh.write(tmp_path / "cloud.ply", np.eye(3))
+    found = run("verify", "cloud.ply", cwd=tmp_path)
+    assert found.stderr.startswith("liftmesh: error: cloud.ply: holds no triangles: make some")
     points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.nan, 0.0]])
     path = mesh(tmp_path / "mesh.ply", points, [[0, 1, 2]])
     found = run("verify", path)

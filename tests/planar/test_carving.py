@@ -84,6 +84,13 @@ def test_open_lines_neither_leak_nor_count() -> None:
     assert area(tri) == 64
 
 
+@pytest.mark.parametrize("rows", [[[2, 1]], []])
+def test_both_loops_of_a_ring_that_crosses_itself_are_inside(rows: list[list[float]]) -> None:
+    ring = [[0, 0], [4, 2], [4, 0], [0, 2]]
+    tri = constrained_delaunay([*rows, [9, 9]], polygons=[ring], carve="holes", crossing="split")
+    assert area(tri) == 4
+
+
 @pytest.mark.parametrize("options", [{}, {"polylines": [[0, 2]]}, {"edges": [[0, 2], [2, 3]]}])
 def test_nothing_left_is_an_error(options: dict[str, Any]) -> None:
     with pytest.raises(liftmesh.InputError, match=r"no triangle is left: .* all of 2 triangles"):
@@ -116,6 +123,13 @@ def test_seeds_remove_their_regions() -> None:
 def test_wrong_seeds_are_named(seeds: Any, said: str) -> None:
     with pytest.raises(liftmesh.InputError, match=said):
         constrained_delaunay(box(0, 3), [[0, 2]], seeds=seeds)
+
+
+def test_many_seeds_in_one_region() -> None:
+    points = np.random.default_rng(5).random((20000, 2))
+    seeds = points[:5000] / 2 + 0.25
+    with pytest.raises(liftmesh.InputError, match="no triangle is left"):
+        constrained_delaunay(points, seeds=seeds)
 
 
 def test_a_seed_on_a_breakline_is_none_on_a_boundary() -> None:

@@ -65,6 +65,7 @@ def test_a_tilde_is_the_home(kind: type, tmp_path: Path, monkeypatch: pytest.Mon
         liftmesh.triangulate(kind("~/nowhere.ply"))
 
 
+@pytest.mark.slow
 def test_a_tilde_is_the_home_of_what_is_no_cloud(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

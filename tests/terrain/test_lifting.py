@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from liftmesh import Cloud
-from liftmesh.terrain.triangulate import lifting_of, replaced_flags
+from liftmesh.terrain.lifting import lifting_of, replaced_flags
 
 
 def test_a_metric_stands_in_the_metadata() -> None:

@@ -68,7 +68,7 @@ def test_binary_geometries_are_those_of_shapely(shape: Any, options: dict[str, A
         if flavor == "extended" or "include_srid" not in options:
             held = shapely.set_srid(shape, 25832)
             found = geometry_of(shapely.to_wkb(held, flavor=flavor, **options))
-            assert shapely.geometry.shape(found) == shapely.force_2d(shape)
+            assert shapely.geometry.shape(found) == shape
 
 
 def test_binary_geometries_that_are_none() -> None:

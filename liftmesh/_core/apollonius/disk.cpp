@@ -111,9 +111,9 @@ bool Signs::reaches_beyond(const Disk& p, const Disk& d) const {
 bool Signs::is_between(const Disk& p, const Disk& s, const Disk& r) const {
     const OnLattice<4> on_lattice({&p, &s, &r, &infinity});
     return on_lattice.visit([](auto row) {
-        const auto at_infinity = row(3);
-        const auto one = at_infinity.power, none = at_infinity.x;
-        const Middle first(Mixed(row(1), at_infinity)), last(Mixed(row(2), at_infinity));
+        const auto distant = row(3);
+        const auto one = distant.power, none = distant.x;
+        const Middle first(Mixed(row(1), distant)), last(Mixed(row(2), distant));
         const Middle right(none - one, none, one);  // the negative, as the others are
         return sign_of(orientation(first, right, last)) > 0;
     });

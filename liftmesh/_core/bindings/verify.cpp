@@ -25,6 +25,15 @@ Member member_named(std::string_view name, const Numbers& values, std::size_t ro
     throw std::invalid_argument("unknown member");
 }
 
+// In place of another member: pairs of rows, and whether regions that they bound may be missing.
+Member constrained_by(const Array<const std::int32_t, 2>& edges, bool carved, std::size_t rows) {
+    const std::int32_t* ends = edges.data();
+    if (std::any_of(ends, ends + 2 * edges.shape(0),
+                    [&](std::int32_t row) { return static_cast<std::size_t>(row) >= rows; }))
+        throw std::invalid_argument("an end is no row");
+    return {Member::Kind::constrained, nullptr, {}, {ends, edges.shape(0), carved}};
+}
+
 bool locate(const liftmesh::Question& question, liftmesh::Threads threads,
             liftmesh::Interrupt& interrupt) {
     const Input points{reinterpret_cast<const std::byte*>(question.points), question.rows,
@@ -37,9 +46,11 @@ bool locate(const liftmesh::Question& question, liftmesh::Threads threads,
 
 nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non_finite,
                  unsigned threads, bool shared, nb::handle progress,
-                 std::string_view name_of_member, const Numbers& values) {
+                 std::string_view name_of_member, const Numbers& values,
+                 const std::optional<Array<const std::int32_t, 2>>& edges, bool carved) {
     const Input input = read(rows);
-    const Member member = member_named(name_of_member, values, input.rows);
+    const Member member = edges ? constrained_by(*edges, carved, input.rows)
+                                : member_named(name_of_member, values, input.rows);
     const liftmesh::Threads allowed{threads, shared};
     auto verdict = unlocked(progress, [&](auto& interrupt) {
         const auto ask = [&](const liftmesh::Question& question) {
@@ -51,7 +62,7 @@ nb::tuple verify(const PlanarRows& rows, const Triples& simplices, bool skip_non
     raise_if(verdict.status == liftmesh::Status::interrupted);
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
                           verdict.merged, verdict.hidden, verdict.interior_edges,
-                          verdict.boundary_edges, as_list(verdict.flaws));
+                          verdict.boundary_edges, as_list(verdict.flaws), verdict.outside);
 }
 
 nb::tuple verify_part(const PlanarRows& rows, const Triples& simplices, unsigned threads,
@@ -75,7 +86,7 @@ nb::tuple verify_part(const PlanarRows& rows, const Triples& simplices, unsigned
 
 void bind_verify(nb::module_& m) {
     m.def("verify", &verify, "rows"_a, "simplices"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
-          "progress"_a.none(), "member"_a, "values"_a);
+          "progress"_a.none(), "member"_a, "values"_a, "edges"_a = nb::none(), "carved"_a = false);
     m.def("verify_part", &verify_part, "rows"_a, "simplices"_a, "threads"_a, "shared"_a);
 }
 

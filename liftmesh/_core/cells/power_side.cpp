@@ -5,7 +5,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr double e = 0x1p-53, u2 = e * e;
+constexpr double e = 0x1p-53, square_of_e = e * e;
 
 template <class Lift>
 constexpr bool is_plain = std::is_same_v<Lift, Paraboloid>;
@@ -187,7 +187,7 @@ Estimate crossing(const Lift& lift, LineSegment segment, const Lifted<Lift>& s,
     const DoubleWord<Pair> at = p + d * both(share);
     const double part = std::fabs(share.high);
     const double doubt = (16 * size + 20 * part * of_falls) / fall.high + 24 * part;
-    const Pair error = u2 * (magnitudes(d.high) * doubt + 4.0 * magnitudes(at.high));
+    const Pair error = square_of_e * (magnitudes(d.high) * doubt + 4.0 * magnitudes(at.high));
     const bool is_known = guard.vouches() && fall.high > 0x1p-90 * of_falls;
     return {at, is_known ? error + 0x1p-1000 * magnitudes(d.high) : Pair{unknown, unknown}};
 }

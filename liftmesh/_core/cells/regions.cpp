@@ -5,7 +5,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::int32_t none = -1;
+constexpr std::int32_t no_site = -1;
 
 // Where the next corner and the next ridge go.
 struct Output {
@@ -39,7 +39,7 @@ class Writing {
         make_room();
         for (const std::int32_t t : at_hull_)
             for (int k = 0; k < 3; ++k)
-                if (dual_.neighbor(t, k == 0 ? 2 : k - 1) == none) write_open_region(t, k);
+                if (dual_.neighbor(t, k == 0 ? 2 : k - 1) == no_site) write_open_region(t, k);
         const bool done = for_each_triangle([&](std::int32_t t) {
             prefetch_around(static_cast<std::size_t>(t) + 12);
             for (unsigned left = ~done_[t] & 7u; left != 0; left &= left - 1)
@@ -61,7 +61,7 @@ class Writing {
     // functions that do nothing but prefetch, as without effect.
     [[gnu::always_inline]] void prefetch_around(std::size_t t) const {
         for (std::size_t k = 3 * t; k < 3 * std::min(t + 1, dual_.count); ++k)
-            if (const std::int32_t other = dual_.neighbors[k]; other != none) {
+            if (const std::int32_t other = dual_.neighbors[k]; other != no_site) {
                 __builtin_prefetch(dual_.simplices + 3 * static_cast<std::size_t>(other));
                 __builtin_prefetch(dual_.neighbors + 3 * static_cast<std::size_t>(other));
             }
@@ -70,7 +70,7 @@ class Writing {
     bool find_hull() {
         return for_each_triangle([&](std::int32_t t) {
             std::size_t sides = 0;
-            for (int k = 0; k < 3; ++k) sides += dual_.neighbor(t, k) == none;
+            for (int k = 0; k < 3; ++k) sides += dual_.neighbor(t, k) == no_site;
             hull_edges_ += sides;
             if (sides > 0) at_hull_.push_back(t);
         });
@@ -80,7 +80,7 @@ class Writing {
     void make_room() {
         made_.edges = (3 * dual_.count + hull_edges_) / 2;
         made_.region_of = allocate<std::int32_t>(dual_.rows);
-        std::fill_n(made_.region_of.get(), dual_.rows, none);
+        std::fill_n(made_.region_of.get(), dual_.rows, no_site);
         made_.starts = allocate<std::int32_t>(dual_.rows + 1);
         made_.starts[0] = 0;
         made_.corners = allocate<std::int32_t>(2 * made_.edges + 1);
@@ -94,10 +94,10 @@ class Writing {
     // From the triangle at the hull edge that leaves the row. Its ray is that of this edge.
     void write_open_region(std::int32_t t, int k) {
         const std::int32_t row = dual_.vertex(t, k);
-        out_.write_corner(none, true);
+        out_.write_corner(no_site, true);
         out_.write_corner(vertex_of_[t], true);
-        out_.write_ridge(row, dual_.vertex(t, k == 2 ? 0 : k + 1), none, vertex_of_[t], true);
-        write_region(t, row, none);
+        out_.write_ridge(row, dual_.vertex(t, k == 2 ? 0 : k + 1), no_site, vertex_of_[t], true);
+        write_region(t, row, no_site);
     }
 
     // Which corner of a triangle a row is, is anyone's guess: branches would be mispredicted.
@@ -120,7 +120,7 @@ class Writing {
             done_[here] = static_cast<std::uint8_t>(done_[here] | at.bit);
             const std::int32_t other = dual_.vertex(here, at.before);
             here = dual_.neighbor(here, at.after);
-            if (here == none) break;
+            if (here == no_site) break;
             const std::int32_t q = vertex_of_[here], least = std::min(p, q);
             out.write_corner(q, p != q);
             out.write_ridge(row, other, least, p ^ q ^ least, (p != q) & (row < other));

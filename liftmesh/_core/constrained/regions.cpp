@@ -16,26 +16,21 @@ class Carver {
         find_places();
         for (std::size_t t = 0; t < mesh_.count; ++t) {
             const auto [depth, winding] = places_[t];
-            const bool is_inside = has_winding_ ? winding > 0 : depth % 2 == 1;
+            const bool is_inside = has_winding_ ? winding != 0 : depth % 2 == 1;
             kept[t] = carving == Carving::holes ? is_inside : depth > 0;
         }
     }
 
+    // Of a region, all triangles are left or none.
     void remove_region(std::size_t seed, std::vector<std::uint8_t>& kept) {
         std::vector<std::size_t> stack{seed};
-        std::vector<bool> seen(mesh_.count);
-        seen[seed] = true;
         while (!stack.empty()) {
             const std::size_t t = stack.back();
             stack.pop_back();
-            kept[t] = 0;
-            for (unsigned k = 0; k < 3; ++k) {
-                const std::int32_t other = mesh_.neighbor(t, k);
-                if (other < 0 || side(t, k).bounds) continue;
-                const auto next = static_cast<std::size_t>(other);
-                if (!seen[next]) stack.push_back(next);
-                seen[next] = true;
-            }
+            if (!std::exchange(kept[t], 0)) continue;
+            for (unsigned k = 0; k < 3; ++k)
+                if (mesh_.neighbor(t, k) >= 0 && !side(t, k).bounds)
+                    stack.push_back(static_cast<std::size_t>(mesh_.neighbor(t, k)));
         }
     }
 

@@ -32,7 +32,7 @@ struct StrictHull {
 // is collected. Whenever it has doubled, it is sorted, and the monotone chains of Andrew (1979)
 // remain. Finally the hulls of shares are united in pairs. O(n log n) on every input.
 
-bool is_before(const Site& a, const Site& b) {
+bool is_before_row(const Site& a, const Site& b) {
     return a.point == b.point ? a.row < b.row : before_xy(a.point, b.point);
 }
 
@@ -89,10 +89,10 @@ std::vector<Site>::const_iterator corner_at(const std::vector<Site>& corners, Po
 }
 
 // The hull of a share of the rows, and candidates that have come since.
-class Share {
+class HullShare {
  public:
-    Share() = default;
-    Share(std::size_t first, std::size_t last) : first_(first), last_(last) {}
+    HullShare() = default;
+    HullShare(std::size_t first, std::size_t last) : first_(first), last_(last) {}
 
     void read(const Input& input, Interrupt& interrupt) {
         for_each_in_blocks(last_ - first_, interrupt, [&](std::size_t i) {
@@ -109,7 +109,7 @@ class Share {
         interrupt.advance(work::sorting * (last_ - first_));
     }
 
-    void unite(Share& other) {
+    void unite(HullShare& other) {
         append(sites_, other.sites_);
         append(copies_, other.copies_);
         append(skipped_, other.skipped_);
@@ -142,9 +142,9 @@ class Share {
     // Sorts the candidates among the corners so far, and keeps the corners of all.
     void settle() {
         const auto middle = sites_.begin() + static_cast<std::ptrdiff_t>(settled_);
-        if (!std::is_sorted(middle, sites_.end(), is_before))
-            std::sort(middle, sites_.end(), is_before);
-        std::inplace_merge(sites_.begin(), middle, sites_.end(), is_before);
+        if (!std::is_sorted(middle, sites_.end(), is_before_row))
+            std::sort(middle, sites_.end(), is_before_row);
+        std::inplace_merge(sites_.begin(), middle, sites_.end(), is_before_row);
         set_copies_aside();
         keep_corners();
         settled_ = sites_.size();
@@ -185,7 +185,7 @@ StrictHull strict_hull(const Input& input, ThreadPool& pool) {
     constexpr std::size_t worth_sharing = std::size_t{1} << 15;
     const std::size_t most = pool.size() == 1 ? 1 : 4 * pool.size();
     const std::size_t count = std::clamp<std::size_t>(input.rows / worth_sharing, 1, most);
-    std::vector<Share> shares;
+    std::vector<HullShare> shares;
     for (std::size_t i = 0; i < count; ++i)
         shares.emplace_back(input.rows * i / count, input.rows * (i + 1) / count);
     if (!pool.run(count, [&](std::size_t i) { shares[i].read(input, pool.interrupt()); }))
@@ -203,9 +203,9 @@ StrictHull strict_hull(const Input& input, ThreadPool& pool) {
 
 constexpr std::size_t after_sorting = work::triangulating + work::compacting;
 
-class Run {
+class FarthestRun {
  public:
-    Run(const Input& input, ThreadPool& pool) : input_(input), pool_(pool) {}
+    FarthestRun(const Input& input, ThreadPool& pool) : input_(input), pool_(pool) {}
 
     Regular run(bool skip_non_finite) {
         Regular outcome;
@@ -287,7 +287,7 @@ Regular farthest(const Input& input, bool skip_non_finite, Threads threads, Inte
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(input.rows), interrupt);
     interrupt.expect(input.rows * (work::sorting + after_sorting));
-    return Run(input, pool).run(skip_non_finite);
+    return FarthestRun(input, pool).run(skip_non_finite);
 }
 
 }  // namespace liftmesh

@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t abreast = 8;
 constexpr int most_key_bits = 16;
 constexpr std::size_t share_size = std::size_t{1} << 16;
-constexpr std::size_t piece_size = std::size_t{1} << 11;
+constexpr std::size_t sorted_together = std::size_t{1} << 11;
 
 // Few queries are not worth a long table.
 int key_bits(std::size_t queries) {
@@ -61,11 +61,12 @@ class Sort {
     }
 
     bool refine() {
-        return pool_.run((queries_.count + piece_size - 1) / piece_size, [&](std::size_t i) {
-            Query* first = &sorted_[i * piece_size];
-            Query* last = &sorted_[0] + std::min(queries_.count, (i + 1) * piece_size);
-            std::sort(first, last, [](Query a, Query b) { return a.cell < b.cell; });
-        });
+        return pool_.run(
+            (queries_.count + sorted_together - 1) / sorted_together, [&](std::size_t i) {
+                Query* first = &sorted_[i * sorted_together];
+                Query* last = &sorted_[0] + std::min(queries_.count, (i + 1) * sorted_together);
+                std::sort(first, last, [](Query a, Query b) { return a.cell < b.cell; });
+            });
     }
 
     const Queries& queries_;

@@ -105,13 +105,13 @@ class TrapezoidMap {
 
 template <class Visit>
 void TrapezoidMap::descend(Site* first, Site* last, const Visit& visit) const {
-    struct Part {
+    struct Portion {
         std::uint32_t at;
         Site *first, *last;
     };
-    std::vector<Part> parts{{0, first, last}};
+    std::vector<Portion> parts{{0, first, last}};
     while (!parts.empty()) {
-        Part part = parts.back();
+        Portion part = parts.back();
         parts.pop_back();
         while (part.first != part.last && nodes_[part.at].kind() != Kind::trapezoid) {
             const Node& node = nodes_[part.at];

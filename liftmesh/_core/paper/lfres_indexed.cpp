@@ -7,7 +7,7 @@ namespace liftmesh::paper {
 namespace {
 
 constexpr double u = 0x1p-53;
-constexpr double inf = std::numeric_limits<double>::infinity();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 Box common(const Box& s, const Box& t) {
     return {std::max(s.min_x, t.min_x), std::min(s.max_x, t.max_x), std::max(s.min_y, t.min_y),
@@ -31,11 +31,11 @@ double half_chord(double low, double high, double c, double r) {
 Box around_circle(Box box, double cx, double cy, double r) {
     if (box.max_y - box.min_y < r) {
         const double half = half_chord(box.min_y, box.max_y, cy, r);
-        box = common(box, {cx - half, cx + half, -inf, inf});
+        box = common(box, {cx - half, cx + half, -infinity, infinity});
     }
     if (box.max_x - box.min_x < r) {
         const double half = half_chord(box.min_x, box.max_x, cx, r);
-        box = common(box, {-inf, inf, cy - half, cy + half});
+        box = common(box, {-infinity, infinity, cy - half, cy + half});
     }
     return box;
 }
@@ -120,7 +120,7 @@ class LfResIndexed::Growth {
         const double cy = e_.origin.y + 0.5 * e_.y - shift * e_.x;
         const Box box{cx - r_, cx + r_, cy - r_, cy + r_};
         const double size = (all.max_x - all.min_x) + (all.max_y - all.min_y);
-        if (!(r_ < size) || !(shift < inf)) return all;
+        if (!(r_ < size) || !(shift < infinity)) return all;
         r_ *= 2;
         return common(box, all);
     }
@@ -181,7 +181,7 @@ class LfResIndexed::Runs {
     const Grid& grid_;
     std::size_t line_, last_line_;
     double min_x_, max_x_;
-    double least_ = -inf, most_ = inf, gain_ = 0;
+    double least_ = -infinity, most_ = infinity, gain_ = 0;
 };
 
 std::optional<Vertex> LfResIndexed::operator()(Vertex a, Vertex b) {
@@ -228,7 +228,7 @@ Box LfResIndexed::region(const Edge& e, const Plane& plane, const Errors& errors
     const double r = std::sqrt(cx * cx + cy * cy);
     const double reach =
         r * (1 + 8 * u) + 3 * error_of_c + 4 * u * (std::fabs(e.origin.x) + std::fabs(e.origin.y));
-    if (!(reach < inf)) return everything;
+    if (!(reach < infinity)) return everything;
     const double doubt =
         (std::fabs(e.x) + std::fabs(e.y)) * (8 * u * (size + reach) + 3 * error_of_c);
     const auto left = [&](double x, double y) { return e.x * y - e.y * x > doubt; };

@@ -97,12 +97,13 @@ class Crossed {
 };
 
 constexpr std::size_t rows_together = std::size_t{1} << 15;
-constexpr std::size_t block_size = std::size_t{1} << 14, most_blocks = 256;
+constexpr std::size_t levels_block = std::size_t{1} << 14, most_level_blocks = 256;
 constexpr std::size_t most_lists = std::size_t{1} << 20;  // unless there are more levels
 
 std::size_t blocks_of(std::size_t faces, std::size_t levels) {
-    const std::size_t most = std::clamp<std::size_t>(most_lists / (levels + 1), 1, most_blocks);
-    return std::clamp<std::size_t>(faces / block_size, 1, most);
+    const std::size_t most =
+        std::clamp<std::size_t>(most_lists / (levels + 1), 1, most_level_blocks);
+    return std::clamp<std::size_t>(faces / levels_block, 1, most);
 }
 
 // How many levels are not above a height, without a branch that depends on it.

@@ -5,7 +5,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t together = std::size_t{1} << 15;
+constexpr std::size_t heights_together = std::size_t{1} << 15;
 
 void widen(HeightRange& range, double height) {
     range.least = std::min(range.least, height);
@@ -43,15 +43,15 @@ bool height_range(const Relief& relief, HeightRange& found, Threads threads, Int
     const std::size_t faces = relief.mesh().count, rows = relief.mesh().points.rows;
     ThreadPool pool(threads.for_rows(faces), interrupt);
     Flags flags(rows);
-    std::vector<HeightRange> ranges(blocks(rows, together));
+    std::vector<HeightRange> ranges(blocks(rows, heights_together));
     const auto flag = [&](std::size_t first, std::size_t last, std::size_t) {
         flag_corners(relief, first, last, flags);
     };
     const auto find = [&](std::size_t first, std::size_t last, std::size_t block) {
         ranges[block] = range_of(relief, first, last, flags);
     };
-    const bool done =
-        in_blocks(faces, together, pool, flag) && in_blocks(rows, together, pool, find);
+    const bool done = in_blocks(faces, heights_together, pool, flag) &&
+                      in_blocks(rows, heights_together, pool, find);
     for (const HeightRange& each : ranges) {
         if (std::isnan(each.least)) {
             found = each;

@@ -7,7 +7,7 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t block_size = std::size_t{1} << 10;
+constexpr std::size_t queries_together = std::size_t{1} << 10;
 
 // What some consecutive points have.
 struct Block {
@@ -104,15 +104,16 @@ bool natural_weights(const Triangulated& mesh, const Queries& queries,
                      Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(queries.count), interrupt);
-    std::vector<Block> made(blocks(queries.count, block_size));
+    std::vector<Block> made(blocks(queries.count, queries_together));
     std::atomic<bool> is_sound = true;
-    const bool done = in_blocks(
-        queries.count, block_size, pool, [&](std::size_t first, std::size_t last, std::size_t at) {
-            Patience patience(pool.interrupt());
-            Weigher weigher(mesh, patience);
-            for (std::size_t i = first; i < last && !patience.ends() && is_sound; ++i)
-                if (!weigher.add(queries[i], simplices[i], made[at])) is_sound = false;
-        });
+    const bool done =
+        in_blocks(queries.count, queries_together, pool,
+                  [&](std::size_t first, std::size_t last, std::size_t at) {
+                      Patience patience(pool.interrupt());
+                      Weigher weigher(mesh, patience);
+                      for (std::size_t i = first; i < last && !patience.ends() && is_sound; ++i)
+                          if (!weigher.add(queries[i], simplices[i], made[at])) is_sound = false;
+                  });
     if (!done || interrupt.requested()) return false;
     found.is_sound = is_sound;
     found.starts = {0};

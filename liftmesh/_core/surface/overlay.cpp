@@ -175,9 +175,10 @@ class Overlay {
 
     // Whether rounded lengths and heights are enough for a 2^40th of the area and the largest rise.
     bool is_sure() const {
-        constexpr double share = 0x1p7;
+        constexpr double most_rounding = 0x1p7;
         const double area = area_.value();
-        return rounding_.value() <= share * area && steepness_.value() <= share * area * rise_;
+        return rounding_.value() <= most_rounding * area &&
+               steepness_.value() <= most_rounding * area * rise_;
     }
 
  private:

@@ -6,16 +6,16 @@ namespace liftmesh {
 
 namespace {
 
-constexpr std::size_t together = std::size_t{1} << 22;  // bounds the memory of the triangles
+constexpr std::size_t queries_at_once = std::size_t{1} << 22;  // bounds the memory of the triangles
 
 // Calls judge(query, triangle, patience) for each.
 template <class Judge>
 bool at_each(Locator& locator, const Queries& queries, Threads threads, Interrupt& interrupt,
              Judge judge) {
-    const auto found = allocate<std::int32_t>(std::min(queries.count, together));
-    for (std::size_t start = 0; start < queries.count; start += together) {
+    const auto found = allocate<std::int32_t>(std::min(queries.count, queries_at_once));
+    for (std::size_t start = 0; start < queries.count; start += queries_at_once) {
         const Queries some{queries.coordinates + 2 * start,
-                           std::min(together, queries.count - start)};
+                           std::min(queries_at_once, queries.count - start)};
         const auto settled = [&, start](std::size_t i, std::int32_t triangle, Patience& patience) {
             judge(start + i, triangle, patience);
         };

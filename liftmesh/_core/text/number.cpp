@@ -6,10 +6,6 @@ namespace liftmesh::text {
 
 namespace {
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 // Whether [at, end) begins with a word, given in lower case.
 bool begins_with(const char* at, const char* end, std::string_view word) {
     if (static_cast<std::size_t>(end - at) < word.size()) return false;

@@ -10,6 +10,10 @@
 
 namespace liftmesh::text {
 
+inline bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
 // Reads the longest number at the beginning of [at, end), and returns where it ends; null if there
 // is none.
 const char* parse_number(const char* at, const char* end, double& value);

@@ -66,10 +66,6 @@ Parsed each_word_of_all(const Block& block, const Words& words, ThreadPool& pool
     });
 }
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 // A whole number of nine digits at most without a sign, as nearly all indices are.
 bool parse_short(std::string_view word, std::int32_t& value) {
     if (word.empty() || word.size() > 9) return false;

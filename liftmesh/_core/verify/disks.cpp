@@ -41,7 +41,7 @@ namespace {
 using apollonius::Disk;
 using apollonius::infinity;
 
-constexpr std::size_t block = std::size_t{1} << 12;
+constexpr std::size_t disks_block = std::size_t{1} << 12;
 constexpr std::int32_t at_infinity = -1;
 
 // A side of a triangle or of the hull, by its place: 3 t + k is opposite corner k of triangle t,
@@ -56,9 +56,9 @@ struct Side {
 
 enum class Use : std::uint8_t { none, vertex, hidden, duplicate };
 
-class Verification {
+class DiskVerification {
  public:
-    Verification(const DiskGraph& graph, ThreadPool& pool)
+    DiskVerification(const DiskGraph& graph, ThreadPool& pool)
         : graph_(graph),
           pool_(pool),
           given_(apollonius::scaled({graph.disks.begin(), graph.disks.end()})),
@@ -102,9 +102,9 @@ class Verification {
     // Calls work(first, last, found) for blocks of so many items, and adds up what they find.
     template <class Work>
     bool in_blocks(std::size_t count, Work work) {
-        std::vector<Found> found(blocks(count, block));
+        std::vector<Found> found(blocks(count, disks_block));
         const bool done = liftmesh::in_blocks(
-            count, block, pool_, [&](std::size_t first, std::size_t last, std::size_t task) {
+            count, disks_block, pool_, [&](std::size_t first, std::size_t last, std::size_t task) {
                 work(first, last, found[task]);
             });
         for (const Found& part : found) flaws().add(part);
@@ -376,7 +376,7 @@ DiskVerdict verify(const DiskGraph& graph, std::uint64_t secret, Threads threads
                    Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     ThreadPool pool(threads.for_rows(graph.disks.size()), interrupt);
-    Verification verification(graph, pool);
+    DiskVerification verification(graph, pool);
     if (verification.check(secret)) return verification.verdict();
     DiskVerdict interrupted;
     interrupted.status = Status::interrupted;

@@ -18,6 +18,9 @@ enum class Flaw : std::uint8_t {
     boundary_winding,       // the boundary winds around more than once
     not_convex,             // a row at which the boundary turns right or back
     missing_vertices,       // a row without a vertex at its position
+    missing_constraints,    // a constraint, and the row at which no edge continues it
+    open_boundaries,        // an edge of a carved boundary off all constraints and the hull
+    overlaps,               // two edges of a carved boundary
     not_delaunay,           // an edge whose opposite apex lies inside the circumcircle
     not_canonical,          // an edge that the symbolic perturbation would flip
     kinds

@@ -73,6 +73,7 @@ std::unique_ptr<Sides> make_sides(const Member& member, const Point* points, con
                                   Guard guard) {
     switch (member.kind) {
         case Member::Kind::delaunay:
+        case Member::Kind::constrained:
             return nullptr;
         case Member::Kind::weights:
             return std::make_unique<SidesBy<ByWeight>>(ByWeight{}, points, values, guard);

@@ -8,15 +8,24 @@
 
 namespace liftmesh {
 
+// Segments that are to be unions of edges.
+struct Constraints {
+    const std::int32_t* ends = nullptr;  // count x 2: finite rows
+    std::size_t count = 0;
+    bool are_carved = false;  // regions that they bound may be missing
+};
+
 // What the caller says.
 struct Member {
-    enum class Kind : std::uint8_t { delaunay, weights, radii, metric, farthest };
+    enum class Kind : std::uint8_t { delaunay, weights, radii, metric, farthest, constrained };
 
     Kind kind = Kind::delaunay;
     const double* values = nullptr;  // one for each row: weights or radii
     ByMetric metric{1, 0, 1};
+    Constraints constraints{};
 
     bool has_values() const { return kind == Kind::weights || kind == Kind::radii; }
+    bool is_constrained() const { return kind == Kind::constrained; }
     bool hides_rows() const { return has_values() || kind == Kind::farthest; }
 };
 
@@ -35,7 +44,8 @@ Range range_of_values(const Member& member, const Range& values);
 // Scales a value.
 double scaled_value(const Member& member, double value, const Scale& scale);
 
-// None for Delaunay triangulations. Points and values are scaled, and stay where they are.
+// None for Delaunay triangulations, constrained or not. Points and values are scaled, and stay
+// where they are.
 std::unique_ptr<Sides> make_sides(const Member& member, const Point* points, const double* values,
                                   Guard guard);
 

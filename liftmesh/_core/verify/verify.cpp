@@ -22,6 +22,11 @@
 // the other" takes the place of the circle, and a lift may hide rows: a surface without a flaw is
 // convex, and every row without a vertex has to be strictly above it (hidden_rows.cpp).
 //
+// Edges along constraints may fail both: then the triangles are the constrained Delaunay
+// triangulation (Lee and Lin, 1986), and among those of the perturbed lifts the only one. That each
+// constraint is a union of edges is shown by following it (constraints.cpp). If regions were
+// removed, their boundary takes the place of the hull (carving.cpp).
+//
 // If any triangle is clockwise or degenerate, none of this follows. Then non-manifold edges are
 // looked for (`repeated_edges`), and in-circle tests skip those edges and the edges of clockwise or
 // degenerate triangles. A list in which every triangle is clockwise is judged as if the corners of
@@ -42,6 +47,7 @@
 #include "predicates/orient2d.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/sample.hpp"
+#include "verify/constraints.hpp"
 #include "verify/edge_pairing.hpp"
 #include "verify/sides.hpp"
 
@@ -98,7 +104,8 @@ class Verification {
         if (!read_corners()) return false;
         if (verdict_.flaws.any(Flaw::invalid_index)) return true;
         if (mesh_.rows > mesh_.count + 2 && !mark_corners()) return false;
-        if (has_too_many_corners() && !merge_positions()) return false;
+        if (member_.is_constrained() && !mark_corners()) return false;
+        if ((needs_positions() || has_too_many_corners()) && !merge_positions()) return false;
         if (!gather_triangles()) return false;
         Findings found;
         if (!check_triangles(found)) return false;
@@ -162,7 +169,13 @@ class Verification {
     }
 
     bool check_boundary(Findings& found) {
-        return liftmesh::check_boundary(mesh_, found.pairing.boundary, pool_, found.boundary);
+        if (!member_.constraints.are_carved &&
+            !liftmesh::check_boundary(mesh_, found.pairing.boundary, pool_, found.boundary))
+            return false;
+        return !member_.is_constrained() ||
+               check_constraints({mesh_, lowest_, is_corner_, found.pairing.boundary, pool_},
+                                 member_.constraints, found.pairing, found.boundary.flaws,
+                                 verdict_.outside);
     }
 
     // Calls work(first, last, task) for each block.
@@ -280,6 +293,14 @@ class Verification {
         return static_cast<std::size_t>(corners) > mesh_.count + 2;
     }
 
+    // Carved triangles may touch at a position of several rows, and constraints end at any of them.
+    bool needs_positions() const {
+        const Constraints& given = member_.constraints;
+        return given.are_carved ||
+               std::any_of(given.ends, given.ends + 2 * given.count,
+                           [&](std::int32_t row) { return !is_corner_[static_cast<Row>(row)]; });
+    }
+
     bool gather_triangles() {
         Gathered gathered;
         if (!gather(mesh_, pool_, gathered)) return false;
@@ -332,16 +353,15 @@ class Verification {
     // Renames each corner to the lowest row of its position.
     bool merge_positions() {
         merged_ = true;
-        std::vector<Row> lowest;
-        if (!mark_corners() || !find_lowest(mesh_, pool_, lowest)) return false;
+        if (!mark_corners() || !find_lowest(mesh_, pool_, lowest_)) return false;
         Marks kept(mesh_.rows);
         for (std::size_t row = 0; row < mesh_.rows; ++row)
-            if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest[row]], 1);
-        if (verdict_.merged == 0) return true;
+            if (is_corner_[row]) verdict_.merged += std::exchange(kept[lowest_[row]], 1);
+        if (verdict_.merged == 0 && !member_.is_constrained()) return true;
         is_corner_ = std::move(kept);
         return in_blocks(mesh_.count, [&](std::size_t first, std::size_t last, auto) {
             for (std::size_t place = 3 * first; place < 3 * last; ++place)
-                corners_[place] = static_cast<std::int32_t>(lowest[mesh_.corner(place)]);
+                corners_[place] = static_cast<std::int32_t>(lowest_[mesh_.corner(place)]);
         });
     }
 
@@ -350,12 +370,14 @@ class Verification {
     // that many vertices are all rows, none is missing.
     bool count_vertices(const Findings& found) {
         const std::size_t covered = found.pairing.covering + found.boundary.uncovered;
-        if (found.are_consistent() && covered + verdict_.skipped == mesh_.rows) {
+        const bool is_whole = !member_.constraints.are_carved && found.are_consistent();
+        if (is_whole && covered + verdict_.skipped == mesh_.rows) {
             verdict_.vertices = covered;
             return true;
         }
         if (!mark_corners()) return false;
         for (const std::uint8_t corner : is_corner_) verdict_.vertices += corner;
+        if (member_.constraints.are_carved) return true;
         if (member_.hides_rows())
             return has_flaws() ||
                    judge_others(mesh_, is_corner_, locate_, pool_, verdict_.hidden, verdict_.flaws);
@@ -385,7 +407,8 @@ class Verification {
     Buffer<std::int32_t> neighbors_;  // if there are rows without a vertex, of lifts that hide
     MeshView mesh_;
     Marks is_corner_;
-    bool merged_ = false;  // each corner is the lowest row of its position
+    std::vector<Row> lowest_;  // of each row: the lowest at its position
+    bool merged_ = false;      // each corner is the lowest row of its position
     Verdict verdict_;
 };
 

@@ -39,14 +39,15 @@ bool judge_others(const MeshView& mesh, const Marks& vertices, const Locate& loc
 
 struct Verdict {
     Status status = Status::ok;
-    std::size_t row = 0;             // the first non-finite row, if that is the status
-    std::size_t skipped = 0;         // rows that are not finite
-    std::size_t vertices = 0;        // distinct positions of corners
-    std::size_t merged = 0;          // rows that are corners, beyond one for each position
-    std::size_t hidden = 0;          // rows strictly above the triangles, if these have no flaw
-    std::size_t interior_edges = 0;  // between two triangles
-    std::size_t boundary_edges = 0;  // of one triangle only
-    Flaws flaws;                     // those of edges only if all corners are finite rows
+    std::size_t row = 0;                 // the first non-finite row, if that is the status
+    std::size_t skipped = 0;             // rows that are not finite
+    std::size_t vertices = 0;            // distinct positions of corners
+    std::size_t merged = 0;              // rows that are corners, beyond one for each position
+    std::size_t hidden = 0;              // rows strictly above the triangles, if these have no flaw
+    std::optional<std::size_t> outside;  // rows off carved triangles, if these do not overlap
+    std::size_t interior_edges = 0;      // between two triangles
+    std::size_t boundary_edges = 0;      // of one triangle only
+    Flaws flaws;                         // those of edges only if all corners are finite rows
 };
 
 // `simplices` are count x 3 corners. `locate` is asked where rows without a vertex lie, if the

@@ -1,0 +1,384 @@
+"""Surfaces that follow lines: the rows and edges that lines become, and the faces that rings leave.
+
+Corners of lines are rows after those of the cloud; equal ones are one row. Lines whose heights hold
+come first. The surface of the cloud and of these gives the heights of all others: of the corners of
+a line without heights, and of a draped line also where it crosses sides of faces, which it follows
+so. Where it crosses a line whose heights hold, both are split later, and the row
+there has the height of that line.
+
+Rings separate the triangles into regions, each of which is in a polygon as a whole. The largest
+triangle of a region tells which: so neither rounding nor rings that leave the cloud matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.errors import CrossingError, InputError, Option
+from liftmesh.planar.constrained import constrained_delaunay
+from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
+from liftmesh.planar.delaunay import Solution
+from liftmesh.terrain.boundary import centroids, masked
+from liftmesh.terrain.profile import LineCrossings, along_piece, between
+from liftmesh.terrain.sampling import heights_at
+from liftmesh.vector.polygons import contains
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.frame import Frame
+    from liftmesh.terrain.lines import Line, Lines
+    from liftmesh.terrain.surface import Surface
+
+BREAKLINE = "breakline"  # the values that say which rows lines have become
+OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's
+_NAMED = 10
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Chain:
+    """A line, or a part of one, in space."""
+
+    line: Line
+    points: Floats  # (c, 3)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Network:
+    """The rows and edges that lines become."""
+
+    rows: Floats  # (r, 3), after those of the cloud
+    holds: Mask  # of each row: whether its height does, or is that of the surface around
+    edges: Rows  # (k, 2): among these rows
+    line: Integers  # of each edge
+    lines: list[Line]
+    crossing: str
+
+    @classmethod
+    def of(cls, chains: list[Chain], crossing: str) -> Network:
+        """Find equal corners, and number them in their order."""
+        lines = [each.line for each in chains]
+        counts = np.array([len(each.points) for each in chains], dtype=np.int64)
+        points = np.concatenate([np.empty((0, 3)), *(each.points for each in chains)]) + 0.0
+        holds = np.repeat(np.array([each.holds for each in lines], dtype=np.bool_), counts)
+        keyed = np.column_stack([points, holds])
+        order = np.lexsort(keyed.T[::-1])
+        starts = starts_of_runs(keyed[order])
+        first = np.empty(len(points), dtype=np.int64)
+        first[order] = order[starts][np.cumsum(starts) - 1]
+        own = np.unique(first)
+        number = np.searchsorted(own, first)
+        joined = np.ones(max(len(points) - 1, 0), dtype=np.bool_)
+        joined[np.cumsum(counts)[:-1] - 1] = False
+        edges = np.stack([number[:-1], number[1:]], axis=1)[joined].astype(np.int32)
+        line = np.repeat(np.arange(len(lines)), np.maximum(counts - 1, 0))
+        return cls(points[own], holds[own], edges, line, lines, crossing)
+
+    def edge_holds(self) -> Mask:
+        """Whether the heights of each edge's line hold."""
+        return np.array([each.holds for each in self.lines], dtype=np.bool_)[self.line]
+
+
+def with_lines(frame: Frame, lines: Lines, build: Callable[..., Surface]) -> Surface:
+    """Make the surface that follows lines."""
+    firm = [each for each in lines.all() if each.holds]
+    chains = [Chain(each, each.densified(frame, lines.densify)) for each in firm]
+    surface = None
+    for each in lines.all():
+        if not each.holds:
+            each.planar(frame)  # refuses planes that round
+            surface = surface or build(Network.of(chains, lines.crossing), is_last=False)
+            chains += _laid(each, surface, each.densified(frame, lines.densify)[:, :2])
+    network = Network.of(chains, lines.crossing)
+    surface = _bounded(build(network), lines, network)
+    return replace(surface, report=replace(surface.report, lines=_counts(surface)))
+
+
+def _laid(line: Line, surface: Surface, corners: Floats) -> Iterator[Chain]:
+    """Give a line the heights of a surface, at its corners or wherever it crosses sides."""
+    frame = surface.frame
+    if line.draped:
+        for part in _Drape(surface).parts(corners):
+            yield Chain(line, in_space(frame, part[:, :2], part[:, 2]))
+        return
+    heights = heights_at(surface, corners)
+    if np.isnan(heights).any():
+        x, y = corners[np.isnan(heights)][0].tolist()
+        raise InputError(
+            f"{line.name} has no heights, and there are none around its corner ({x!r}, {y!r}), "
+            "which is outside of all faces: give heights, or cut the line"
+        )
+    yield Chain(line, in_space(frame, corners, heights))
+
+
+def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
+    """Return the places of coordinates in a plane of two axes, without rounding."""
+    if frame.name not in ("xy", "xz", "yz"):
+        raise InputError(
+            f"lines need rows of their own in the plane, which is {frame.name!r}: give "
+            f"{Option('plane')} 'xy', 'xz' or 'yz', whose coordinates are exact"
+        )
+    points = np.empty((len(planar), 3))
+    for axis, values in zip(frame.axes, (*planar.T, heights), strict=True):
+        (column,) = np.flatnonzero(axis)
+        points[:, column] = values * axis[column]
+    return points
+
+
+class _Drape(LineCrossings):
+    """What lines meet of a surface, but for sides that lines are: those are split later."""
+
+    def __init__(self, surface: Surface) -> None:
+        super().__init__(surface)
+        tri = surface.triangulation
+        pieces = getattr(tri, "constraints", np.empty((0, 2), dtype=np.int32))
+        self._pieces = pair_keys(*pieces.T)
+
+    def parts(self, corners: Floats) -> list[Floats]:
+        """Return what each piece of a line becomes; in both directions it is the same."""
+        ends = np.column_stack([corners, heights_at(self._surface, corners)])
+        pieces = [*pairwise(ends)]
+        faces = np.arange(len(self._surface.faces))
+        parts = []
+        for number, near in self._near(corners, 0, faces):
+            p, q = sorted(pieces[number], key=lambda end: tuple(end[:2]))
+            met = along_piece(self._met(np.stack([p, q]), near), p[:2], q[:2])[:, :3]
+            parts.append(met if p is pieces[number][0] else met[::-1])
+        return [each for each in parts if len(each) > 1]
+
+    def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
+        ends = np.sort(sides, axis=1)
+        return super()._crossings(sides[~np.isin(pair_keys(*ends.T), self._pieces)], p, q)
+
+
+@dataclass(slots=True, eq=False)
+class Following:
+    """A cloud and what lines become, in place of what its points are lifted by."""
+
+    cloud: Cloud
+    frame: Frame
+    network: Network
+    points: Floats = field(init=False)  # the rows of both, then those at crossings
+    _tri: Any = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.points = np.concatenate([self.cloud.points, self.network.rows])
+
+    def is_weighable(self, rows: Rows) -> Mask:
+        """Tell which rows have a weight: all, as none is asked for."""
+        return np.ones(len(rows), dtype=np.bool_)
+
+    def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
+        """Triangulate the planar points."""
+        edges = self.network.edges + np.int32(len(self.cloud))
+        run: Any = {name: options[name] for name in ("nonfinite", "threads", "progress")}
+        tri = None
+        if self.network.crossing == "error":
+            try:
+                tri = constrained_delaunay(planar, edges, **run)
+            except CrossingError as error:
+                self._refuse(error, planar, edges)
+        if tri is None:
+            tri = constrained_delaunay(planar, edges, crossing="split", **run)
+            if len(tri.crossing_rows):
+                rows = in_space(self.frame, tri.points[tri.crossing_rows], self._at_crossings(tri))
+                self.points = np.concatenate([self.points, rows])
+        self._tri = tri
+        arrays = tri.points, tri.simplices, tri.neighbors, tri.convex_hull
+        return Solution(*arrays, tri.duplicates, tri.skipped)
+
+    @property
+    def ranks(self) -> Array:
+        """The rank of each row, of which the highest counts at a position: 2 if its line holds."""
+        ranks = np.zeros(len(self.points), dtype=np.uint8)
+        own = ranks[len(self.cloud) :]
+        own[:] = 2
+        own[: len(self.network.holds)] = 1 + self.network.holds
+        return ranks
+
+    def completed(self, hidden: Rows) -> Cloud:  # noqa: ARG002 - none are
+        """Return the cloud with all rows."""
+        rows = self.points[len(self.cloud) :]
+        flags = np.where(self.ranks[len(self.cloud) :] == 2, OF_LINE, OF_AROUND).astype(np.uint8)
+        return extended(self.cloud, self.frame, rows, flags)
+
+    def triangulation(self, solution: Solution) -> ConstrainedTriangulation:
+        """Make the triangulation of a solution, in which rows may have been replaced."""
+        tri: ConstrainedTriangulation = self._tri
+        if solution.simplices is tri.simplices:
+            return tri
+        names = np.arange(len(tri.points), dtype=np.int32)
+        names[tri.simplices] = solution.simplices
+        return with_rows(tri, tri.points, names, solution.duplicates, tri.convex_hull)
+
+    def _refuse(self, error: CrossingError, planar: Floats, edges: Rows) -> None:
+        """Raise if lines cross whose heights hold, and say both heights."""
+        network = self.network
+        firm = np.flatnonzero(network.edge_holds()[error.crossings].all(axis=1))
+        named = []
+        for k in firm[:_NAMED].tolist():
+            pair = error.crossings[k]
+            one, two = (network.lines[each].name for each in network.line[pair].tolist())
+            place = error.places[k] if k < len(error.places) else planar[edges[pair[0], 0]]
+            low, high = self._along(planar, edges[pair], np.stack([place, place])).tolist()
+            x, y = place.tolist()
+            named.append(f"{one} and {two} at ({x!r}, {y!r}), at the heights {low!r} and {high!r}")
+        if not named:
+            return
+        rest = f"; and {len(firm) - _NAMED:,} more" if len(firm) > _NAMED else ""
+        raise InputError(
+            f"lines cross where they have no corner: {'; '.join(named)}{rest}. Give both a corner "
+            f"there, or {Option('crossing', 'split')}, which takes the height of the first"
+        ) from error
+
+    def _along(self, planar: Floats, edges: Rows, places: Floats) -> Floats:
+        """Return the heights of edges at places on them."""
+        tails, heads = planar[edges[:, 0]] / 2, planar[edges[:, 1]] / 2
+        steps = heads - tails
+        axis = np.abs(steps).argmax(axis=1)[:, None]
+        ahead, whole = (
+            np.take_along_axis(each, axis, axis=1)[:, 0] for each in (places / 2 - tails, steps)
+        )
+        low, high = self._heights()[edges.T]
+        return between(low, high, np.clip(ahead / whole, 0, 1))
+
+    def _heights(self) -> Floats:
+        return self.frame.heights(self.points)
+
+    def _at_crossings(self, tri: ConstrainedTriangulation) -> Floats:
+        """Return the heights where edges were split: those of lines that hold, then the first."""
+        starts, members = tri.constraint_inputs
+        rows = tri.constraints[np.repeat(np.arange(len(starts) - 1), np.diff(starts))]
+        first = len(tri.points) - len(tri.crossing_rows)
+        at, edge = rows.T.ravel(), np.tile(members, 2)
+        at, edge = at[at >= first], edge[at >= first]
+        order = np.lexsort([edge, self.network.line[edge], ~self.network.edge_holds()[edge], at])
+        at, edge = at[order], edge[order]
+        chosen = edge[starts_of_runs(at[:, None])]
+        return self._along(tri.points, tri.input_edges[chosen], tri.points[first:])
+
+
+def extended(cloud: Cloud, frame: Frame, rows: Floats, flags: Array) -> Cloud:
+    """Add rows to a cloud, with the colours and values of the nearest of its own."""
+    if BREAKLINE in cloud.attributes and cloud.attributes[BREAKLINE].dtype != np.uint8:
+        raise InputError(
+            f"the points have values named {BREAKLINE!r}, the name of those that say which rows "
+            "lines have become: rename them, or leave them out"
+        )
+    values = {BREAKLINE: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
+    nearest = np.empty(0, dtype=np.int64)
+    if len(rows) and (len(values) > 1 or cloud.colors is not None or cloud.normals is not None):
+        nearest = _nearest(frame.planar(cloud.points), frame.planar(rows))
+
+    def longer(array: Array) -> Array:
+        return np.concatenate([array, array[nearest]])
+
+    named = {name: longer(each) for name, each in values.items() if name != BREAKLINE}
+    named[BREAKLINE] = np.concatenate([values[BREAKLINE], flags])
+    colors, normals = cloud.colors, cloud.normals
+    return replace(
+        cloud,
+        points=np.concatenate([cloud.points, rows]),
+        colors=None if colors is None else longer(colors),
+        normals=None if normals is None else longer(normals),
+        attributes=named,
+        faces=None,
+    )
+
+
+def _nearest(points: Floats, places: Floats) -> Integers:
+    """Return the nearest of some points to each place."""
+    from scipy.spatial import KDTree  # noqa: PLC0415 - slow to import
+
+    finite = np.flatnonzero(np.isfinite(points).all(axis=1))
+    nearest: Integers = finite[KDTree(points[finite]).query(places)[1]]
+    return nearest
+
+
+def _counts(surface: Surface) -> dict[str, int]:
+    """Count what lines have brought."""
+    flags = surface.attributes.get(BREAKLINE, np.empty(0))
+    heights = surface.frame.heights(surface.vertices)[surface.faces]
+    tri = surface.triangulation
+    return {
+        "rows": int(np.count_nonzero(flags)),
+        "rows_from_around": int(np.count_nonzero(flags == OF_AROUND)),
+        "rows_at_crossings": len(getattr(tri, "crossing_rows", ())),
+        "edges": len(getattr(tri, "constraints", ())),
+        "flat_triangles": int((heights[:, :1] == heights).all(axis=1).sum()),
+    }
+
+
+def _bounded(surface: Surface, lines: Lines, network: Network) -> Surface:
+    """Leave out the faces that are outside of the boundary, or in holes."""
+    if not (lines.boundary or lines.holes):
+        return surface
+    tri, frame = surface.triangulation, surface.frame
+    regions = _Regions(tri, network)
+    middles = centroids(tri.points[tri.simplices[regions.largest]])
+    shown = np.ones(len(middles), dtype=np.bool_)
+    if lines.boundary:
+        shown = contains(lines.rings(lines.boundary, frame), middles)
+    if lines.holes:
+        shown &= ~contains(lines.rings(lines.holes, frame), middles)
+    return masked(surface, ~regions.spread(shown))
+
+
+class _Regions:
+    """The regions into which rings divide triangles.
+
+    Where a draped ring leaves the hull, its last row may be rounded to just inside of it. The
+    sliver between this row and the side of the hull is a region of its own, and shown if both sides
+    of the ring are.
+    """
+
+    def __init__(self, tri: Triangulation, network: Network) -> None:
+        self._neighbors = tri.neighbors
+        self._is_ring = np.zeros((tri.nsimplex, 3), dtype=np.bool_)
+        is_end = np.zeros(len(tri.points), dtype=np.bool_)
+        if isinstance(tri, ConstrainedTriangulation):
+            closed = np.array([each.closed for each in network.lines], dtype=np.bool_)
+            is_piece = _are_of(tri, closed[network.line])
+            is_end[tri.constraints[is_piece]] = True
+            triangle, corner = np.nonzero(tri.is_constrained)
+            ends = [tri.simplices[triangle, (corner + step) % 3] for step in (1, 2)]
+            keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
+            place = np.searchsorted(pair_keys(*tri.constraints.T), keys)
+            self._is_ring[triangle, corner] = is_piece[place]
+        self._rim = np.unique(np.nonzero((tri.neighbors < 0) & is_end[tri.simplices])[0])
+        at_rim = np.zeros(tri.nsimplex, dtype=np.bool_)
+        at_rim[self._rim] = True
+        divides = self._is_ring | at_rim[:, None] | (at_rim[tri.neighbors] & (tri.neighbors >= 0))
+        bits = (divides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
+        self._label = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits)
+        corners = tri.points[tri.simplices]
+        with np.errstate(all="ignore"):
+            (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
+            order = np.argsort(ax * by - ay * bx, kind="stable")
+        self.largest = np.empty(self._label.max() + 1, dtype=np.int64)
+        self.largest[self._label[order]] = order
+
+    def spread(self, shown: Mask) -> Mask:
+        """Tell of each triangle what is known of each region."""
+        spread: Mask = shown[self._label]
+        across = self._neighbors[self._rim]
+        counts = (across >= 0) & ~self._is_ring[self._rim]
+        agreed = (spread[across] | ~counts).all(axis=1)
+        spread[self._rim] = np.where(counts.any(axis=1), agreed, spread[self._rim])
+        return spread
+
+
+def _are_of(tri: ConstrainedTriangulation, edges: Mask) -> Mask:
+    """Tell which constraints belong to some of the input edges."""
+    starts, members = tri.constraint_inputs
+    found = np.zeros(len(tri.constraints), dtype=np.bool_)
+    found[np.repeat(np.arange(len(found)), np.diff(starts))[edges[members]]] = True
+    return found

@@ -1,0 +1,106 @@
+"""Triangulations with constraints, as subjects to watch."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from typing import Any
+
+import numpy as np
+from constrained.families import FAMILIES, Case, Family
+from growth.counting import Prepare, Work
+from growth.families import Families, random
+
+import liftmesh
+from liftmesh import ConstrainedTriangulation, constrained_delaunay
+
+
+def seeded(family: Family) -> Callable[[int], Case]:
+    """Make a family of a size alone."""
+
+    def made(n: int) -> Case:
+        return family(n, random())
+
+    made.__doc__ = family.__doc__
+    return made
+
+
+def crossing_lines(n: int) -> Case:
+    """Lines across each other: each crossing becomes a row."""
+    count = max(int(n**0.5) // 2, 1)
+    along, ends = np.arange(count) + random().random(count) / 2, np.full(count, count + 1.0)
+    sides = [np.column_stack([along, x]) for x in (ends - count - 2, ends)]
+    points = np.vstack([*sides, *(side[:, ::-1] for side in sides)])
+    rows = np.arange(count)
+    pairs = [np.column_stack([rows + k, rows + k + count]) for k in (0, 2 * count)]
+    return points, np.concatenate(pairs).astype(np.int32)
+
+
+CASES: Families = {name: seeded(family) for name, family in FAMILIES.items()}
+RINGS: Families = {name: CASES[name] for name in ("coast", "nested rings")}
+HARD = ("star", "comb", "nested rings", "strip")
+CROSSING: Families = {"crossing lines": crossing_lines}
+
+
+def constrained(call: Callable[..., object], **options: Any) -> Prepare:
+    """Prepare a call on points and edges."""
+
+    def prepare(case: Case) -> Work:
+        points, edges = case
+        return Work(lambda: call(points, edges, threads=1, **options), len(points) + len(edges))
+
+    return prepare
+
+
+def split(case: Case) -> Work:
+    """Prepare the insertion of crossings."""
+    points, edges = case
+    rows = (len(edges) // 2) ** 2
+    return Work(lambda: constrained_delaunay(points, edges, crossing="split"), rows)
+
+
+def by_coordinates(points: Any, edges: Any, **options: Any) -> object:
+    """Give edges as polylines."""
+    return constrained_delaunay(points[:3], polylines=list(points[edges]), **options)
+
+
+def located(tri: ConstrainedTriangulation) -> object:
+    """Find all rows."""
+    return tri.find_simplex(tri.points)
+
+
+def refused(tri: ConstrainedTriangulation) -> None:
+    """Ask for a lower hull, which there is none of."""
+    with suppress(liftmesh.InputError):
+        tri.lifted()
+
+
+def on_triangulation(call: Callable[..., object], **options: Any) -> Prepare:
+    """Prepare a call on a fresh copy of a triangulation."""
+
+    def prepare(case: Case) -> Work:
+        made = constrained_delaunay(*case, threads=1, **options)
+        return Work(lambda: call(copy.copy(made)), len(case[0]))
+
+    return prepare
+
+
+def subjects() -> Iterator[tuple[Any, ...]]:
+    """Name, families, preparation and counted families."""
+    plain, name = constrained(constrained_delaunay), "ConstrainedTriangulation"
+    yield "constrained_delaunay", CASES, plain, ("tiling", *HARD)
+    carved = constrained(constrained_delaunay, carve="holes", order="canonical")
+    yield "constrained_delaunay carved", RINGS, carved, ("nested rings",)
+    yield "constrained_delaunay by coordinates", CASES, constrained(by_coordinates), ("tiling",)
+    yield "constrained_delaunay split", CROSSING, split
+    yield f"{name}.find_simplex", RINGS, on_triangulation(located, carve="holes"), ("nested rings",)
+    for key in ("is_constrained", "regions", "repeated"):
+        call = on_triangulation(lambda tri, key=key: getattr(tri, key))
+        yield f"{name}.{key}", CASES, call, ("nested rings",)
+    yield f"{name}.inputs_of", CASES, on_triangulation(lambda tri: tri.inputs_of(0)), ()
+    yield f"{name}.to_scipy", CASES, on_triangulation(lambda tri: tri.to_scipy()), ()
+    yield f"{name}.lifted", CASES, on_triangulation(refused), ()
+
+
+CONSTRAINED = tuple(subjects())

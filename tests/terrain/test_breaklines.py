@@ -1,0 +1,310 @@
+"""Surfaces that follow lines: which edges they have, and what heights."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import geopandas
+import numpy as np
+import pytest
+import shapely
+from hypothesis import given, settings, strategies as st
+
+import liftmesh
+from liftmesh import InputError
+from liftmesh.errors import FormatError
+
+KERB = np.array([[0, 8, 10], [64, 24, 14]], dtype=float)
+OTHER_KERB = np.array([[0, 12, 10], [64, 28, 14]], dtype=float)
+SQUARE = np.array([[8, 4], [56, 4], [56, 28], [8, 28]], dtype=float)
+
+
+def hills(seed: int = 1) -> np.ndarray:
+    """A jittered grid, 64 by 32, of dyadic coordinates, of which none is on the kerbs."""
+    rng = np.random.default_rng(seed)
+    x, y = np.meshgrid(np.arange(65.0), np.arange(33.0))
+    planar = np.column_stack([x.ravel(), y.ravel()]) + rng.integers(-24, 25, (x.size, 2)) / 64
+    points = np.column_stack([planar, rng.integers(0, 256, x.size) / 64])
+    across = points[:, 1] - points[:, 0] / 4
+    return points[(across != 8) & (across != 12)]
+
+
+def sides(surface: liftmesh.Surface) -> set[tuple[int, int]]:
+    a, b, c = surface.faces.T
+    ends = np.sort(np.concatenate([np.stack(each, 1) for each in ((a, b), (b, c), (c, a))]), axis=1)
+    return set(map(tuple, ends.tolist()))
+
+
+def plane_area(surface: liftmesh.Surface) -> float:
+    corners = surface.triangulation.points[surface.faces]
+    (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
+    return float((ax * by - ay * bx).sum() / 2)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_cross_sections_of_a_road_are_straight(threads: int) -> None:
+    """Kerbs over hills, with the cloud between them left out: exact at dyadic coordinates."""
+    points = hills()
+    across = points[:, 1] - points[:, 0] / 4
+    points = points[(across < 8) | (across > 12)]
+    kerbs = [KERB, OTHER_KERB + np.array([0, 0, 0.5])]
+    surface = liftmesh.triangulate(points, breaklines=kerbs, threads=threads)
+    rows = len(points) + np.arange(4)
+    np.testing.assert_array_equal(surface.vertices, np.concatenate([points, *kerbs]))
+    assert {tuple(rows[:2]), tuple(rows[2:])} <= sides(surface)
+    assert surface.triangulation.constraints.tolist() == rows.reshape(2, 2).tolist()
+    x = np.arange(1, 64) / 1.0
+    for share in np.arange(9) / 8:
+        found = surface.sample(np.column_stack([x, 8 + x / 4 + 4 * share]))
+        np.testing.assert_array_equal(found, 10 + x / 16 + share / 2)
+    np.testing.assert_array_equal(surface.attributes["breakline"][-5:], [0, 1, 1, 1, 1])
+    assert surface.report.lines == {
+        "rows": 4,
+        "rows_from_around": 0,
+        "rows_at_crossings": 0,
+        "edges": 2,
+        "flat_triangles": 0,
+    }
+    assert "Lines: 4 rows in 2 edges." in str(surface.report)
+    assert "lines" not in str(liftmesh.triangulate(points).report).lower()
+
+
+def test_a_row_of_the_cloud_on_a_line_divides_it_and_keeps_its_height() -> None:
+    points = [[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0], [4, 4, 7]]
+    surface = liftmesh.triangulate(points, breaklines=[[0, 4, 1], [8, 4, 1]])
+    assert {(4, 5), (4, 6)} <= sides(surface)
+    assert surface.sample([[4, 4], [2, 4]]).tolist() == [7, 4]
+
+
+@pytest.mark.parametrize("policy", ["first", "last", "lowest", "highest", "mean", "error"])
+def test_the_height_of_a_line_holds_at_its_corners(policy: str) -> None:
+    points = [[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0], [4, 4, 7], [4, 4, 7]]
+    line = [[4, 4, 3], [8, 6, 3]]
+    surface = liftmesh.triangulate(points, breaklines=line, on_duplicate=policy)
+    assert surface.sample([4, 4]) == 3
+    report = surface.report
+    assert report.left_out.tolist() == [4, 5]
+    assert report.representatives.tolist() == [6, 6]
+    assert (report.n_rows, report.n_used, report.n_overhangs) == (8, 6, 2)
+
+
+def test_two_lines_at_one_corner_follow_the_policy() -> None:
+    points = [[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0]]
+    lines = [[[1, 1, 3], [4, 4, 3]], [[4, 4, 5], [7, 2, 5]]]
+    for policy, height in (("first", 3), ("highest", 5), ("mean", 4)):
+        surface = liftmesh.triangulate(points, breaklines=lines, on_duplicate=policy)
+        assert surface.sample([4, 4]) == height
+    with pytest.raises(liftmesh.DuplicateHeightError, match=r"rows 5 and 6 .* heights 3.0 and 5.0"):
+        liftmesh.triangulate(points, breaklines=lines, on_duplicate="error")
+
+
+def test_lines_that_cross_are_named_with_both_heights() -> None:
+    lines = [KERB, [[10, 0, 3], [10, 32, 5]], [[0, 30, 1], [64, 30, 1]]]
+    with pytest.raises(InputError) as caught:
+        liftmesh.triangulate(hills(), breaklines=lines)
+    assert str(caught.value) == (
+        "lines cross where they have no corner: breakline 0 and breakline 1 at (10.0, 10.5), at "
+        "the heights 10.625 and 3.65625; breakline 1 and breakline 2 at (10.0, 30.0), at the "
+        "heights 4.875 and 1.0. Give both a corner there, or crossing='split', which takes the "
+        "height of the first"
+    )
+    surface = liftmesh.triangulate(hills(), breaklines=lines, crossing="split")
+    assert surface.vertices[-2:].tolist() in (
+        [[10, 10.5, 10.625], [10, 30, 4.875]],
+        [[10, 30, 4.875], [10, 10.5, 10.625]],
+    )
+    assert surface.report.lines["rows_at_crossings"] == 2
+    turned = liftmesh.triangulate(hills(), breaklines=lines[1::-1], crossing="split")
+    assert turned.vertices[-1].tolist() == [10, 10.5, 3.65625]
+
+
+def test_draped_lines_follow_the_surface() -> None:
+    points = hills()
+    plain = liftmesh.triangulate(points)
+    line = np.array([[-5, 3, 99], [30.25, 30, 99], [60, 2, 99]])
+    surface = liftmesh.triangulate(points, soft_breaklines=line)
+    share = np.linspace(0.2, 1, 200)[:, None]
+    places = np.vstack(
+        [line[0] + share * (line[1] - line[0]), line[1] + share * (line[2] - line[1])]
+    )
+    expected = plain.sample(places[:, :2])
+    np.testing.assert_allclose(surface.sample(places[:, :2]), expected, atol=1e-9)
+    assert (surface.attributes["breakline"][len(points) :] == 2).all()
+    profile = plain.profile(line[:, :2])
+    assert surface.report.lines["rows_from_around"] == len(profile.points)
+    assert surface.report.lines["edges"] == len(profile.points) - 1
+
+
+def test_a_line_with_heights_is_above_draped_ones() -> None:
+    surface = liftmesh.triangulate(
+        hills(), breaklines=KERB, soft_breaklines=[[[30, 1], [34, 31]], [[34, 31], [30, 1]]]
+    )
+    (crossing,) = surface.triangulation.crossing_rows
+    x, y, z = surface.vertices[crossing]
+    assert z == pytest.approx(10 + x / 16, abs=1e-12)
+    assert y == pytest.approx(8 + x / 4, abs=1e-12)
+    np.testing.assert_allclose(surface.sample([[x / 2, 8 + x / 8]]), 10 + x / 32, atol=1e-12)
+
+
+def test_lines_without_heights_take_those_around_at_their_corners() -> None:
+    points = [[0, 0, 0], [8, 0, 0], [0, 8, 8], [8, 8, 8], [4, 4, 9]]
+    plain = liftmesh.triangulate(points)
+    line = np.array([[1.0, 2], [7, 2]])
+    for given_line in (line, np.column_stack([line, [5, np.nan]])):
+        surface = liftmesh.triangulate(points, breaklines=given_line)
+        assert surface.sample(line).tolist() == plain.sample(line).tolist()
+        assert surface.sample([4, 2]) == plain.sample(line).mean() < plain.sample([4, 2])
+        assert surface.report.lines["rows_from_around"] == 2
+    dense = liftmesh.triangulate(points, breaklines=line, densify=1.5)
+    assert dense.report.lines["rows"] == 5
+    assert dense.sample([4, 2]) == plain.sample([4, 2])
+    with pytest.raises(InputError, match=r"breakline 1 has no heights.*corner \(9.0, 2.0\)"):
+        liftmesh.triangulate(points, breaklines=[line, [[1, 1], [9, 2]]])
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 9), st.integers(0, 9)), min_size=2, max_size=5, unique=True),
+    st.floats(0.3, 20),
+)
+@settings(max_examples=30)
+def test_densified_lines_are_straight_and_the_same_in_both_directions(corners, distance) -> None:
+    from liftmesh.terrain.frame import resolve_plane
+    from liftmesh.terrain.lines import Line
+
+    space = np.column_stack([corners, np.arange(len(corners))]).astype(float)
+    frame = resolve_plane("xy", space)
+    found = Line("a", space, draped=False).densified(frame, distance)
+    back = Line("a", space[::-1].copy(), draped=False).densified(frame, distance)
+    np.testing.assert_array_equal(found, back[::-1])
+    gaps = np.hypot(*np.diff(found[:, :2], axis=0).T)
+    assert (gaps <= distance * (1 + 1e-12)).all()
+    assert {*map(tuple, space.tolist())} <= {*map(tuple, found.tolist())}
+    assert gaps.sum() == pytest.approx(np.hypot(*np.diff(space[:, :2], axis=0).T).sum())
+
+
+@pytest.mark.parametrize("has_heights", [False, True])
+def test_a_boundary_and_a_lake_with_an_island(has_heights: bool) -> None:
+    lake = np.array([[20, 8], [30, 8], [30, 20], [20, 20]], dtype=float)
+    island = np.array([[22, 10], [22, 14], [26, 14], [26, 10]], dtype=float)
+    rings = [SQUARE, lake, island]
+    if has_heights:
+        rings = [np.column_stack([each, np.full(4, 2.0)]) for each in rings]
+    surface = liftmesh.triangulate(hills(), boundary=rings[0], holes=[[rings[1], rings[2]]])
+    assert plane_area(surface) == pytest.approx(48 * 24 - 120 + 16, rel=1e-14)
+    shown = surface.sample([[9, 5], [7, 5], [21, 9], [24, 12], [2, 2]])
+    assert np.isnan(shown).tolist() == [False, True, True, False, True]
+    assert surface.bounds == (8, 4, 56, 28)
+    assert len(surface.boundary()) == 3
+    if has_heights:
+        assert (surface.sample(np.vstack(rings)[:, :2]) == 2).all()
+    else:
+        plain = liftmesh.triangulate(hills())
+        rows = surface.vertices[surface.attributes["breakline"] == 2]
+        np.testing.assert_allclose(plain.sample(rows[:, :2]), rows[:, 2], atol=1e-9)
+    assert surface.solid(-5.0).faces is not None
+
+
+def test_a_boundary_may_leave_the_cloud() -> None:
+    points = hills()
+    around = liftmesh.triangulate(points, boundary=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
+    assert len(around.faces) == len(liftmesh.triangulate(points).faces)
+    assert around.report.lines["rows"] == 0
+    half = liftmesh.triangulate(points, boundary=[[-9, 8], [99, 8], [99, 99], [-9, 99]])
+    assert half.bounds[1] == 8
+    assert np.isnan(half.sample([[30, 7.9], [30, 8.1]])).tolist() == [True, False]
+    with pytest.raises(InputError, match="no face is left"):
+        liftmesh.triangulate(points, holes=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
+
+
+def test_contour_lines_leave_flat_triangles() -> None:
+    ring = np.array([[0, 0], [8, 0], [8, 8], [0, 8], [0, 0]], dtype=float)
+    contours = [np.column_stack([ring, np.zeros(5)]), np.column_stack([ring / 2 + 2, np.ones(5)])]
+    corners = np.concatenate(contours)[:4]
+    surface = liftmesh.triangulate(corners, breaklines=contours)
+    assert surface.report.lines["flat_triangles"] == 2
+    assert "2 flat triangles" in str(surface.report)
+    assert surface.report.n_duplicates == 4
+
+
+def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
+    points = hills()
+    rng = np.random.default_rng(3)
+    values = rng.integers(0, 9, len(points))
+    colors = rng.integers(0, 256, (len(points), 3)).astype(np.uint8)
+    surface = liftmesh.triangulate(
+        points, colors=colors, attributes={"class": values}, breaklines=KERB
+    )
+    far = np.hypot(*(points[:, :2] - KERB[1, :2]).T)
+    assert surface.attributes["class"][-1] == values[far.argmin()]
+    assert surface.colors[-1].tolist() == colors[far.argmin()].tolist()
+    again = liftmesh.triangulate(surface, breaklines=OTHER_KERB)
+    assert again.attributes["breakline"][-5:].tolist() == [0, 1, 1, 1, 1]
+    named = {"breakline": values.astype(float)}
+    with pytest.raises(InputError, match="values named 'breakline'"):
+        liftmesh.triangulate(points, attributes=named, breaklines=KERB)
+
+
+def test_other_planes() -> None:
+    wall = hills()[:, [0, 2, 1]] * [1, -1, 1]  # seen against y
+    line = KERB[:, [0, 2, 1]] * [1, -1, 1]
+    surface = liftmesh.triangulate(wall, breaklines=line, plane="xz")
+    flat = liftmesh.triangulate(hills(), breaklines=KERB)
+    assert sides(surface) == sides(flat)
+    draped = liftmesh.triangulate(wall, boundary=SQUARE, plane="xz")
+    level = liftmesh.triangulate(hills(), boundary=SQUARE).triangulation
+    np.testing.assert_array_equal(draped.triangulation.points, level.points)
+    np.testing.assert_array_equal(draped.frame.planar(draped.vertices), draped.triangulation.points)
+    tilted = liftmesh.triangulate(hills(), breaklines=KERB, plane="fit")
+    assert len(tilted.triangulation.constraints) >= 1
+    with pytest.raises(InputError, match="'xy', 'xz' or 'yz'"):
+        liftmesh.triangulate(hills(), boundary=SQUARE, plane="fit")
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"breaklines": KERB, "weights": "z"}, "weights and lines are given"),
+        ({"breaklines": KERB, "metric": np.eye(2)}, "metric and lines are given"),
+        ({"breaklines": KERB, "algorithm": "lf"}, "algorithm 'lf' takes no lines"),
+        ({"densify": 3.0}, "densify is for lines"),
+        ({"breaklines": KERB, "densify": 0}, "densify is 0"),
+        ({"breaklines": KERB, "densify": 1e-300}, "too short for breakline 0"),
+        ({"breaklines": 5}, "breaklines are 5"),
+        ({"breaklines": [[1, 2, 3]]}, "breakline 0 needs two corners"),
+        ({"boundary": [[1, 2], [3, 4]]}, "needs three corners"),
+        ({"breaklines": [[0, 0, np.inf], [1, 1, 1]]}, "a height of breakline 0 is not finite"),
+        ({"breaklines": [[0, np.nan, 1], [1, 1, 1]]}, "a corner of breakline 0 is not finite"),
+        ({"breaklines": KERB, "crossing": "ignore"}, "crossing is 'ignore'"),
+        ({"holes": {"type": "Point", "coordinates": [1, 2]}}, "Polygon or MultiPolygon"),
+    ],
+)
+def test_what_is_refused(options, message) -> None:
+    cloud = liftmesh.Cloud(hills(), attributes={"z": hills()[:, 2]})
+    with pytest.raises(InputError, match=message):
+        liftmesh.triangulate(cloud, **options)
+
+
+def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:
+    lines = [shapely.LineString(KERB), shapely.LineString(OTHER_KERB)]
+    plain = liftmesh.triangulate(hills(), breaklines=[KERB, OTHER_KERB])
+    frame = geopandas.GeoDataFrame(geometry=lines, crs="EPSG:25832")
+    (tmp_path / "kerbs.json").write_text(
+        json.dumps(shapely.geometry.mapping(shapely.union_all(lines)))
+    )
+    frame.to_file(tmp_path / "kerbs.gpkg")
+    frame.to_file(tmp_path / "kerbs.shp")
+    given_forms = [lines, frame, shapely.MultiLineString(lines)]
+    given_forms += [tmp_path / name for name in ("kerbs.json", "kerbs.gpkg", "kerbs.shp")]
+    for each in given_forms:
+        found = liftmesh.triangulate(hills(), breaklines=each, crs="EPSG:25832")
+        np.testing.assert_array_equal(found.vertices, plain.vertices)
+    with pytest.raises(InputError, match=r"kerbs.gpkg is in 'EPSG:25832', the surface in"):
+        liftmesh.triangulate(hills(), breaklines=tmp_path / "kerbs.gpkg", crs="EPSG:25833")
+    with pytest.raises(FormatError, match=r"kerbs.json: .*give Polygon or MultiPolygon"):
+        liftmesh.triangulate(hills(), holes=tmp_path / "kerbs.json")
+    island = shapely.Polygon(SQUARE, [[(20, 8), (20, 20), (30, 20)]])
+    geopandas.GeoDataFrame(geometry=[island], crs="EPSG:25832").to_file(tmp_path / "lots.shp")
+    for each in (island, tmp_path / "lots.shp"):
+        found = liftmesh.triangulate(hills(), boundary=each)
+        assert plane_area(found) == pytest.approx(island.area)
