@@ -175,7 +175,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "anisotropic": {"base", "predicates", "parallel", "sorting"},
     "apollonius": {"base", "predicates", "parallel", "sorting"},
     "constrained": {"base", "predicates", "sorting", "delaunay"},
-    "dynamic": {"base", "predicates", "sorting", "delaunay"},
+    "dynamic": {"base", "predicates", "sorting", "delaunay", "constrained"},
     "simplification": {"base", "predicates", "sorting", "delaunay", "dynamic"},
     "paper": {"base", "predicates"},
     "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},

@@ -198,7 +198,8 @@ def _solved(
     if len(unplaced):
         raise _unplaced(split.points, given, unplaced)
     if len(crossings):
-        raise crossing_error(split.points, given, crossings)
+        remedy = f"give {Option('crossing', 'split')}"
+        raise crossing_error(split.points, given, crossings, remedy)
     if len(split.points) > len(rows):
         rows = split.points
     solution = solution_of(outcome, rows, split.points, order, progress)

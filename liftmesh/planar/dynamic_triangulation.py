@@ -1,11 +1,13 @@
 """`DynamicTriangulation`: points are inserted and removed, and the triangles are always canonical.
 
 The rule for ties compares coordinates, never ranks. So the triangles are those that `delaunay`
-makes of the points present, whatever was there before, and in whichever order it came.
+makes of the points present, whatever was there before, and in whichever order it came; and those of
+`constrained_delaunay`, where there are constraints.
 """
 
 from __future__ import annotations
 
+import operator
 import threading
 from typing import TYPE_CHECKING
 
@@ -13,20 +15,26 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Rows
-from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite
-from liftmesh.base.options import refused
-from liftmesh.errors import InputError
+from liftmesh._typing import Array, Floats, Mask, Rows
+from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite, pair_keys
+from liftmesh.base.options import counted, refused
+from liftmesh.errors import CrossingError, InputError
+from liftmesh.planar.constrained import constrained_delaunay
+from liftmesh.planar.constraints import gather
+from liftmesh.planar.crossing_edges import crossing_error
 from liftmesh.planar.delaunay import delaunay
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
 
+_NAMED = 20  # constraints in a message
+
 
 class DynamicTriangulation:
     """A Delaunay triangulation that takes points in and out.
 
-    At every moment it is the one that `delaunay` makes of the points present, ties included.
+    At every moment it is the one that `delaunay` makes of the points present, ties included; or,
+    with constraints, the constrained Delaunay triangulation of these points and constraints.
 
     Every position has a number, which `insert` returns: that of the row, for distinct points to
     begin with. It stays until the point is removed; later points get the numbers of removed ones.
@@ -37,6 +45,9 @@ class DynamicTriangulation:
     ----------
     points : array_like of shape (n, 2) or (n, 3), optional
         Points to begin with, as for `insert`.
+    edges : array_like of int of shape (k, 2), optional
+        Constraints to begin with, as rows of `points`. Those whose ends are at one position are
+        left out.
 
     Attributes
     ----------
@@ -50,17 +61,31 @@ class DynamicTriangulation:
         The triangle across the edge opposite vertex k; -1 outside.
     convex_hull : (h,) ndarray of int32
         The numbers of the points on the convex hull, counter-clockwise; empty without triangles.
+    input_edges : (k, 2) ndarray of int32
+        The constraints, as they were inserted: the lesser number first, in ascending order.
+    constraints : (p, 2) ndarray of int32
+        The edges that they have become, in the same form: a constraint through other points is
+        several of them, and one edge may belong to several constraints.
+    constraint_inputs : tuple of ndarray of int32
+        The rows of ``input_edges`` of each constraint: indptr, (p + 1,), and indices, as in
+        `ConstrainedTriangulation`.
+    is_constrained : (m, 3) ndarray of bool
+        Whether the edge opposite vertex k of each triangle is a constraint.
 
     See Also
     --------
     delaunay : All points at once.
+    constrained_delaunay : All points and constraints at once.
 
     Notes
     -----
     A point takes away the triangles whose circle contains it (A. Bowyer, D. F. Watson, 1981), and
     is found by a walk from a point nearby. What a removal leaves is filled with the triangles of
     the neighbours. Both take constant expected time once the place is known; a removal takes
-    O(d log d) for d neighbours. Where an eighth of the points changes at once, all is made anew.
+    O(d log d) for d neighbours. Where an eighth of the points changes at once, all is made anew. A
+    constraint takes away the triangles that it crosses, and its sides are filled (J. R. Shewchuk,
+    B. C. Brown, 2015); without it, the triangles of its sides are merged (L. Guibas, J. Stolfi,
+    1985). Both take time in proportion to the triangles that change.
 
     Examples
     --------
@@ -71,15 +96,22 @@ class DynamicTriangulation:
     >>> tri.remove(found[:1])
     >>> len(tri), len(tri.simplices)
     (4, 2)
+    >>> tri.insert_constraint(0, 3)
+    >>> tri.insert([[1, 1.5]]).tolist(), tri.constraints.tolist()
+    ([4], [[0, 4], [3, 4]])
     """
 
-    def __init__(self, points: ArrayLike | None = None) -> None:
+    def __init__(self, points: ArrayLike | None = None, edges: ArrayLike | None = None) -> None:
         self._mesh = _kernel.DynamicMesh()
         self._lock = threading.Lock()
         self._points: Floats | None = None
         self._triangles: tuple[Rows, Rows, Rows] | None = None
-        if points is not None:
-            self.insert(points)
+        self._edges: tuple[Rows, Rows, Rows, Rows] | None = None
+        rows = np.empty((0, 2)) if points is None else as_coordinates(points)
+        numbers = self.insert(rows)
+        if edges is not None:
+            ends = numbers[gather(rows, edges, None, None).edges]
+            self._insert_constraints(ends[ends[:, 0] != ends[:, 1]])
 
     def __len__(self) -> int:
         with _Use(self._lock):
@@ -88,9 +120,10 @@ class DynamicTriangulation:
     def __repr__(self) -> str:
         return f"<DynamicTriangulation of {len(self):,} points>"
 
-    def __reduce__(self) -> tuple[type, tuple[Floats]]:
-        """Copies and pickles have the same points, numbered from 0."""
-        return type(self), (self.points[self.vertices],)
+    def __reduce__(self) -> tuple[type, tuple[Floats, Rows]]:
+        """Copies and pickles have the same points, numbered from 0, and constraints."""
+        edges = np.searchsorted(self.vertices, self.input_edges).astype(np.int32)
+        return type(self), (self.points[self.vertices], edges)
 
     @property
     def points(self) -> Floats:
@@ -120,8 +153,30 @@ class DynamicTriangulation:
         """The numbers of the points on the convex hull, counter-clockwise."""
         return self._read_triangles()[2]
 
+    @property
+    def input_edges(self) -> Rows:
+        """The constraints, as they were inserted."""
+        return self._read_edges()[0]
+
+    @property
+    def constraints(self) -> Rows:
+        """The edges that constraints have become."""
+        return self._read_edges()[1]
+
+    @property
+    def constraint_inputs(self) -> tuple[Rows, Rows]:
+        """The rows of ``input_edges`` of each constraint: indptr and indices."""
+        return self._read_edges()[2:]
+
+    @property
+    def is_constrained(self) -> Mask:
+        """Whether the edge opposite vertex k of each triangle is a constraint."""
+        with _Use(self._lock):
+            marks = self._mesh.marks()
+        return (marks[:, None] >> np.arange(3, dtype=np.uint8) & 1).astype(np.bool_)
+
     def insert(self, points: ArrayLike) -> Rows:
-        """Insert points.
+        """Insert points. One on a constraint splits it.
 
         Parameters
         ----------
@@ -161,7 +216,7 @@ class DynamicTriangulation:
         return numbers
 
     def remove(self, vertices: ArrayLike) -> None:
-        """Remove points.
+        """Remove points. Without one that splits a constraint, that is whole again.
 
         Parameters
         ----------
@@ -171,7 +226,9 @@ class DynamicTriangulation:
         Raises
         ------
         InputError
-            A number is not in use, or occurs twice: then none is removed.
+            A number is not in use, or occurs twice; or it is that of the end of a constraint, or of
+            the place where two constraints cross: then none is removed. Remove these constraints
+            first.
 
         See Also
         --------
@@ -191,13 +248,80 @@ class DynamicTriangulation:
             raise refused("vertices", vertices, "give the numbers of points", verb="are")
         if len(np.unique(numbers)) < len(numbers):
             raise InputError("a number occurs twice: a point can be removed once")
-        rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)
         with _Use(self._lock):
-            absent = self._mesh.first_absent(rows)
-            if absent >= 0:
-                raise InputError(f"no point has the number {int(numbers[absent])}")
+            rows = self._present(numbers)
+            place, holders = self._mesh.first_held(rows)
+            if len(holders):
+                raise _held_error(int(rows[place]), holders)
             self._forget()
             self._mesh.remove(rows)
+
+    def insert_constraint(self, a: int, b: int) -> None:
+        """Insert an edge that the triangulation must have from now on, whole or in pieces.
+
+        Points on it split it, and it may overlap others. One that is there already stays as it is.
+
+        Parameters
+        ----------
+        a, b : int
+            The numbers of its ends.
+
+        Raises
+        ------
+        InputError
+            A number is not in use, or both are the same.
+        CrossingError
+            It crosses other constraints where no point is: then it is not inserted. Its number
+            among the edges of the error is the one after those of ``input_edges``.
+
+        See Also
+        --------
+        DynamicTriangulation.remove_constraint : The opposite.
+        constrained_delaunay : All constraints at once.
+
+        Examples
+        --------
+        >>> tri = DynamicTriangulation([[0, 0], [2, -1], [4, 0], [2, 1]])
+        >>> tri.simplices.tolist()
+        [[1, 2, 3], [0, 1, 3]]
+        >>> tri.insert_constraint(0, 2)
+        >>> tri.constraints.tolist(), tri.is_constrained.sum(axis=1)
+        ([[0, 2]], array([1, 1]))
+        """
+        self._insert_constraints(self._edge(a, b)[None])
+
+    def remove_constraint(self, a: int, b: int) -> None:
+        """Remove a constraint. Its points stay.
+
+        Parameters
+        ----------
+        a, b : int
+            The numbers of its ends, in any order.
+
+        Raises
+        ------
+        InputError
+            There is no such constraint.
+
+        See Also
+        --------
+        DynamicTriangulation.insert_constraint : The opposite.
+
+        Examples
+        --------
+        >>> tri = DynamicTriangulation([[0, 0], [2, -1], [4, 0], [2, 1]])
+        >>> tri.insert_constraint(0, 2)
+        >>> tri.remove_constraint(2, 0)
+        >>> tri.input_edges.tolist(), tri.simplices.tolist()
+        ([], [[3, 0, 1], [2, 3, 1]])
+        """
+        ends = self._edge(a, b).tolist()
+        with _Use(self._lock):
+            self._forget()
+            if not self._mesh.remove_constraint(*ends):
+                raise InputError(
+                    f"no constraint goes from {a} to {b}: those that there are stand in input_edges"
+                )
 
     def find(self, points: ArrayLike) -> Rows:
         """Find the points at positions.
@@ -242,7 +366,8 @@ class DynamicTriangulation:
         Returns
         -------
         Triangulation
-            Of the points present: its rows are those of ``vertices``.
+            Of the points present: its rows are those of ``vertices``. With constraints it is a
+            `ConstrainedTriangulation`.
 
         Raises
         ------
@@ -260,17 +385,70 @@ class DynamicTriangulation:
         >>> tri.to_triangulation().simplices.tolist()
         [[0, 2, 1]]
         """
-        return delaunay(self.points[self.vertices])
+        _, (points, edges) = self.__reduce__()
+        return constrained_delaunay(points, edges) if len(edges) else delaunay(points)
+
+    def _insert_constraints(self, edges: Rows) -> None:
+        with _Use(self._lock):
+            self._forget()
+            done, crossed = self._mesh.insert_constraints(edges)
+        if len(crossed):
+            raise self._crossing_error(edges[done], crossed)
+
+    def _crossing_error(self, edge: Rows, crossed: Rows) -> CrossingError:
+        ends = np.concatenate([self.input_edges, edge[None]])
+        others = np.searchsorted(pair_keys(*ends[:-1].T), pair_keys(*crossed.T))
+        pairs = np.stack([others, np.full(len(others), len(ends) - 1)], axis=1).astype(np.int32)
+        given = gather(self.points, ends, None, None)
+        remedy = "remove those that the last edge would cross"
+        return crossing_error(self.points, given, pairs, remedy)
+
+    def _edge(self, a: int, b: int) -> Rows:
+        ends = np.array([operator.index(a), operator.index(b)])
+        if a == b:
+            raise InputError(f"both ends of a constraint are point {a}: give two points")
+        with _Use(self._lock):
+            return self._present(ends)
+
+    def _present(self, numbers: Array) -> Rows:
+        """Return numbers that are in use as those of the kernel."""
+        rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)
+        absent = self._mesh.first_absent(rows)
+        if absent >= 0:
+            raise InputError(f"no point has the number {int(numbers[absent])}")
+        return rows
 
     def _forget(self) -> None:
         """Drop what was read before a change."""
-        self._points = self._triangles = None
+        self._points = self._triangles = self._edges = None
+
+    def _read_edges(self) -> tuple[Rows, Rows, Rows, Rows]:
+        if self._edges is None:
+            with _Use(self._lock):
+                self._edges = self._mesh.constraints()
+        return self._edges
 
     def _read_triangles(self) -> tuple[Rows, Rows, Rows]:
         if self._triangles is None:
             with _Use(self._lock):
                 self._triangles = self._mesh.triangles()
         return self._triangles
+
+
+def _held_error(number: int, holders: Rows) -> InputError:
+    """Name the constraints that keep a point from being removed."""
+    if (holders == number).any():
+        return InputError(f"point {number} is an end of {_named(holders)}: remove these first")
+    return InputError(
+        f"without point {number}, constraints would cross where no point is: it is on "
+        f"{_named(holders)}; remove those on one line first"
+    )
+
+
+def _named(edges: Rows) -> str:
+    shown = ", ".join(f"from {a} to {b}" for a, b in edges[:_NAMED].tolist())
+    rest = f", and {len(edges) - _NAMED:,} more" if len(edges) > _NAMED else ""
+    return f"{counted(len(edges), 'constraint')} ({shown}{rest})"
 
 
 class _Use:

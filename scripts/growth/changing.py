@@ -32,6 +32,45 @@ def removed(points: Points) -> Work:
     return Work(lambda: copy.copy(tri).remove(gone), len(points))
 
 
+def constrained(points: Points) -> Work:
+    """Prepare the insertion of constraints: the edges between every tenth point."""
+    tri = liftmesh.DynamicTriangulation(points)
+    edges = sparse_edges(tri)
+
+    def insert() -> None:
+        twin = copy.copy(tri)
+        for a, b in edges:
+            twin.insert_constraint(a, b)
+
+    return Work(insert, len(points))
+
+
+def released(points: Points) -> Work:
+    """Prepare the removal of these."""
+    edges = sparse_edges(liftmesh.DynamicTriangulation(points))
+    tri = liftmesh.DynamicTriangulation(points)
+    for a, b in edges:
+        tri.insert_constraint(a, b)
+
+    def remove() -> None:
+        twin = copy.copy(tri)
+        for a, b in edges:
+            twin.remove_constraint(a, b)
+
+    return Work(remove, len(points))
+
+
+def sparse_edges(tri: liftmesh.DynamicTriangulation) -> list[list[int]]:
+    """Return the edges of a triangulation of every tenth point."""
+    some = tri.vertices[::10]
+    try:
+        few = liftmesh.delaunay(tri.points[some])
+    except liftmesh.DegenerateInputError:
+        return [some[[0, -1]].tolist()] if len(some) > 1 else []
+    edges: list[list[int]] = some[few.edges].tolist()
+    return edges
+
+
 def looked_up(points: Points) -> Work:
     """Prepare a look at all that a changing triangulation tells."""
     tri = liftmesh.DynamicTriangulation(points)
@@ -98,6 +137,8 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     # On rings of cocircular points each removal of the hub of a fan makes another hub.
     fans = [name for name in FANS if name != "polar scan"]
     yield "DynamicTriangulation.remove", PLANAR, removed, ("uniform", *fans, *EXACT)
+    yield "DynamicTriangulation.insert_constraint", PLANAR, constrained, ("uniform", *FANS)
+    yield "DynamicTriangulation.remove_constraint", PLANAR, released, ("uniform", *FANS)
     yield "DynamicTriangulation.find", PLANAR, looked_up, ("uniform",)
     yield "DynamicTriangulation.find singly", PLANAR, found_singly, ("uniform",)
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()

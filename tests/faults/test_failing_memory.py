@@ -21,13 +21,21 @@ line = np.column_stack([np.arange(150.0), np.zeros(150)])
 cloud = np.unique(np.random.default_rng(0).integers(0, 40, (200, 2)).astype(float), axis=0)
 both = np.concatenate([line[:60], cloud[:100] + [0, 50]])
 
+rows = np.concatenate([line[:30], line[:30] + [0.5, 1], line[:30] + [0, 2], [[4.7, 4.0]]])
+inputs = np.array([[0, 29], [60, 89], [30, 59], [0, 30], [5, 12], [90, 63]])
+
 def state(tri):
-    return tri.vertices.tolist(), tri.simplices.tolist(), tri.find(both).tolist()
+    edges = tri.constraints, *tri.constraint_inputs, tri.is_constrained, tri.input_edges
+    told = tri.vertices, tri.simplices, tri.find(both), *edges
+    return [each.tolist() for each in told]
+
+def built(start):
+    return liftmesh.DynamicTriangulation(*(start if isinstance(start, tuple) else (start,)))
 
 def failures(start, change):
     "How many allocations of a change have failed, each once, and changed nothing."
     for number in range(1, 10_000):
-        tri = liftmesh.DynamicTriangulation(start)
+        tri = built(start)
         before = state(tri)
         memory.fail_at(number)
         try:
@@ -35,7 +43,7 @@ def failures(start, change):
         except MemoryError:
             assert state(tri) == before, number
             change(tri)  # as if nothing had been
-            again = liftmesh.DynamicTriangulation(start)
+            again = built(start)
             change(again)
             assert state(tri)[0] == state(again)[0]
         if memory.allocations_left() > 0:
@@ -50,13 +58,24 @@ CASES = {
     "down to a line": ("both", "remove(np.arange(60, 160))"),
     "from a line": ("line", "remove(np.arange(60, 150))"),
     "all": ("cloud", "remove(tri.vertices)"),
+    "a constraint": ("rows, inputs[1:]", "insert_constraint(0, 29)"),
+    "across": ("rows", "insert_constraint(0, 90)"),
+    "no constraint": ("rows, inputs", "remove_constraint(0, 29)"),
+    "none across": ("rows, [[0, 90]]", "remove_constraint(0, 90)"),
+    "on a constraint": ("rows, inputs", "insert([[5.25, 0.0]])"),
+    "off a constraint": ("rows, inputs", "remove(15)"),
+    "beside constraints": ("rows, inputs", "insert(cloud)"),
+    "from constraints": ("rows, inputs", "remove(np.setdiff1d(tri.vertices, inputs))"),
+    "a line with constraints": ("line, [[0, 149], [7, 9]]", "insert([[2.0, 7.0]])"),
+    "to a line with constraints": ("line[::2], [[0, 74]]", "insert(line[:70])"),
+    "a constraint of a line": ("line", "insert_constraint(0, 149)"),
 }
 
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_batch_that_memory_fails_changes_nothing(case: str, tmp_path: Path) -> None:
     start, change = CASES[case]
-    program = f"print(failures({start}, lambda tri: tri.{change}))"
+    program = f"print(failures(({start}), lambda tri: tri.{change}))"
     assert int(output(program, tmp_path)) > 10
 
 

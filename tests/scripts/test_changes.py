@@ -8,7 +8,7 @@ import changes
 import pytest
 
 import liftmesh
-from liftmesh._typing import Floats
+from liftmesh._typing import Floats, Rows
 
 OPTIONS = Namespace(changes=600, checkpoints=12)
 
@@ -19,10 +19,10 @@ def test_every_checkpoint_holds(kind: str) -> None:
 
 
 def test_another_triangulation_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
-    fresh = liftmesh.delaunay
+    fresh = liftmesh.constrained_delaunay
 
-    def without_one(points: Floats) -> liftmesh.Triangulation:
-        return fresh(points[:-1])
+    def without_one(points: Floats, edges: Rows) -> liftmesh.Triangulation:
+        return fresh(points, edges[:-1])
 
-    monkeypatch.setattr(changes.liftmesh, "delaunay", without_one)
+    monkeypatch.setattr(changes.liftmesh, "constrained_delaunay", without_one)
     assert not changes.holds("uniform", OPTIONS)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import ezdxf
 import geopandas
 import numpy as np
 import pytest
@@ -115,6 +116,8 @@ def test_lines_that_cross_are_named_with_both_heights() -> None:
         [[10, 30, 4.875], [10, 10.5, 10.625]],
     )
     assert surface.report.lines["rows_at_crossings"] == 2
+    apart = liftmesh.triangulate(hills(), breaklines=lines[::2], crossing="split")
+    assert apart.report.lines["rows_at_crossings"] == 0
     turned = liftmesh.triangulate(hills(), breaklines=lines[1::-1], crossing="split")
     assert turned.vertices[-1].tolist() == [10, 10.5, 3.65625]
 
@@ -259,6 +262,9 @@ def test_other_planes() -> None:
     assert len(tilted.triangulation.constraints) >= 1
     with pytest.raises(InputError, match="'xy', 'xz' or 'yz'"):
         liftmesh.triangulate(hills(), boundary=SQUARE, plane="fit")
+    lines = [KERB, [[10, 0, 3], [10, 32, 5]]]
+    with pytest.raises(InputError, match="rows of their own in the plane, which is 'fit'"):
+        liftmesh.triangulate(hills(), breaklines=lines, plane="fit", crossing="split")
 
 
 @pytest.mark.parametrize(
@@ -277,6 +283,7 @@ def test_other_planes() -> None:
         ({"breaklines": [[0, np.nan, 1], [1, 1, 1]]}, "a corner of breakline 0 is not finite"),
         ({"breaklines": KERB, "crossing": "ignore"}, "crossing is 'ignore'"),
         ({"holes": {"type": "Point", "coordinates": [1, 2]}}, "Polygon or MultiPolygon"),
+        ({"holes": {"type": "Feature", "geometry": [3]}}, "no GeoJSON"),
     ],
 )
 def test_what_is_refused(options, message) -> None:
@@ -308,3 +315,29 @@ def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:
     for each in (island, tmp_path / "lots.shp"):
         found = liftmesh.triangulate(hills(), boundary=each)
         assert plane_area(found) == pytest.approx(island.area)
+
+
+@pytest.mark.parametrize("suffix", ["dxf", "obj"])
+def test_drawings(tmp_path: Path, suffix: str) -> None:
+    """Lines with heights, and those of a plan, which has none; closed ones bound what is hidden."""
+    for height, flagged in ((1.0, 1), (0.0, 2)):
+        line = KERB * [1, 1, height]
+        path, rings = tmp_path / f"kerb.{suffix}", tmp_path / f"rings.{suffix}"
+        if suffix == "dxf":
+            drawing, other = ezdxf.new(), ezdxf.new()
+            drawing.modelspace().add_polyline3d(line)
+            other.modelspace().add_lwpolyline(SQUARE, close=True)
+            other.modelspace().add_lwpolyline(SQUARE / 2 + [16, 8], close=True)
+            drawing.saveas(path)
+            other.saveas(rings)
+        else:
+            path.write_text("".join("v {} {} {}\n".format(*row) for row in line) + "l 1 2\n")
+            corners = np.concatenate([SQUARE, SQUARE / 2 + [16, 8]])
+            content = "".join("v {} {}\n".format(*row) for row in corners)
+            rings.write_text(content + "l 1 2 3 4 1\nl 5 6 7 8 5\n")
+        surface = liftmesh.triangulate(hills(), breaklines=path)
+        assert surface.attributes["breakline"][-2:].tolist() == [flagged] * 2
+        assert surface.sample(KERB[1, :2]) == (14 if flagged == 1 else surface.vertices[-1, 2])
+        hidden = liftmesh.triangulate(hills(), holes=rings)
+        whole = plane_area(liftmesh.triangulate(hills()))
+        assert plane_area(hidden) == pytest.approx(whole - 48 * 24 * 3 / 4)

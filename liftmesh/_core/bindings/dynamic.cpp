@@ -11,7 +11,11 @@ namespace {
 using liftmesh::Status;
 using liftmesh::Vertex;
 
-// Its caller sees to it that no two calls run at once, and that rows are finite and vertices there.
+using liftmesh::dynamic::Piece;
+using Edges = Array<const std::int32_t, 2>;
+
+// Its caller sees to it that no two calls run at once, that rows are finite, vertices there, and
+// ends of constraints distinct.
 class DynamicMesh {
  public:
     void insert(const PlanarRows& rows, const ChangingIds& found) {
@@ -27,6 +31,66 @@ class DynamicMesh {
             return mesh_.remove(vertices, numbers.shape(0), stop);
         });
     }
+
+    // Puts in one after the other, up to one that crosses others: how many are in, and the others.
+    nb::tuple insert_constraints(const Edges& edges) {
+        std::size_t done = 0;
+        std::vector<Piece> crossed;
+        run([&](liftmesh::Interrupt& stop) {
+            liftmesh::Patience patience(stop);
+            for (; done < edges.shape(0); ++done) {
+                if (patience.ends(64)) return Status::interrupted;
+                const std::int32_t* ends = edges.data() + 2 * done;
+                crossed = mesh_.insert_constraint(static_cast<Vertex>(ends[0]),
+                                                  static_cast<Vertex>(ends[1]));
+                if (!crossed.empty()) break;
+            }
+            return Status::ok;
+        });
+        return nb::make_tuple(done, array_of<std::int32_t>(crossed));
+    }
+
+    // False if there is none.
+    bool remove_constraint(Vertex a, Vertex b) {
+        if (!mesh_.constraints().contains(liftmesh::dynamic::piece(a, b))) return false;
+        run([&](liftmesh::Interrupt&) {
+            mesh_.remove_constraint(a, b);
+            return Status::ok;
+        });
+        return true;
+    }
+
+    // The first place of a number that constraints hold, and these.
+    nb::tuple first_held(const ChangingIds& numbers) const {
+        std::size_t i = 0;
+        std::vector<Piece> holders;
+        if (!mesh_.constraints().empty())
+            for (; i < numbers.shape(0) && holders.empty(); ++i)
+                holders = mesh_.holders(static_cast<Vertex>(numbers.data()[i]));
+        return nb::make_tuple(i - !holders.empty(), array_of<std::int32_t>(holders));
+    }
+
+    // All; their pieces, and those of each piece: starts and members.
+    nb::tuple constraints() const {
+        const auto& all = mesh_.constraints();
+        const std::vector<Piece> wholes(all.wholes().begin(), all.wholes().end());
+        std::vector<Piece> pieces;
+        std::vector<std::int32_t> starts, members;
+        for (const auto& [piece, whole] : all.parts()) {
+            if (pieces.empty() || pieces.back() != piece) {
+                pieces.push_back(piece);
+                starts.push_back(static_cast<std::int32_t>(members.size()));
+            }
+            const auto at = std::lower_bound(wholes.begin(), wholes.end(), whole);
+            members.push_back(static_cast<std::int32_t>(at - wholes.begin()));
+        }
+        starts.push_back(static_cast<std::int32_t>(members.size()));
+        return nb::make_tuple(array_of<std::int32_t>(wholes), array_of<std::int32_t>(pieces),
+                              as_array(starts), as_array(members));
+    }
+
+    // Of each triangle: bit k, whether the edge opposite vertex k is a constraint.
+    nb::object marks() const { return as_array(mesh_.marks()); }
 
     // The vertex at each position, or -1.
     void find(const Pairs& positions, const ChangingIds& found) const {
@@ -120,6 +184,11 @@ void bind_dynamic(nb::module_& m) {
         .def(nb::init<>())
         .def("insert", &DynamicMesh::insert, "rows"_a, "found"_a)
         .def("remove", &DynamicMesh::remove, "numbers"_a)
+        .def("insert_constraints", &DynamicMesh::insert_constraints, "edges"_a)
+        .def("remove_constraint", &DynamicMesh::remove_constraint, "a"_a, "b"_a)
+        .def("first_held", &DynamicMesh::first_held, "numbers"_a)
+        .def("constraints", &DynamicMesh::constraints)
+        .def("marks", &DynamicMesh::marks)
         .def("find", &DynamicMesh::find, "positions"_a, "found"_a)
         .def("count", &DynamicMesh::count)
         .def("end", &DynamicMesh::end)

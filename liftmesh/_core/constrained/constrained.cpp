@@ -2,6 +2,7 @@
 
 #include "base/floating_point.hpp"
 #include "constrained/insertion.hpp"
+#include "delaunay/divide_conquer.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "constrained/insertion.hpp"
 
+#include "delaunay/divide_conquer.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh::constrained {
@@ -18,7 +19,7 @@ namespace liftmesh::constrained {
 class Insertion::Turn {
  public:
     Turn(const Insertion& in, Vertex from, Vertex to)
-        : in_(in), from_(from), to_(to), at_(in.corner_[from]) {}
+        : in_(in), from_(from), to_(to), at_(in.ground_.corner[from]) {}
 
     // Looks at the next triangle. The edge is the one along the way, or the first that is crossed.
     Way step(Edge& found) {
@@ -62,6 +63,18 @@ Insertion::Insertion(Construction& mesh, Mark* marks, Guard guard)
     const auto words = static_cast<Word>(words_per_triangle * (2 * mesh.count - 2));
     for (Edge e = 0; e < words; ++e)
         if (apex(e) != ghost) corner_[apex(e)] = e;
+}
+
+void Insertion::reserve(std::size_t triangles) {
+    const std::size_t vertices = triangles + 2;  // of both chains, each end twice: two more
+    cavity_.reserve(triangles);
+    ground_.free.reserve(triangles);
+    for (Chain* chain : {&left_, &right_}) {
+        chain->pocket.reserve(vertices);
+        chain->inner.reserve(vertices);
+        chain->partner.reserve(vertices);
+        chain->marked.reserve(vertices);
+    }
 }
 
 // The first span from either end; the end from which it was found moves on.

@@ -4,7 +4,10 @@
 #include "base/buffer.hpp"
 #include "base/status.hpp"
 #include "constrained/pocket.hpp"
-#include "delaunay/divide_conquer.hpp"
+
+namespace liftmesh {
+struct Construction;
+}
 
 namespace liftmesh::constrained {
 
@@ -21,6 +24,11 @@ inline constexpr Mark in_cavity = 1 << 3;
 class Insertion {
  public:
     Insertion(Construction& mesh, Mark* marks, Guard guard);
+    Insertion(Ground ground, Mark* marks, Guard guard)
+        : marks_(marks), guard_(guard), ground_(std::move(ground)) {}
+
+    // Room for spans that cross so many triangles: then `insert` takes no memory.
+    void reserve(std::size_t triangles);
 
     // Puts in the edge between two vertices, span by span: calls found(span, crossed), where
     // `crossed` lists the marked edges that the span crosses properly. Such a span is left out.
@@ -39,6 +47,8 @@ class Insertion {
         }
     }
 
+    // The last span, if it is an edge of the mesh.
+    Edge along() const { return along_; }
     // The ends of an edge of the mesh.
     Span ends(Edge e) const { return {tail(e), head(e)}; }
 

@@ -4,6 +4,13 @@
 
 namespace liftmesh::constrained {
 
+void Pocket::reserve(std::size_t vertices) {
+    for (auto* each : {&chain_, &side_, &next_, &previous_, &round_, &later_, &order_, &stack_})
+        each->reserve(vertices);
+    is_listed_.reserve(vertices);
+    border_.reserve(vertices);
+}
+
 void Pocket::fill(Ground& ground, Guard guard) {
     ground_ = &ground;
     guard_ = guard;

@@ -33,6 +33,8 @@ class Pocket {
     void add(Vertex v) { chain_.push_back(v); }
     void reverse() { std::reverse(chain_.begin(), chain_.end()); }
     std::size_t sides() const { return chain_.size(); }
+    // Room for so many vertices: then filling takes no memory.
+    void reserve(std::size_t vertices);
 
     // Takes slots of the ground for its triangles: two fewer than it has sides.
     void fill(Ground& ground, Guard guard);

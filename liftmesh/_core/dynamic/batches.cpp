@@ -86,13 +86,12 @@ Status Triangulation::insert_anew(const Input& input, Vertex* found, Interrupt& 
     gather(present(), points, vertex_of_row);
     const std::size_t before = points.size();
     for (std::size_t row = 0; row < input.rows; ++row) points.push_back(input[row]);
-    const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
+    const Constrained outcome = build(points, vertex_of_row, interrupt);
     if (outcome.status == Status::interrupted) return outcome.status;
     std::vector<Row> kept = as_given(points.size());
     for (const Duplicate& each : outcome.duplicates) kept[each.row] = each.kept;
     vertex_of_row.resize(points.size());
     reserve(outcome.distinct);
-    prepare(outcome, points);
     for (std::size_t row = before; row < points.size(); ++row) {
         vertex_of_row[row] = kept[row] == row ? add_vertex(points[row]) : vertex_of_row[kept[row]];
         found[row - before] = vertex_of_row[row];
@@ -107,9 +106,8 @@ Status Triangulation::remove_anew(const Vertex* vertices, std::size_t count, Int
     std::vector<Vertex> vertex_of_row;
     std::vector<Point> points;
     gather(stays, points, vertex_of_row);
-    const Delaunay outcome = delaunay(input_of(points), false, {1, false}, interrupt);
+    const Constrained outcome = build(points, vertex_of_row, interrupt);
     if (outcome.status == Status::interrupted) return outcome.status;
-    prepare(outcome, points);
     for (std::size_t i = 0; i < count; ++i) forget(vertices[i]);
     take(outcome, vertex_of_row);
     return Status::ok;
@@ -123,25 +121,55 @@ void Triangulation::reserve(std::size_t count) {
     make_room(place_, all);
 }
 
-// All memory that `take` needs, so that nothing is lost where there is none.
-void Triangulation::prepare(const Delaunay& outcome, const std::vector<Point>& points) {
+// All anew, of points of which the first are vertices; and all memory that `take` needs, so that
+// nothing is lost where there is none.
+Constrained Triangulation::build(const std::vector<Point>& points,
+                                 const std::vector<Vertex>& vertex_of_row, Interrupt& interrupt) {
     fresh_.clear();
     fresh_line_.clear();
-    if (outcome.status != Status::ok)
-        for (const Point p : points) fresh_line_.emplace(p, ghost);
-    if (outcome.status == Status::ok) fresh_.reserve(2 * outcome.distinct - 2);
+    fresh_parts_.clear();
+    const std::vector<Piece> wholes(constraints_.wholes().begin(), constraints_.wholes().end());
+    std::vector<std::int32_t> edges;
+    for (const Piece each : wholes)
+        for (const Vertex v : {each.first, each.second}) {
+            const auto at = std::lower_bound(vertex_of_row.begin(), vertex_of_row.end(), v);
+            edges.push_back(static_cast<std::int32_t>(at - vertex_of_row.begin()));
+        }
+    const Input input = input_of(points);
+    Constrained outcome;
+    if (wholes.empty())
+        static_cast<Delaunay&>(outcome) = delaunay(input, false, {1, false}, interrupt);
+    else
+        outcome =
+            constrained_delaunay(input, edges.data(), wholes.size(), false, {1, false}, interrupt);
     hull_.reserve(outcome.result.hull_count);
+    if (outcome.status == Status::ok) {
+        fresh_.reserve(2 * outcome.distinct - 2);
+        if (!wholes.empty()) fresh_.keep_marks();
+        for (std::size_t i = 0; i < outcome.pieces.size(); ++i)
+            for (std::size_t k = outcome.starts[i]; k < outcome.starts[i + 1]; ++k)
+                fresh_parts_.insert({outcome.pieces[i], wholes[outcome.members[k]]});
+    } else if (outcome.status != Status::interrupted) {
+        for (std::size_t row = 0; row < points.size(); ++row)
+            fresh_line_.emplace(points[row], static_cast<Vertex>(row));
+        for (const Piece each : wholes)
+            for (const Piece part :
+                 pieces_between(fresh_line_, points_[each.first], points_[each.second]))
+                fresh_parts_.insert({part, each});
+    }
+    return outcome;
 }
 
 // The result of a run over the rows of the vertices that are present.
-void Triangulation::take(const Delaunay& outcome, const std::vector<Vertex>& vertex_of_row) {
+void Triangulation::take(const Constrained& outcome, const std::vector<Vertex>& vertex_of_row) {
     line_.clear();
     std::swap(line_, fresh_line_);
     std::swap(slots_, fresh_);
     fresh_.clear();
+    constraints_.renew(fresh_parts_, [&](Row row) { return vertex_of_row[row]; });
     last_ = ghost;
     if (outcome.status != Status::ok) {
-        for (std::size_t i = 0; i < size_; ++i) line_.find(points_[order_[i]])->second = order_[i];
+        for (auto& [p, row] : line_) row = vertex_of_row[row];
         return;
     }
     const Result& result = outcome.result;
@@ -152,7 +180,9 @@ void Triangulation::take(const Delaunay& outcome, const std::vector<Vertex>& ver
     const auto slot = [&](std::size_t i) { return triangle_in(2 * outcome.distinct - 3 - i); };
     for (std::size_t i = 0; i < result.triangle_count; ++i) {
         const std::int32_t* corners = &result.simplices[3 * i];
-        slots_.make(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+        const TriangleId t =
+            slots_.make(vertex(corners[0]), vertex(corners[1]), vertex(corners[2]));
+        if (slots_.has_marks()) slots_.set_marks(t, outcome.marks[i]);
         for (unsigned k = 0; k < 3; ++k) corner_[vertex(corners[k])] = edge(slot(i), k);
     }
     for (std::size_t i = 0; i < result.triangle_count; ++i) {
@@ -172,6 +202,15 @@ void Triangulation::take(const Delaunay& outcome, const std::vector<Vertex>& ver
     hull_.clear();
     for (std::size_t i = 0; i < result.hull_count; ++i) hull_.push_back(vertex(result.hull[i]));
     place_ghosts();
+}
+
+std::vector<constrained::Mark> Triangulation::marks() const {
+    std::vector<constrained::Mark> found;
+    found.reserve(slots_.real());
+    for (TriangleId t = 0; t < slots_.end(); t += words_per_triangle)
+        if (!slots_.is_free(t) && !slots_.is_ghost(t))
+            found.push_back(slots_.has_marks() ? slots_.marks(t) : constrained::Mark{0});
+    return found;
 }
 
 Result Triangulation::result() const {

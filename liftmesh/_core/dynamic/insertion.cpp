@@ -9,15 +9,17 @@ namespace liftmesh::dynamic {
 
 // No vertex is inside the cavity, so its triangles are a tree: a walk that crosses edges
 // counter-clockwise meets each once, and the border in order.
-void Triangulation::dig(Point p, TriangleId conflict) {
+void Triangulation::dig(Point p, TriangleId conflict, Edge split) {
     cavity_.assign(1, conflict);
     border_.clear();
     stack_.clear();
+    const bool has_marks = slots_.has_marks();
     for (unsigned k = 3; k-- > 0;) stack_.push_back(edge(conflict, k));
     while (!stack_.empty()) {
         const Edge e = stack_.back(), beyond = slots_.twin(e);
         stack_.pop_back();
-        if (!conflicts(triangle_of(beyond), p)) {
+        if ((has_marks && slots_.is_marked(e) && e != split) ||
+            !conflicts(triangle_of(beyond), p)) {
             border_.push_back({slots_.tail(e), slots_.head(e), beyond});
             continue;
         }
@@ -59,16 +61,49 @@ void Triangulation::connect_star(Vertex v) {
                     slots_.opposite(star_triangles_[following], border_[following].head));
     }
     corner_[v] = slots_.opposite(star_triangles_[0], v);
+    if (!slots_.has_marks()) return;
+    for (const TriangleId t : star_triangles_) {
+        slots_.set_marks(t, 0);
+        slots_.take_mark(slots_.opposite(t, v));
+    }
 }
 
 Vertex Triangulation::insert(Point p, Vertex hint) {
     if (!has_triangles()) return insert_on_line(p);
     const Place place = locate(p, hint);
-    if (place.vertex == ghost) {
-        dig(p, place.triangle);
-        return last_ = fill(p);
+    if (place.vertex != ghost) return last_ = place.vertex;
+    const Edge split = constraint_at(p, place.triangle);
+    dig(p, place.triangle, split);
+    return last_ = split == nothing ? fill(p) : fill(p, split);
+}
+
+// The constraint on which a point lies, of those around its triangle, if any.
+Edge Triangulation::constraint_at(Point p, TriangleId t) const {
+    if (constraints_.empty() || slots_.is_ghost(t)) return nothing;
+    for (unsigned k = 0; k < 3; ++k) {
+        const Edge e = edge(t, k);
+        if (slots_.is_marked(e) &&
+            orient2d(points_[slots_.tail(e)], points_[slots_.head(e)], p) == 0)
+            return e;
     }
-    return last_ = place.vertex;
+    return nothing;
+}
+
+// On a constraint, which the new vertex splits.
+Vertex Triangulation::fill(Point p, Edge split) {
+    const Vertex a = slots_.tail(split), b = slots_.head(split);
+    const Vertex v = size_ == points_.size() ? static_cast<Vertex>(size_) : order_[size_];
+    constraints_.split(piece(a, b), v);
+    try {
+        fill(p);
+    } catch (...) {
+        constraints_.unite(a, v, b);
+        throw;
+    }
+    for (std::size_t i = 0; i < border_.size(); ++i)
+        if (border_[i].tail == a || border_[i].tail == b)
+            slots_.mark(slots_.opposite(star_triangles_[i], border_[i].head));
+    return v;
 }
 
 // Whether a point is off the line of the others.
@@ -87,13 +122,23 @@ Vertex Triangulation::insert_on_line(Point p) {
     try {
         const Vertex v = add_vertex(p);
         place->second = v;
-        if (is_off) raise(v);
+        if (is_off)
+            raise(v);
+        else if (const auto [a, b] = around(place); constraints_.has(piece(a, b)))
+            constraints_.split(piece(a, b), v);
         return last_ = v;
     } catch (...) {
         if (place->second != ghost) forget(place->second);
         line_.erase(place);
         throw;
     }
+}
+
+// The neighbours on the line, or the ghost.
+std::pair<Vertex, Vertex> Triangulation::around(Line::const_iterator place) const {
+    const auto after = std::next(place);
+    return {place == line_.begin() ? ghost : std::prev(place)->second,
+            after == line_.end() ? ghost : after->second};
 }
 
 // From points on a line and one off it to a fan of triangles.
@@ -104,11 +149,13 @@ void Triangulation::raise(Vertex apex) {
     if (orient2d(points_[hull_.front()], points_[hull_.back()], points_[apex]) < 0)
         std::reverse(hull_.begin(), hull_.end());
     slots_.reserve(2 * hull_.size());
+    if (!constraints_.empty()) slots_.keep_marks();
     hull_.push_back(apex);
     line_.clear();
     Edge side = nothing;  // from the last vertex to the apex
     for (std::size_t i = 0; i + 2 < hull_.size(); ++i) {
         const TriangleId t = slots_.make(hull_[i], hull_[i + 1], apex);
+        if (constraints_.has(piece(hull_[i], hull_[i + 1]))) slots_.set_marks(t, 1 << 2);
         if (i == 0) corner_[apex] = edge(t, 1);
         if (i != 0) slots_.join(side, edge(t, 1));
         corner_[hull_[i]] = edge(t, 2);
@@ -125,6 +172,7 @@ void Triangulation::place_ghosts() {
         const Vertex tail = hull_[i], head = hull_[i + 1 == hull_.size() ? 0 : i + 1];
         const TriangleId g = slots_.make(head, tail, ghost);
         slots_.join(corner_[tail], edge(g, 2));
+        slots_.take_mark(edge(g, 2));
         corner_[tail] = next(corner_[tail]);
         if (i == 0) first = g;
         if (i != 0) slots_.join(edge(last, 1), edge(g, 0));

@@ -1,4 +1,6 @@
 // Location by the visibility walk, which ends in every regular triangulation (Edelsbrunner 1990).
+// With constraints it may go in a circle, but for the edges being tried in random order (Devillers,
+// Pion and Teillaud, "Walking in a triangulation", 2002).
 // Without a hint it starts at the nearest of some sampled vertices (Muecke, Saias and Zhu, "Fast
 // randomized point location without preprocessing", 1996).
 #include "dynamic/triangulation.hpp"
@@ -13,6 +15,8 @@ namespace {
 bool is_between(Point a, Point p, Point b) {
     return (before_xy(a, p) && before_xy(p, b)) || (before_xy(b, p) && before_xy(p, a));
 }
+
+constexpr unsigned turns[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
 
 }  // namespace
 
@@ -51,11 +55,13 @@ Place Triangulation::locate(Point p, Vertex hint) const {
     const Vertex start = is_present(hint) ? hint : nearest_of_sample(p);
     TriangleId t = triangle_of(corner_[start]);
     if (slots_.is_ghost(t)) t = triangle_of(slots_.twin(edge(t, 2)));
-    for (Edge from = nothing;;) {
+    Edge from = nothing;
+    for (std::size_t step = 0;; ++step) {
         if (slots_.is_ghost(t)) return {ghost, t};
         Edge crossed = nothing;
+        const auto& turn = turns[slots_.has_marks() ? random_number(step, 0) % 3 : 0];
         for (unsigned k = 0; k < 3 && crossed == nothing; ++k) {
-            const Edge e = edge(t, k);
+            const Edge e = edge(t, turn[k]);
             if (e == from) continue;
             if (orient2d(points_[slots_.tail(e)], points_[slots_.head(e)], p) < 0) crossed = e;
         }

@@ -27,6 +27,8 @@ struct Hole {
     void cut(Patch& patch) const;
     // By a triangulation of the link.
     void fit(Patch& patch) const;
+    // By the one of these that takes the least time.
+    void fill(Patch& patch) const;
 
  private:
     Point at(std::size_t i) const { return points[star.link[i]]; }
@@ -181,6 +183,29 @@ void Hole::fit(Patch& patch) const {
     }
 }
 
+void Hole::fill(Patch& patch) const {
+    constexpr std::size_t few = 24;
+    if (star.link.size() <= few)
+        cut(patch);
+    else if (is_flat())
+        lay_flat(patch);
+    else
+        fit(patch);
+}
+
+// A part of a star, from one of its vertices to another, on a line with the centre. The edge on
+// that line has nothing beyond it yet.
+Star half(const Star& star, std::size_t from, std::size_t to) {
+    Star found;
+    for (std::size_t i = from; i != to; i = i + 1 == star.link.size() ? 0 : i + 1) {
+        found.link.push_back(star.link[i]);
+        found.beyond.push_back(star.beyond[i]);
+    }
+    found.link.push_back(star.link[to]);
+    found.beyond.push_back(nothing);
+    return found;
+}
+
 }  // namespace
 
 void Triangulation::find_star(Vertex v, Star& star) const {
@@ -203,17 +228,49 @@ bool Triangulation::find_star(Vertex v, std::size_t most, Star& star) const {
 }
 
 void Triangulation::plan(const Star& star, Patch& patch) const {
-    constexpr std::size_t few = 24;
-    const Hole hole{points_.data(), star, guard_};
     patch.clear();
-    if (star.link.size() <= few) return hole.cut(patch);
-    return hole.is_flat() ? hole.lay_flat(patch) : hole.fit(patch);
+    Hole{points_.data(), star, guard_}.fill(patch);
+}
+
+// The edges of a star that are constraints, by their places in the link.
+std::vector<std::size_t> Triangulation::marked_spokes(const Star& star, Vertex v) const {
+    std::vector<std::size_t> found;
+    if (!slots_.has_marks()) return found;
+    for (std::size_t i = 0; i < star.link.size(); ++i)
+        if (slots_.is_marked(previous(slots_.opposite(star.triangles[i], v)))) found.push_back(i);
+    return found;
+}
+
+// Of a vertex on a constraint between two vertices of its link: on both sides, or with the ghost.
+void Triangulation::plan_along(const Star& star, std::size_t from, std::size_t to,
+                               Patch& patch) const {
+    patch.clear();
+    if (std::find(star.link.begin(), star.link.end(), ghost) != star.link.end()) {
+        plan(star, patch);
+    } else {
+        for (const Star& side : {half(star, from, to), half(star, to, from)})
+            Hole{points_.data(), side, guard_}.fill(patch);
+    }
+    const auto edge_between = [&](Vertex tail, Vertex head) {
+        Edge e = 0;
+        while (patch.vertices[next(e)] != tail || patch.vertices[previous(e)] != head) ++e;
+        return e;
+    };
+    const Vertex a = star.link[from], b = star.link[to];
+    patch.marked.push_back(edge_between(a, b));
+    patch.join(patch.marked.back(), edge_between(b, a));
 }
 
 void Triangulation::replace(Vertex v, const Star& star, const Patch& patch,
                             std::vector<TriangleId>& made) {
+    put(star.triangles, patch, made);
+    forget(v);
+}
+
+void Triangulation::put(const std::vector<TriangleId>& gone, const Patch& patch,
+                        std::vector<TriangleId>& made) {
     made.resize(patch.count());
-    for (const TriangleId t : star.triangles) slots_.drop(t);
+    for (const TriangleId t : gone) slots_.drop(t);
     for (std::size_t i = 0; i < made.size(); ++i) {
         const Vertex* corners = &patch.vertices[3 * i];
         made[i] = slots_.make(corners[0], corners[1], corners[2]);
@@ -226,7 +283,11 @@ void Triangulation::replace(Vertex v, const Star& star, const Patch& patch,
         slots_.join(named(e), twin & Patch::outside ? twin & ~Patch::outside : named(twin));
         if (patch.vertices[e] != ghost) corner_[patch.vertices[e]] = named(e);
     }
-    forget(v);
+    if (!slots_.has_marks()) return;
+    for (const TriangleId t : made) slots_.set_marks(t, 0);
+    for (Edge e = 0; e < patch.twins.size(); ++e)
+        if (patch.twins[e] & Patch::outside) slots_.take_mark(named(e));
+    for (const Edge e : patch.marked) slots_.mark(named(e));
 }
 
 void Triangulation::forget(Vertex v) {
@@ -236,19 +297,29 @@ void Triangulation::forget(Vertex v) {
 }
 
 void Triangulation::remove(Vertex v) {
-    if (!has_triangles()) {
-        line_.erase(points_[v]);
-        forget(v);
-        return;
-    }
+    if (!has_triangles()) return remove_from_line(v);
     find_star(v, removed_);
     if (leaves_a_line(removed_)) {
         lower(removed_);
         forget(v);
         return;
     }
-    plan(removed_, patch_);
+    const std::vector<std::size_t> along = marked_spokes(removed_, v);
+    if (along.empty()) {
+        plan(removed_, patch_);
+        return replace(v, removed_, patch_, star_triangles_);
+    }
+    plan_along(removed_, along[0], along[1], patch_);
     replace(v, removed_, patch_, star_triangles_);
+    constraints_.unite(removed_.link[along[0]], v, removed_.link[along[1]]);
+}
+
+void Triangulation::remove_from_line(Vertex v) {
+    const auto place = line_.find(points_[v]);
+    const auto [a, b] = around(place);
+    if (constraints_.has(piece(a, v))) constraints_.unite(a, v, b);
+    line_.erase(place);
+    forget(v);
 }
 
 // Whether all triangles are in the star, and its vertices on one line.

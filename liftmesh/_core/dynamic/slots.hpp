@@ -1,9 +1,11 @@
 // The triangles of a triangulation that changes: as in delaunay/mesh.hpp, with edges, twins and
-// ghosts named as there, but in arrays that grow, and with a list of the slots that are free.
+// ghosts named as there, but in arrays that grow, and with a list of the slots that are free. Edges
+// may be marked, on both sides; without marks there is no memory for them.
 #pragma once
 
 #include "base/buffer.hpp"
 #include "base/point.hpp"
+#include "constrained/insertion.hpp"
 #include "delaunay/mesh.hpp"
 
 namespace liftmesh::dynamic {
@@ -39,8 +41,30 @@ class Slots {
             make_room(free_, slot_of(slot) + 1);
             vertices_.resize(slot + words_per_triangle, nothing);
             twins_.resize(slot + words_per_triangle, nothing);
+            if (has_marks()) marks_.resize(slot_of(slot) + 1);
             free_.push_back(slot);
         }
+    }
+
+    // Marks are in bytes, a bit for each edge of a triangle.
+    void keep_marks() { marks_.resize(slot_of(end())); }
+    bool has_marks() const { return !marks_.empty(); }
+    bool is_marked(Edge e) const { return has_marks() && marks(triangle_of(e)) >> (e % 3) & 1; }
+    constrained::Mark marks(TriangleId t) const { return marks_[slot_of(t)]; }
+    void set_marks(TriangleId t, constrained::Mark marks) { marks_[slot_of(t)] = marks; }
+    void mark(Edge e) {
+        mark_side(e);
+        mark_side(twin(e));
+    }
+
+    // Of a new triangle, that has those of its neighbours.
+    void take_mark(Edge e) {
+        if (is_marked(twin(e))) mark_side(e);
+    }
+    void unmark(Edge e) {
+        for (const Edge side : {e, twin(e)})
+            marks_[slot_of(triangle_of(side))] &=
+                static_cast<constrained::Mark>(~(1u << (side % 3)));
     }
 
     // In a slot that is reserved. The ghost, if there is one, is the last corner.
@@ -65,6 +89,7 @@ class Slots {
         vertices_.clear();
         twins_.clear();
         free_.clear();
+        marks_.clear();
         real_ = 0;
     }
 
@@ -72,6 +97,12 @@ class Slots {
         twins_[e] = f;
         twins_[f] = e;
     }
+
+    // For what fills cavities where they are: the arrays, with those of the vertices.
+    constrained::Ground ground(const Point* points, Edge* corner) {
+        return {points, vertices_.data(), twins_.data(), corner, {}};
+    }
+    constrained::Mark* marks() { return marks_.data(); }
 
     [[gnu::always_inline]] void prefetch(TriangleId t) const {
         liftmesh::prefetch(vertices_.data() + t);
@@ -84,9 +115,14 @@ class Slots {
     }
 
  private:
+    void mark_side(Edge e) {
+        marks_[slot_of(triangle_of(e))] |= static_cast<constrained::Mark>(1u << (e % 3));
+    }
+
     std::vector<Vertex> vertices_;
     std::vector<Edge> twins_;
     std::vector<TriangleId> free_;
+    std::vector<constrained::Mark> marks_;
     std::size_t real_ = 0;
 };
 

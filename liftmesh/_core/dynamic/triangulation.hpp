@@ -14,12 +14,21 @@
 // Lifted points are in convex position, so none is ever hidden: conflicts are simply connected, and
 // a star has every neighbour as a vertex. Points on one line have no triangles: they are kept in
 // order until one comes that is off it.
+//
+// Edges may be constraints (constrained/constrained.hpp): then triangles conflict with no point
+// that they see. So a cavity ends at constraints, but for one on which the point lies. A hole is
+// filled as without them: the triangles of a star see all its vertices, and conflict with none, if
+// no edge at its centre is a constraint; otherwise these are two, on one line, and leave two such
+// holes. Edges are marked in `Slots`; `Constraints` tells which they are part of, also of points on
+// one line (edges.cpp).
 #pragma once
 
 #include "base/input.hpp"
 #include "base/point.hpp"
 #include "base/status.hpp"
 #include "delaunay/delaunay.hpp"
+#include "dynamic/constraints.hpp"
+#include "dynamic/patch.hpp"
 #include "dynamic/slots.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/scale.hpp"
@@ -33,34 +42,13 @@ struct Lexicographic {
 // Points on one line, in order.
 using Line = std::map<Point, Vertex, Lexicographic>;
 
+// Between two of them.
+std::vector<Piece> pieces_between(const Line& line, Point a, Point b);
+
 // Where a point is: at a vertex, or in conflict with a triangle.
 struct Place {
     Vertex vertex = ghost;
     TriangleId triangle = nothing;
-};
-
-// Triangles that are to fill a hole. Edges are named as in `Slots`, from 0; the twin of one at the
-// border is an edge outside, marked.
-struct Patch {
-    static constexpr Word outside = Word{1} << 31;  // names of edges are less
-    std::vector<Vertex> vertices;
-    std::vector<Word> twins;
-
-    std::size_t count() const { return vertices.size() / words_per_triangle; }
-    void clear() {
-        vertices.clear();
-        twins.clear();
-    }
-    Edge add(Vertex a, Vertex b, Vertex c) {
-        const auto first = static_cast<Edge>(vertices.size());
-        vertices.insert(vertices.end(), {a, b, c});
-        twins.insert(twins.end(), {nothing, nothing, nothing});
-        return first;
-    }
-    void join(Edge e, Word other) {
-        twins[e] = other;
-        if (!(other & outside)) twins[other] = e;
-    }
 };
 
 // The star of a vertex, counter-clockwise.
@@ -89,6 +77,15 @@ class Triangulation {
     Vertex insert(Point p, Vertex hint = ghost);
     void remove(Vertex v);
 
+    // Puts in a constraint; or returns those that it would cross, in order, and changes nothing.
+    std::vector<Piece> insert_constraint(Vertex a, Vertex b);
+    // One that is there.
+    void remove_constraint(Vertex a, Vertex b);
+    const Constraints& constraints() const { return constraints_; }
+    // The constraints without which a vertex can be removed: those that end there, or that would
+    // cross; in order.
+    std::vector<Piece> holders(Vertex v) const;
+
     // Many at once: in an order of neighbourhood, or all anew where they are many. If interrupted,
     // some of them are in, or out, and the triangulation is that of the points present.
     Status insert(const Input& input, Vertex* found, Interrupt& interrupt);
@@ -99,6 +96,8 @@ class Triangulation {
 
     // Triangles over the numbers of vertices, and the hull.
     Result result() const;
+    // The marks of the same triangles.
+    std::vector<constrained::Mark> marks() const;
     // Room for so many further points.
     void reserve(std::size_t count);
 
@@ -110,7 +109,7 @@ class Triangulation {
     // The parts of an insertion, for callers that keep something by triangles: the place of a new
     // point, the cavity of triangles that conflict with it, and its star in their stead.
     Place locate(Point p, Vertex hint) const;
-    void dig(Point p, TriangleId conflict);
+    void dig(Point p, TriangleId conflict, Edge split = nothing);  // which is crossed
     const std::vector<TriangleId>& cavity() const { return cavity_; }
     const std::vector<BorderEdge>& border() const { return border_; }
     const std::vector<TriangleId>& star() const { return star_triangles_; }
@@ -130,19 +129,30 @@ class Triangulation {
     bool is_outside(TriangleId ghost_triangle, Point p) const;
     Vertex nearest_of_sample(Point p) const;
     void connect_star(Vertex v);
+    Edge constraint_at(Point p, TriangleId t) const;
+    Vertex fill(Point p, Edge split);
     Vertex insert_on_line(Point p);
     bool is_off_line(Line::const_iterator place) const;
+    std::pair<Vertex, Vertex> around(Line::const_iterator place) const;
     void raise(Vertex apex);
     void place_ghosts();
+    void remove_from_line(Vertex v);
     bool leaves_a_line(const Star& star) const;
+    void put(const std::vector<TriangleId>& gone, const Patch& patch,
+             std::vector<TriangleId>& made);
+    std::vector<std::size_t> marked_spokes(const Star& star, Vertex v) const;
+    void plan_along(const Star& star, std::size_t from, std::size_t to, Patch& patch) const;
+    constrained::Insertion insertion();
+    void release(Piece piece, constrained::Insertion& insertion);
     void lower(const Star& star);
     Status insert_anew(const Input& input, Vertex* found, Interrupt& interrupt);
     Status remove_anew(const Vertex* vertices, std::size_t count, Interrupt& interrupt);
     std::vector<bool> present() const;
     void gather(const std::vector<bool>& wanted, std::vector<Point>& points,
                 std::vector<Vertex>& vertex_of_row) const;
-    void prepare(const Delaunay& outcome, const std::vector<Point>& points);
-    void take(const Delaunay& outcome, const std::vector<Vertex>& vertex_of_row);
+    Constrained build(const std::vector<Point>& points, const std::vector<Vertex>& vertex_of_row,
+                      Interrupt& interrupt);
+    void take(const Constrained& outcome, const std::vector<Vertex>& vertex_of_row);
 
     std::vector<Point> points_;
     std::vector<Edge> corner_;  // an edge opposite the vertex
@@ -153,8 +163,10 @@ class Triangulation {
     Vertex last_ = ghost;
     Range range_;
     Guard guard_ = Guard::in_window();
+    Constraints constraints_;
     Slots slots_, fresh_;
     Line line_, fresh_line_;  // all points, while there is no triangle
+    Constraints::Parts fresh_parts_;
 
     std::vector<TriangleId> cavity_;
     std::vector<BorderEdge> border_;
