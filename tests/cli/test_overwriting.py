@@ -30,6 +30,7 @@ WRITING = [
     ("contour", "a.las", "old.geojson", "--interval", "1"),
     ("solid", "a.las", "old.stl", "--base-height", "-1"),
     ("voronoi", "a.las", "old.svg"),
+    ("constrain", "mesh.ply", "old.ply", "--polygons", "box.geojson"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
     ("compare", "a.las", "--hull", "old.ply"),
