@@ -23,10 +23,12 @@ if TYPE_CHECKING:
 SHORT_HELP = "Triangulate points in the plane with edges that the mesh contains."
 HELP = (
     "The constrained Delaunay triangulation of x and y. Corners of lines at no row become rows "
-    "after those of IN. Without lines, the edges that IN has (OBJ, PLY, NPZ) are taken."
+    "after those of IN. Without lines, the edges that IN has (OBJ, PLY, NPZ) are taken, and of "
+    "Triangle's .poly the segments and holes."
 )
 EXAMPLES = [
     "liftmesh constrain survey.csv mesh.obj --edges pairs.txt",
+    "liftmesh constrain plate.poly plate.ply --carve outside",
     "liftmesh constrain wells.csv land.ply --polygons coast.geojson --carve holes",
     "liftmesh constrain points.csv mesh.vtu --polylines roads.gpkg --crossing split",
 ]
@@ -77,8 +79,7 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
-    cloud = inputs.read(source, {**planar, **reading})
+    cloud, seeds = _points(source, reading)
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
     elif not {"polylines", "polygons"} & lines.keys():
@@ -86,7 +87,7 @@ def run(
             raise click.BadParameter(
                 f"{source} has no edges: give --edges, --polylines or --polygons"
             )
-        lines["edges"] = cloud.edges
+        lines |= {"edges": cloud.edges, "seeds": seeds}
     with inputs.about(source):
         target.check_content(cloud)
         tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
@@ -94,6 +95,17 @@ def run(
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, tri, as_json=json)
+
+
+def _points(source: Path, reading: dict[str, Any]) -> tuple[Cloud, Any]:
+    """Read the points, with edges if they have some, and a point in each hole."""
+    if source.suffix.lower() == ".poly" and not reading:
+        from liftmesh.io.formats.triangle_files import read_poly
+
+        cloud, holes = read_poly(source)
+        return cloud, holes if len(holes) else None
+    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
+    return inputs.read(source, {**planar, **reading}), None
 
 
 def _edges(path: Path) -> Rows:

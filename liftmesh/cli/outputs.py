@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 
 _TAKEN_UNITS = {"landxml": "metres", "3mf": "millimetres"}
 _BESIDE = {
-    ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".asc": (".prj",),
+    ".shp": (".dbf", ".prj", ".cpg"), ".ele": (".node",), ".poly": (".node",),
+    ".asc": (".prj",),
     ".tif": (".prj", ".tfw", ".wld"), ".tiff": (".prj", ".tfw", ".wld"),
 }  # fmt: skip
 _OVERWRITE = options.parameter(

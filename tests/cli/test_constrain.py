@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -101,3 +102,43 @@ def test_new_rows_have_no_heights_and_no_values(folder: Path) -> None:
     assert done.returncode == 0, done.stderr
     assert "4 rows are new" in done.stderr
     assert len(liftmesh.read(folder / "a.ply")) == 8
+
+
+def poly(first: int, points: str) -> str:
+    """Make a square with a square hole, whose numbers begin with 0 or 1."""
+    sides = [(k, (k + 1) % 4) for k in range(4)] + [(4 + k, 4 + (k + 1) % 4) for k in range(4)]
+    lines = [f"{k + first} {a + first} {b + first}" for k, (a, b) in enumerate(sides)]
+    return points + "# segments\n8 0\n" + "\n".join(lines) + f"\n1\n{first} 4 3 # in it\n"
+
+
+@pytest.mark.parametrize("first", [0, 1])
+@pytest.mark.parametrize("beside", [False, True])
+def test_a_poly_file_of_triangle(first: int, beside: bool, folder: Path) -> None:
+    rows = "".join(f"{k + first} {x} {y}\n" for k, (x, y) in enumerate(SQUARE))
+    points = f"8 2 0 0\n{rows}"
+    if beside:
+        (folder / "plate.node").write_text(points)
+        points = "0 2 0 0\n"
+    (folder / "plate.poly").write_text(poly(first, points))
+    done = command("constrain", "plate.poly", "a.ply", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert (told["n_triangles"], told["n_constraints"]) == (8, 8)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "cause"),
+    [
+        ("8 0\n0", "9 0\n0", "promises 9 segments|expected 3 values"),
+        ("0 0 1\n", "0 0 9\n", "edge 0 refers to vertex 9"),
+        ("1\n0 4 3", "one\n0 4 3", "expected the numbers of holes, found 'one'"),
+    ],
+)
+def test_a_poly_file_that_is_wrong(old: str, new: str, cause: str, folder: Path) -> None:
+    rows = "".join(f"{k} {x} {y}\n" for k, (x, y) in enumerate(SQUARE))
+    text = poly(0, f"8 2 0 0\n{rows}")
+    assert old in text
+    (folder / "plate.poly").write_text(text.replace(old, new, 1))
+    done = command("constrain", "plate.poly", "a.ply", cwd=folder)
+    assert done.returncode == 3
+    assert re.search(cause, " ".join(done.stderr.split())), done.stderr

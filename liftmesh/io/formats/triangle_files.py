@@ -1,10 +1,11 @@
-"""Files of Triangle and TetGen: .node, the points, and .ele, the triangles of the .node beside it.
+"""Files of Triangle and TetGen: .node, points, .ele, triangles of the .node beside, and .poly.
 
 A .node file begins with its number of points, their dimension, the number of attributes and whether
 there are boundary markers; each line is an index, the coordinates, the attributes and the marker.
 An .ele file begins with its number of triangles, their number of nodes (3, or 6 with the midpoints
 of edges) and of attributes; each line is an index, the nodes and the attributes. Indices count
-from 0 or 1, as the first point says.
+from 0 or 1, as the first point says. A .poly file has the points of a .node file, or none if they
+are in the one beside it, then segments, each with its ends, and holes, each with a point in it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces
 from liftmesh.io.metadata import noted
 from liftmesh.io.options import check_columns
 from liftmesh.io.streams import decompressed
@@ -37,6 +38,7 @@ from liftmesh.io.text_tables import (
 )
 
 _MARKER = "boundary_marker"
+_NODES = "points, their dimension, attributes and markers"
 
 
 def read_node(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
@@ -56,6 +58,7 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
         )
     check_columns(1 + corners + more, max_bytes, name, "its header")
     table = _rows(lines, count, 1 + corners + more, "triangles", name)
+    check_end(lines, name)
     _check_indices(table[:, 0], first, f"counted from {first} as in {beside}", name)
     faces = table[:, 1:4] - first
     skipped = [f"{more} attribute{'s' * (more > 1)} of triangles"] * (more > 0)
@@ -70,8 +73,32 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
 def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, int]:
     """Read a .node file; return its points and the index of the first."""
     lines = Lines(stream, name, HASH)
-    what = "points, their dimension, attributes and markers"
-    count, dimension, more, markers = _header(lines, name, what, 4)
+    nodes = _points(lines, _header(lines, name, _NODES, 4), name, max_bytes)
+    check_end(lines, name)
+    return nodes
+
+
+def read_poly(path: Path) -> tuple[Cloud, Floats]:
+    """Read the points and segments of a .poly file, and a point in each of its holes."""
+    name = str(path)
+    with path.open("rb") as stream:
+        lines = Lines(stream, name, HASH)
+        header = _header(lines, name, _NODES, 4)
+        if header[0]:
+            cloud, first = _points(lines, header, name, None)
+        else:
+            with _beside(name, None) as (nodes, beside):
+                cloud, first = _nodes(nodes, beside, None)
+        count, markers = _header(lines, name, "segments and their markers", 2, 1)
+        table = _rows(lines, count, 3 + (markers > 0), "segments", name)
+        edges = checked_edges(_whole(table[:, 1:3] - first, name), len(cloud), name)
+        (count,) = _header(lines, name, "holes", 1, 1)
+        holes = _rows(lines, count, 3, "holes", name)[:, 1:]
+    return replace(cloud, edges=edges), holes
+
+
+def _points(lines: Lines, header: list[int], name: str, max_bytes: int | None) -> tuple[Cloud, int]:
+    count, dimension, more, markers = header
     if dimension not in (2, 3) or markers > 1 or not count:
         raise FormatError(
             f"{name}: line {lines.number}: expected points of dimension 2 or 3 and at most one "
@@ -92,11 +119,11 @@ def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, i
     return Cloud(points, attributes=columns), first
 
 
-def _header(lines: Lines, name: str, what: str, count: int) -> list[int]:
+def _header(lines: Lines, name: str, what: str, count: int, least: int = 2) -> list[int]:
     """Read the numbers of the first line; those that are left out are zero."""
     words = lines.next().split()
     are_counts = all(map(is_count, words))
-    if not 2 <= len(words) <= count or not are_counts:
+    if not least <= len(words) <= count or not are_counts:
         raise FormatError(
             f"{name}: line {lines.number}: expected the numbers of {what}, "
             f"found {quoted(' '.join(words))}"
@@ -106,7 +133,6 @@ def _header(lines: Lines, name: str, what: str, count: int) -> list[int]:
 
 def _rows(lines: Lines, count: int, width: int, what: str, name: str) -> Floats:
     parts = [number_table(block, name, width=width) for block in promised(lines, count, what, name)]
-    check_end(lines, name)
     return np.concatenate(parts) if parts else np.zeros((0, width))
 
 
