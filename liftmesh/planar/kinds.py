@@ -141,13 +141,15 @@ def options_of(triangulation: Any) -> dict[str, Any]:
 
 
 def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """What the metadata of a mesh say, which files keep."""
+    """What the metadata of a mesh say, which files keep; else its edges are constraints."""
     from liftmesh.io.metadata import Provenance  # noqa: PLC0415 - a first triangulation does without
 
-    return {
+    said = {
         kind: value if kind == "metric" else _held(cloud, kind, value)
         for kind, value in Provenance(metadata).lifted_by.items()
     }
+    edges = getattr(cloud, "edges", None)
+    return said if said or edges is None or not len(edges) else {"constraints": edges}
 
 
 def _held(cloud: Any, kind: str, name: str) -> Any:

@@ -155,6 +155,8 @@ def test_a_file_keeps_the_lines_of_a_surface(kind: str, tmp_path: Path) -> None:
     assert np.array_equal(again.triangulation.constraints, surface.triangulation.constraints)
     assert np.array_equal(again.vertices, surface.vertices)
     assert again.verify().valid
+    found = liftmesh.verify(tmp_path / f"a.{kind}")
+    assert (found.valid, found.member) == (True, "constrained")
     assert set(map(frozenset, again.faces.tolist())) == set(map(frozenset, surface.faces.tolist()))
 
 
