@@ -71,7 +71,12 @@ def test_other_planes_and_rows_in_no_face() -> None:
         ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], None, "there are no faces: triangulate"),
         (
             [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]],
-            [[0, 1, 2], [0, 2, 3]],
+            [[0, 1, 2], [0, 1, 3]],
+            r"face [01], of the rows \[0, 1, [23]\], is no triangle of .*: triangulate the ver",
+        ),
+        (
+            [[0, 0, 0], [4, 0, 0], [0, 4, 0], [1, 1, 0], [9, 9, 0]],
+            [[0, 1, 2], [1, 2, 4], [0, 3, 2]],
             r"face 0, of the rows \[0, 1, 2\], is no triangle of .*: triangulate the vertices$",
         ),
         (
@@ -88,6 +93,17 @@ def test_other_meshes_are_refused(points, faces, said: str) -> None:
     corners = None if faces is None else np.array(faces, dtype=np.int32)
     with pytest.raises(liftmesh.LiftmeshError, match=said):
         liftmesh.as_surface(liftmesh.Cloud(np.array(points, dtype=float), faces=corners))
+
+
+def test_sides_that_are_not_delaunay_become_constraints() -> None:
+    square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 5]], dtype=float)
+    canonical = liftmesh.triangulate(square)
+    for faces in ([[0, 1, 2], [0, 2, 3]], [[0, 1, 3], [1, 2, 3]]):
+        found = liftmesh.as_surface(liftmesh.Cloud(square, faces=np.array(faces, dtype=np.int32)))
+        assert names(found) == {tuple(face) for face in faces}
+        assert found.verify()
+        is_plain = names(found) == names(canonical)
+        assert hasattr(found.triangulation, "constraints") == (not is_plain)
 
 
 @pytest.mark.parametrize("kind", ["glb", "stl"])
