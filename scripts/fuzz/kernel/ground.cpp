@@ -15,7 +15,7 @@ class Turning {
 
     bool is_before(Point p, Point q) const {
         if (part(p) != part(q)) return part(p) < part(q);
-        return turn(from_, p, q) > 0;
+        return fuzzing::turn(from_, p, q) > 0;
     }
 
  private:
@@ -39,7 +39,7 @@ Sector sector(const Point (&corners)[3], Point query, std::int32_t face) {
         if (corners[k] == query) return {corners[(k + 1) % 3], corners[(k + 2) % 3], face};
     for (int k = 0; k < 3; ++k) {
         const Point tail = corners[k], head = corners[(k + 1) % 3];
-        if (turn(tail, head, query) == 0) return {head, tail, face};
+        if (fuzzing::turn(tail, head, query) == 0) return {head, tail, face};
     }
     return {query, query, face};
 }
@@ -98,7 +98,7 @@ std::int32_t Ground::owner(Point query) const {
 std::size_t Ground::nearest(Point query) const {
     std::size_t least = 0;
     for (std::size_t i = 1; i < at.size(); ++i) {
-        const int sign = compare_heights(at.points[i], at.points[least], query);
+        const int sign = fuzzing::compare_heights(at.points[i], at.points[least], query);
         if (sign < 0 || (sign == 0 && liftmesh::before_xy(at.points[i], at.points[least])))
             least = i;
     }

@@ -38,14 +38,14 @@ Guard guard_of(const std::array<Point, 4>& p) {
 }
 
 void check_turn(const std::array<Point, 4>& p) {
-    const int sign = turn(p[0], p[1], p[2]);
+    const int sign = fuzzing::turn(p[0], p[1], p[2]);
     demand(liftmesh::orient2d(p[0], p[1], p[2]) == sign, "orient2d has another sign");
     demand(liftmesh::orient2d(p[1], p[2], p[0]) == sign, "orient2d is not cyclic");
     demand(liftmesh::orient2d(p[1], p[0], p[2]) == -sign, "orient2d is not antisymmetric");
 }
 
 bool has_canonical_sign(const std::array<Point, 4>& p) {
-    return p[3] != p[0] && p[3] != p[1] && p[3] != p[2] && turn(p[0], p[1], p[2]) != 0;
+    return p[3] != p[0] && p[3] != p[1] && p[3] != p[2] && fuzzing::turn(p[0], p[1], p[2]) != 0;
 }
 
 void check_incircle(const std::array<Point, 4>& p) {
@@ -99,7 +99,7 @@ void check_edge(const std::array<Point, 4>& p) {
         least(least(a, b), least(c, d)), greatest(greatest(a, b), greatest(c, d)), guard_of(p));
     const double value = liftmesh::below(base.place(c), base.place(d));
     const int side = incircle(p[0], p[1], p[2], p[3], false);
-    check_margin(base.place(c)[0], certainty.of_distance, turn(p[0], p[1], p[2]),
+    check_margin(base.place(c)[0], certainty.of_distance, fuzzing::turn(p[0], p[1], p[2]),
                  "the bound of a box certifies a wrong orientation");
     check_margin(value, certainty.of_circle, side,
                  "the bound of a box certifies a wrong in-circle sign");
