@@ -18,6 +18,7 @@ MUTATION = "cosmic-ray>=8.3"  # no wheel of what it needs: only for this
 CAMPAIGNS = (  # each runs for some minutes by itself
     "fuzz kernel --seconds 600",
     "fuzz changing --seconds 300",
+    "fuzz constraints --seconds 300",
     "fuzz surface --seconds 300",
     "fuzz simplification --seconds 300",
     "fuzz structure --seconds 600",
@@ -30,6 +31,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "neighbors.py",
     "domains.py",
     "changes.py",
+    "constraints.py",
     "earthworks.py",
     "interrupt",
     "sweep",

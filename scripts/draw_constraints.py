@@ -76,7 +76,44 @@ def coast() -> Figure:
     return figure
 
 
-PICTURES: dict[str, Callable[[], Figure]] = {"coast": coast}
+def hills(count: int, rng: np.random.Generator) -> Array:
+    """Scattered points over hills, of dyadic coordinates."""
+    planar = rng.integers(0, 64 << 10, (count, 2)) / 1024
+    x, y = planar.T / 9
+    z = 8 + 3 * np.sin(x) * np.cos(y) + np.sin(2.3 * x + y)
+    return np.column_stack([planar, np.round(z * 1024) / 1024])
+
+
+def road() -> Figure:
+    """Hills, and a road through them between hard breaklines."""
+    cloud = hills(6000, np.random.default_rng(4))
+    kerb = np.array([[4.0, 16, 8], [60, 44, 8 + 7 / 4]])
+    ring = np.concatenate([kerb, kerb[::-1] + np.array([0, 8, 0]), kerb[:1]])
+    across = cloud[:, 1] - cloud[:, 0] / 2 - 14
+    is_on_it = (across >= 0) & (across <= 8) & (abs(cloud[:, 0] - 32) <= 28)
+    before = liftmesh.triangulate(cloud)
+    after = liftmesh.triangulate(cloud[~is_on_it], breaklines=ring, densify=4)
+    x, share = np.meshgrid(np.arange(5, 60), np.arange(1, 16) / 16)
+    found = after.sample(np.stack([x, 14 + x / 2 + 8 * share], axis=-1))
+    print(f"road: {np.abs(found - (8 + (x - 4) / 32)).max():g} off in cross sections", end=", ")
+    below = after.volume(within=ring[:, :2])
+    print(f"{below.above!r} under it, {56 * 8 * (8 + 7 / 8)!r} by its corners", end=", ")
+    works = before.cut_and_fill(after)
+    print(f"cut {works.cut:.6g}, fill {works.fill:.6g}")
+    figure, (left, right) = sheet(2, 4.7)
+    for axes, surface, title in ((left, before, "the cloud"), (right, after, "breaklines=kerbs")):
+        shade = surface.raster(0.1, quantity="hillshade").values
+        axes.imshow(shade, cmap="gray", extent=(0, 64, 0, 64), vmin=90, vmax=250)
+        axes.set_title(title, color=INK, fontsize=9)
+    tri = after.triangulation
+    sides = LineCollection(list(tri.points[tri.edges]), colors=INK, linewidths=0.12, alpha=0.6)
+    right.add_collection(sides)
+    lines = LineCollection(list(tri.points[tri.constraints]), colors=ACCENT, linewidths=0.9)
+    right.add_collection(lines)
+    return figure
+
+
+PICTURES: dict[str, Callable[[], Figure]] = {"coast": coast, "road": road}
 
 
 def main() -> None:

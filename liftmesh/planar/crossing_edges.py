@@ -2,8 +2,10 @@
 
 A crossing has rational coordinates, and the new row is the nearest float64 of each. The parts of
 both edges then bend by that rounding, and may cross others: so the crossings are sought again,
-until there are none. The result is exact for the rounded points. Displacements are distances of the
-rows from the edges that the caller gave, so they tell of all rounds together.
+until there are none. Where many edges lie within a few units in the last place, there would be more
+in each round: then an error names a place. The result is exact for the rounded points.
+Displacements are distances of the rows from the edges that the caller gave, so they tell of all
+rounds together.
 """
 
 from __future__ import annotations
@@ -13,7 +15,7 @@ from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import pairwise
+from itertools import count, pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -28,6 +30,7 @@ Exact: TypeAlias = tuple[Fraction, Fraction]
 Build: TypeAlias = Callable[[Reals, Rows], Any]  # of the kernel: its last item are the crossings
 
 _MOST_ROUNDS = 64
+_GROWTH, _ALLOWANCE = 4, 200  # crossings of a round, by those of the first
 _NAMED, _MOST_PLACES = 10, 10_000
 
 
@@ -81,26 +84,30 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
     """Build, insert what crosses, and build again until nothing does."""
     edges = given.edges
     split = Split(points, edges, np.arange(len(edges), dtype=np.int32))
-    for number in range(_MOST_ROUNDS + 1):
+    most = 0
+    for number in count():
         split.built = build(split.points, split.edges)
         *_, zero_length, _, crossings = split.built
+        if not len(crossings):
+            break
+        if number == 0:
+            most = _GROWTH * len(crossings) + _ALLOWANCE
+        if number == _MOST_ROUNDS or len(crossings) > most:
+            raise _unending(split, given, crossings[0], number)
+        _insert(split, crossings, points, edges)
         if number == 0:  # later, ends of parts may be at one position
             split.zero_length = zero_length
-        if not len(crossings):
-            return split
-        if number < _MOST_ROUNDS:
-            _insert(split, crossings, points, edges)
-    raise _unending(split, given, crossings[0])
+    return split
 
 
-def _unending(split: Split, given: Constraints, pair: Rows) -> InputError:
-    """Name the place where edges still cross."""
+def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> InputError:
+    """Name a place where edges still cross."""
     e, f = split.origins[pair].tolist()
     place = _rounded(_Points(split.points).crossing(*split.edges[pair].ravel().tolist()))
     return InputError(
-        f"edges still cross after {_MOST_ROUNDS} rounds of {Option('crossing', 'split')}, as "
-        f"{given.named(e)} and {given.named(f)} do at {place}: they are nearer to each other than "
-        "float64 can tell apart; move them, or leave one out"
+        f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}, as "
+        f"{given.named(e)} and {given.named(f)} do at {place}: too many edges are nearer to each "
+        "other than float64 can tell apart; move them, or leave some out"
     )
 
 

@@ -70,10 +70,10 @@ def verify(  # noqa: PLR0913 - options are keywords
     points : array_like of shape (n, 2) or (n, 3), or a mesh
         The points; z is ignored. Without `simplices`, a mesh: a `Surface`, which is checked in its
         own plane, by the faces that are left if it was trimmed, which `Surface.triangulation` still
-        has all; a `Triangulation`, or one of SciPy or matplotlib; a mesh of trimesh or Open3D, a
-        `Cloud` with faces, or the path of a file, which are seen from above. Or an
-        `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only `threads` and
-        `progress` can be given with it.
+        has all (with breaklines, as `carved`); a `Triangulation`, or one of SciPy or matplotlib; a
+        mesh of trimesh or Open3D, a `Cloud` with faces, or the path of a file, which are seen from
+        above. Or an `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only
+        `threads` and `progress` can be given with it.
     simplices : array_like of int, of shape (m, 3), optional
         The corners of each triangle as rows of `points`. Triangles may be in any order, and any
         corner may be first.
@@ -253,6 +253,8 @@ def _points_and_triangles(
     said = (lambda _: {}) if told else options_of
     lifted_by = said(mesh if solved is None else solved)
     if solved is not None and hasattr(mesh, "faces"):
+        if "constraints" in lifted_by and len(mesh.faces) < len(solved.simplices):
+            lifted_by["carved"] = True
         return solved.points, mesh.faces, len(solved.skipped) > 0, lifted_by
     if hasattr(mesh, "points") and hasattr(mesh, "simplices"):
         return mesh.points, mesh.simplices, len(getattr(mesh, "skipped", ())) > 0, lifted_by

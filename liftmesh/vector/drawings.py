@@ -33,8 +33,6 @@ def read_dxf(path: Path) -> dict[str, Any]:
         raise FormatError(f"{path}: no DXF: {error}") from error
     except (ezdxf.DXFError, ValueError, TypeError, LookupError, ArithmeticError) as error:
         raise FormatError(f"{path}: damaged, or no DXF: {error}") from error
-    if not any(corner[2] for line in lines for corner in line):  # a plan, whose z says nothing
-        lines = [[corner[:2] for corner in line] for line in lines]
     return _tree(lines)
 
 
@@ -60,7 +58,9 @@ def _obj_lines(text: str) -> Iterator[list[tuple[float, ...]]]:
         keyword, *values = line.partition("#")[0].split() or [""]
         try:
             if keyword == "v":
-                vertices.append((float(values[0]), float(values[1]), *map(float, values[2:3])))
+                vertices.append(
+                    (float(values[0]), float(values[1]), *map(float, values[2:3] or ["nan"]))
+                )
             elif keyword == "l":
                 places = [int(each.partition("/")[0]) for each in values]
                 yield [vertices[_place(each, len(vertices))] for each in places]
@@ -78,4 +78,6 @@ def _place(given: int, count: int) -> int:
 
 def _tree(lines: list[Any]) -> dict[str, Any]:
     lines = [line for line in lines if len(line) > 1]
+    if not any(corner[2] for line in lines for corner in line):  # a plan, whose z says nothing
+        lines = [[corner[:2] for corner in line] for line in lines]
     return {"type": "MultiLineString", "coordinates": lines}

@@ -28,6 +28,7 @@ POSTS = 1600  # of a side, for the 105,000 points of the coast
 COAST = 105_000
 SEA_LEVEL = 0.27  # in deviations: it and the least ring give 105,000 points in 2,900 rings
 LEAST_RING = 6  # points
+CLOSE = 1.001  # radii of rings and turns: twice as far apart as their chords are deep
 
 
 def shuffled(points: Points, edges: Edges, rng: Generator) -> Case:
@@ -142,17 +143,16 @@ def comb(n: int, rng: Generator) -> Case:
 def spiral(n: int, rng: Generator) -> Case:
     """A polyline of a hundred points a turn, whose turns are much closer than its points."""
     turns = np.arange(n + 1) / 100.38
-    return path(polar(1 + turns / turns[-1], 2 * np.pi * turns), rng)
+    return path(polar(CLOSE**turns, 2 * np.pi * turns), rng)
 
 
 def rings(n: int, rng: Generator) -> Case:
     """Rings of a hundred points around each other, each turned at random."""
-    count = max(n // 100, 1)
-    turned = rng.random((count, 1)) + np.arange(100) / 100
-    radius = 1 + np.arange(count)[:, None] / max(count, 1000)
-    rows = np.arange(100 * count, dtype=np.int32).reshape(count, 100)
-    edges = np.column_stack([rows.ravel(), np.roll(rows, -1, axis=1).ravel()])
-    return shuffled(polar((radius + 0 * turned).ravel(), 2 * np.pi * turned.ravel()), edges, rng)
+    rows = np.arange(100 * max(n // 100, 1), dtype=np.int32).reshape(-1, 100)
+    ring = np.arange(len(rows))[:, None]
+    turned = rng.random((len(rows), 1)) + np.arange(100) / 100
+    points = polar((CLOSE**ring + 0 * turned).ravel(), 2 * np.pi * turned.ravel())
+    return shuffled(points, np.column_stack([rows.ravel(), np.roll(rows, -1, axis=1).ravel()]), rng)
 
 
 def parallels(n: int, rng: Generator) -> Case:

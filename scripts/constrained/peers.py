@@ -38,19 +38,9 @@ class NoAnswerError(Exception):
 
 
 def liftmesh(points: Points, edges: Edges, carve: bool, *_: object) -> Call:
-    kernel = import_module("liftmesh._kernel")
-    bounds, winding = np.ones(len(edges), np.uint8), np.zeros(len(edges), np.int32)
-    none = np.empty(0, np.int32)
-
-    def call() -> Any:
-        outcome, marks, pieces, *_ = kernel.constrained(points, edges, False, 1, False, None)
-        simplices, neighbors = outcome[3:5]
-        if not carve:
-            return simplices
-        kept = kernel.carve(simplices, neighbors, marks, pieces, bounds, winding, "holes", none)
-        return simplices[kept.astype(bool)]
-
-    return call
+    build = import_module("liftmesh").constrained_delaunay
+    way = "holes" if carve else None
+    return lambda: build(points, edges, carve=way, threads=1).simplices
 
 
 def delaunay(points: Points, *_: object) -> Call:

@@ -14,7 +14,12 @@ COUNTED = "-fsanitize-coverage=inline-8bit-counters,pc-table"
 FUZZ_TARGET = Program("kernel", HERE / "kernel", CHECKED, (COUNTED,), ("-fsanitize=fuzzer",))
 
 KINDS = ("ply", "obj", "xyz", "numbers")
-PARTS = ("changing", "surface", "simplification")  # of the kernel, by targets of their own
+PARTS = (
+    "changing",
+    "constraints",
+    "surface",
+    "simplification",
+)  # of the kernel, by targets of their own
 SCRIPTS = ROOT / "scripts"
 CORPORA = ROOT / "tests" / "corpus"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,9 +38,21 @@ def crossing_lines(n: int) -> Case:
     return points, np.concatenate(pairs).astype(np.int32)
 
 
+def overlaps(n: int) -> Case:
+    """Edges on top of each other along a line of points, and a triangle beside it."""
+    half = np.arange(n // 2)
+    points = np.zeros((2 * len(half) + 3, 2))
+    points[3:, 0] = np.arange(2 * len(half))
+    points[:3] = [[0, -9], [n, -9], [n / 2, -5]]
+    nested = np.column_stack([half, 2 * len(half) - 1 - half]) + 3
+    staggered = np.column_stack([half, half + len(half)]) + 3
+    return points, np.concatenate([[[0, 1], [1, 2], [2, 0]], nested, staggered]).astype(np.int32)
+
+
 CASES: Families = {name: seeded(family) for name, family in FAMILIES.items()}
 RINGS: Families = {name: CASES[name] for name in ("coast", "nested rings")}
 HARD = ("star", "comb", "nested rings", "strip")
+OVERLAPS: Families = {"overlaps": overlaps}
 CROSSING: Families = {"crossing lines": crossing_lines}
 
 
@@ -51,6 +64,22 @@ def constrained(call: Callable[..., object], **options: Any) -> Prepare:
         return Work(lambda: call(points, edges, threads=1, **options), len(points) + len(edges))
 
     return prepare
+
+
+def verified(case: Case, triangles: Any, **options: Any) -> Work:
+    """Prepare the verification of triangles with the edges of a case as constraints."""
+    points, edges = case
+    call = partial(liftmesh.verify, points, triangles, constraints=edges, threads=1, **options)
+    return Work(call, len(points) + len(edges))
+
+
+def verified_whole(case: Case) -> Work:
+    return verified(case, constrained_delaunay(*case, threads=1).simplices)
+
+
+def verified_carved(case: Case) -> Work:
+    made = constrained_delaunay(*case, threads=1, carve="holes")
+    return verified(case, made.simplices, carved=True)
 
 
 def split(case: Case) -> Work:
@@ -94,6 +123,12 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "constrained_delaunay carved", RINGS, carved, ("nested rings",)
     yield "constrained_delaunay by coordinates", CASES, constrained(by_coordinates), ("tiling",)
     yield "constrained_delaunay split", CROSSING, split
+    yield "verify with constraints", CASES, verified_whole, ("tiling", *HARD)
+    yield "verify carved", RINGS, verified_carved, ("nested rings",)
+    on_line = lambda case: verified(case, liftmesh.delaunay(case[0]).simplices)  # noqa: E731
+    yield "verify with overlaps", OVERLAPS, on_line
+    beside = lambda case: verified(case, [[0, 1, 2]], carved=True)  # noqa: E731
+    yield "verify with overlaps outside", OVERLAPS, beside
     yield f"{name}.find_simplex", RINGS, on_triangulation(located, carve="holes"), ("nested rings",)
     for key in ("is_constrained", "regions", "repeated"):
         call = on_triangulation(lambda tri, key=key: getattr(tri, key))

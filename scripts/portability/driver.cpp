@@ -34,6 +34,7 @@ void run_sets(const char* file) {
         add_disks(coordinates, rows, digests);
         add_surfaces(coordinates, rows, digests);
         add_changes(coordinates, rows, digests);
+        add_constraints(coordinates, rows, digests);
         add_tiles(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);

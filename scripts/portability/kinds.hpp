@@ -26,6 +26,9 @@ void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests)
 // Points that come and go, and terrains of few triangles.
 void add_changes(const double* coordinates, std::size_t rows, Digests& digests);
 
+// Edges that a triangulation must have, and the regions between them.
+void add_constraints(const double* coordinates, std::size_t rows, Digests& digests);
+
 // The nodes of a tiled triangulation, and what their faces reach.
 void add_tiles(const double* coordinates, std::size_t rows, Digests& digests);
 

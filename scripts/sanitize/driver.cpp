@@ -154,6 +154,7 @@ void check(const Cloud& cloud) {
     check_family(cloud);
     check_tiles(cloud, alone.result.triangle_count);
     check_changes(cloud);
+    check_constraints(cloud);
     check_disks(cloud);
     std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
                 alone.result.triangle_count);

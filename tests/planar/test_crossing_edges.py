@@ -127,8 +127,10 @@ def test_edges_are_chains_from_end_to_end(seed: int, kind: str) -> None:
     assert not crosses.any()
 
 
-def test_rounds_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(crossing_edges, "_MOST_ROUNDS", 0)
+@pytest.mark.parametrize("bounds", [{"_MOST_ROUNDS": 0}, {"_GROWTH": 0, "_ALLOWANCE": 0}])
+def test_rounds_are_bounded(bounds: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
+    for name, value in bounds.items():
+        monkeypatch.setattr(crossing_edges, name, value)
     with pytest.raises(
         liftmesh.InputError, match=r"after 0 rounds .*edge 0 and edge 1 do at \(1.5"
     ):

@@ -292,6 +292,21 @@ def test_constrained_triangulations_say_their_constraints() -> None:
         liftmesh.natural_neighbors(carved, [[1, 1]])
 
 
+def test_surfaces_say_their_constraints() -> None:
+    cloud = np.random.default_rng(0).random((200, 3)) * (10, 10, 1)
+    border = [[2, 2], [8, 2], [8, 8], [2, 8]]
+    hole = [[4, 6], [5, 6], [5, 7], [4, 7]]
+    surface = liftmesh.triangulate(cloud, breaklines=[[[3, 3, 0], [7, 7, 0]]], boundary=border)
+    assert surface.verify().n_outside == 0
+    found = liftmesh.verify(surface)
+    assert (found.canonical, found.carved) == (True, True)
+    assert found.n_outside == sum((np.abs(cloud[:, :2] - 5) > 3).any(axis=1))
+    whole = liftmesh.triangulate(cloud, breaklines=[hole])
+    assert liftmesh.verify(whole).canonical
+    assert not liftmesh.verify(whole).carved
+    assert kinds(liftmesh.verify(whole.trim(max_edge=1.5))).keys() == {"open_boundaries"}
+
+
 def test_the_json_form_identifies_constraints() -> None:
     said = liftmesh.verify(KITE, ACROSS, constraints=[[0, 2]]).as_dict()
     assert (said["format_version"], said["member"], said["carved"]) == (3, "constrained", False)

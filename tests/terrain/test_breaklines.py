@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import ezdxf
 import geopandas
 import numpy as np
 import pytest
@@ -308,3 +309,29 @@ def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:
     for each in (island, tmp_path / "lots.shp"):
         found = liftmesh.triangulate(hills(), boundary=each)
         assert plane_area(found) == pytest.approx(island.area)
+
+
+@pytest.mark.parametrize("suffix", ["dxf", "obj"])
+def test_drawings(tmp_path: Path, suffix: str) -> None:
+    """Lines with heights, and those of a plan, which has none; closed ones bound what is hidden."""
+    for height, flagged in ((1.0, 1), (0.0, 2)):
+        line = KERB * [1, 1, height]
+        path, rings = tmp_path / f"kerb.{suffix}", tmp_path / f"rings.{suffix}"
+        if suffix == "dxf":
+            drawing, other = ezdxf.new(), ezdxf.new()
+            drawing.modelspace().add_polyline3d(line)
+            other.modelspace().add_lwpolyline(SQUARE, close=True)
+            other.modelspace().add_lwpolyline(SQUARE / 2 + [16, 8], close=True)
+            drawing.saveas(path)
+            other.saveas(rings)
+        else:
+            path.write_text("".join("v {} {} {}\n".format(*row) for row in line) + "l 1 2\n")
+            corners = np.concatenate([SQUARE, SQUARE / 2 + [16, 8]])
+            content = "".join("v {} {}\n".format(*row) for row in corners)
+            rings.write_text(content + "l 1 2 3 4 1\nl 5 6 7 8 5\n")
+        surface = liftmesh.triangulate(hills(), breaklines=path)
+        assert surface.attributes["breakline"][-2:].tolist() == [flagged] * 2
+        assert surface.sample(KERB[1, :2]) == (14 if flagged == 1 else surface.vertices[-1, 2])
+        hidden = liftmesh.triangulate(hills(), holes=rings)
+        whole = plane_area(liftmesh.triangulate(hills()))
+        assert plane_area(hidden) == pytest.approx(whole - 48 * 24 * 3 / 4)

@@ -116,8 +116,8 @@ class Sequence {
     }
     // Without what a point is needed for.
     void release(Vertex v) {
-        for (const auto [a, b] : mesh_.holders(v)) mesh_.remove_constraint(a, b);
-        demand(mesh_.holders(v).empty(), "a point is held by what has gone");
+        for (auto held = mesh_.holders(v); !held.empty(); held = mesh_.holders(v))
+            for (const auto [a, b] : held) mesh_.remove_constraint(a, b);
     }
     void insert_constraint() {
         if (present_.empty()) return;

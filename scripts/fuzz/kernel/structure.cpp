@@ -124,12 +124,13 @@ Rows check_structure(const Case& c, const Result& result, const Rows& rows) {
     return corners;
 }
 
-void check_delaunay(const Case& c, const Result& result) {
+void check_delaunay(const Case& c, const Result& result, const std::uint8_t* marks) {
     const Walk walk(c, result);
     for (std::size_t t = 0; t < walk.count(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::int32_t u = walk.neighbor(t, k);
-            if (u < static_cast<std::int32_t>(t)) continue;
+            const bool is_marked = marks != nullptr && (marks[t] >> k & 1) != 0;
+            if (u < static_cast<std::int32_t>(t) || is_marked) continue;
             const std::int32_t apex = walk.corner(static_cast<std::size_t>(u), walk.facing(t, k));
             demand(
                 incircle_in(c, walk.corner(t, 0), walk.corner(t, 1), walk.corner(t, 2), apex) < 0,

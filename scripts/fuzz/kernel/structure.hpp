@@ -18,8 +18,10 @@ using Triangle = std::array<std::int32_t, 3>;
 // those that are.
 Rows check_structure(const Case& c, const liftmesh::Result& result, const Rows& rows);
 
-// No circumcircle contains the apex of a neighbour, and the symbolic perturbation decides ties.
-void check_delaunay(const Case& c, const liftmesh::Result& result);
+// No circumcircle contains the apex of a neighbour, and the symbolic perturbation decides ties; the
+// edges that the bits of each triangle mark are left out.
+void check_delaunay(const Case& c, const liftmesh::Result& result,
+                    const std::uint8_t* marks = nullptr);
 
 // No row is below a facet.
 void check_lower(const Case& c, const liftmesh::Result& result, const Rows& rows);

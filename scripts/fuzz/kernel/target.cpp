@@ -87,6 +87,7 @@ struct Target {
 
 constexpr Target targets[] = {{"kernel", check_kernel},
                               {"changing", check_sequence},
+                              {"constraints", check_constraints},
                               {"surface", check_surface},
                               {"simplification", check_simplification}};
 const Target* chosen = targets;

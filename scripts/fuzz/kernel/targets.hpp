@@ -8,6 +8,9 @@ namespace fuzzing {
 // Points come and go one by one, in batches and in interrupted ones.
 void check_sequence(Bytes bytes);
 
+// Edges between rows that a triangulation must have.
+void check_constraints(Bytes bytes);
+
 // Heights, pixels, lines, rings and volumes of a surface.
 void check_surface(Bytes bytes);
 
