@@ -14,8 +14,7 @@ import math
 from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from fractions import Fraction
-from itertools import count, pairwise
+from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -26,7 +25,6 @@ from liftmesh.base.options import counted
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constraints import Constraints, match_rows
 
-Exact: TypeAlias = tuple[Fraction, Fraction]
 Build: TypeAlias = Callable[[Reals, Rows], Any]  # of the kernel: its last item are the crossings
 
 _MOST_ROUNDS = 64
@@ -45,11 +43,10 @@ def crossing_error(
     rows = np.where(is_later[:, None, None], ends[:, ::-1], ends).reshape(-1, 4)
     order = np.lexsort((*pairs.T[::-1], *rows.T[::-1]))
     pairs, rows = pairs[order], rows[order]
-    known = _Points(points)
-    places = [_rounded(known.crossing(*each)) for each in rows[:_MOST_PLACES].tolist()]
+    places = [_crossing(each) for each in _ends(points, rows[:_MOST_PLACES])]
     named = [
-        f"{given.named(e)} from {known.named(a)} to {known.named(b)} and {given.named(f)} from "
-        f"{known.named(c)} to {known.named(d)}, at {place}"
+        f"{given.named(e)} from {_named(points, a)} to {_named(points, b)} and {given.named(f)} "
+        f"from {_named(points, c)} to {_named(points, d)}, at {place}"
         for (e, f), (a, b, c, d), place in zip(
             pairs[:_NAMED].tolist(), rows[:_NAMED].tolist(), places[:_NAMED], strict=True
         )
@@ -84,12 +81,12 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
     """Build, insert what crosses, and build again until nothing does."""
     edges = given.edges
     split = Split(points, edges, np.arange(len(edges), dtype=np.int32))
-    most = 0
-    for number in count():
+    number = most = 0
+    while True:
         split.built = build(split.points, split.edges)
         *_, zero_length, _, crossings = split.built
         if not len(crossings):
-            break
+            return split
         if number == 0:
             most = _GROWTH * len(crossings) + _ALLOWANCE
         if number == _MOST_ROUNDS or len(crossings) > most:
@@ -97,13 +94,14 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
         _insert(split, crossings, points, edges)
         if number == 0:  # later, ends of parts may be at one position
             split.zero_length = zero_length
-    return split
+        number += 1
 
 
 def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> InputError:
     """Name a place where edges still cross."""
     e, f = split.origins[pair].tolist()
-    place = _rounded(_Points(split.points).crossing(*split.edges[pair].ravel().tolist()))
+    (ends,) = _ends(split.points, split.edges[pair].reshape(1, 4))
+    place = _crossing(ends)
     return InputError(
         f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}, as "
         f"{given.named(e)} and {given.named(f)} do at {place}: too many edges are nearer to each "
@@ -113,27 +111,26 @@ def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> Inpu
 
 def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     """Put a row at each crossing, and split both edges there."""
-    known = _Points(split.points)
-    exact = [known.crossing(*each) for each in split.edges[crossings].reshape(-1, 4).tolist()]
-    places = np.array([_rounded(each) for each in exact])
+    ends = _ends(split.points, split.edges[crossings].reshape(-1, 4))
+    places = np.array([_crossing(each) for each in ends])
     rows, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
-    at: dict[int, list[tuple[Exact, int]]] = defaultdict(list)
-    for pair, place, row in zip(crossings.tolist(), exact, rows.tolist(), strict=True):
+    at: dict[int, list[int]] = defaultdict(list)
+    for pair, row in zip(crossings.tolist(), rows.tolist(), strict=True):
         for edge in pair:
-            at[edge].append((place, row))
-    given, placed = _Points(points), _Points(split.points)
+            at[edge].append(row)
     parts, origins = [], []
     for edge, several in at.items():
         tail, head = split.edges[edge].tolist()
-        origin = int(split.origins[edge])
-        is_reversed = known.at(head) < known.at(tail)
-        chain = [tail, *(row for _, row in sorted(several, reverse=is_reversed)), head]
+        # Rounding keeps the order of crossings along both axes, or makes them equal.
+        toward = np.where(split.points[tail] <= split.points[head], 1, -1)
+        x, y = (split.points[several] * toward).T
+        chain = [tail, *np.array(several)[np.lexsort((y, x))].tolist(), head]
         chain = [row for k, row in enumerate(chain) if k == 0 or row != chain[k - 1]]
         parts += list(pairwise(chain))
-        origins += [origin] * (len(chain) - 1)
-        a, b = map(given.at, edges[origin].tolist())
-        far = max(_distance(placed.at(row), a, b) for _, row in several)
+        origins += [split.origins[edge]] * (len(chain) - 1)
+        line = points[edges[split.origins[edge]]].ravel().tolist()
+        far = max(_distance([*line, *each]) for each in split.points[several].tolist())
         split.displacement = max(split.displacement, far)
     kept = np.ones(len(split.edges), dtype=np.bool_)
     kept[list(at)] = False
@@ -141,45 +138,41 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     split.origins = np.concatenate([split.origins[kept], np.array(origins, dtype=np.int32)])
 
 
-class _Points:
-    """Exact positions of rows."""
-
-    def __init__(self, points: Array) -> None:
-        self._points = points
-
-    def at(self, row: int) -> Exact:
-        x, y = self._points[row].tolist()
-        return Fraction(x), Fraction(y)
-
-    def named(self, row: int) -> str:
-        return f"row {row} {tuple(self._points[row].tolist())}"
-
-    def crossing(self, *rows: int) -> Exact:
-        """Return where two edges cross."""
-        a, b, c, d = map(self.at, rows)
-        above, below = _turn(c, d, a), _turn(c, d, b)
-        share = above / (above - below)
-        return a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])
+def _ends(points: Array, rows: Rows) -> list[list[float]]:
+    """Return the coordinates of the ends of pairs of edges."""
+    ends: list[list[float]] = points[rows].reshape(len(rows), 8).tolist()
+    return ends
 
 
-def _turn(a: Exact, b: Exact, c: Exact) -> Fraction:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+def _named(points: Array, row: int) -> str:
+    return f"row {row} {tuple(points[row].tolist())}"
 
 
-def _rounded(place: Exact) -> tuple[float, float]:
-    return float(place[0]), float(place[1])
+def _integers(coordinates: list[float]) -> tuple[list[int], int]:
+    """Return coordinates times a power of two that makes integers of all, and that power."""
+    ratios = [each.as_integer_ratio() for each in coordinates]
+    scale = max(under for _, under in ratios)
+    return [over * (scale // under) for over, under in ratios], scale
 
 
-def _distance(p: Exact, a: Exact, b: Exact) -> float:
+def _crossing(ends: list[float]) -> tuple[float, float]:
+    """Return where two edges cross: Python rounds the quotient of integers once."""
+    (ax, ay, bx, by, cx, cy, dx, dy), scale = _integers(ends)
+    above = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
+    below = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
+    whole = above - below
+    x, y = ax * whole + above * (bx - ax), ay * whole + above * (by - ay)
+    return x / (whole * scale), y / (whole * scale)
+
+
+def _distance(line_and_point: list[float]) -> float:
     """Return the distance of a point from a line, rounded."""
-    x, y = b[0] - a[0], b[1] - a[1]
-    return _root(_turn(a, b, p) ** 2 / (x * x + y * y))
-
-
-def _root(value: Fraction) -> float:
-    """Return the square root of what may be out of the range of float64."""
-    shift = (value.numerator.bit_length() - value.denominator.bit_length()) // 2
-    return math.ldexp(math.sqrt(value / Fraction(4) ** shift), shift)
+    (ax, ay, bx, by, px, py), scale = _integers(line_and_point)
+    turn = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
+    over, under = turn * turn, ((bx - ax) ** 2 + (by - ay) ** 2) * scale * scale
+    shift = (over.bit_length() - under.bit_length()) // 2  # the square may be out of range
+    over, under = over << max(-2 * shift, 0), under << max(2 * shift, 0)
+    return math.ldexp(math.sqrt(over / under), shift)
 
 
 def origins_of(indptr: Rows, members: Rows, origins: Rows) -> tuple[Rows, Rows]:

@@ -155,8 +155,11 @@ class _Drape(LineCrossings):
         return [each for each in parts if len(each) > 1]
 
     def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
-        ends = np.sort(sides, axis=1)
-        return super()._crossings(sides[~np.isin(pair_keys(*ends.T), self._pieces)], p, q)
+        if len(self._pieces):
+            keys = pair_keys(*np.sort(sides, axis=1).T)
+            place = np.minimum(np.searchsorted(self._pieces, keys), len(self._pieces) - 1)
+            sides = sides[self._pieces[place] != keys]
+        return super()._crossings(sides, p, q)
 
 
 @dataclass(slots=True, eq=False)

@@ -5,9 +5,9 @@ and of a regular one, too, by whose weights the metadata of a file say that it w
 corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
 faces: it is made again, and what the mesh does not have is masked.
 
-A mesh that follows lines has sides that the Delaunay triangulation of its corners lacks. These are
-all that must be asked for: a side that is Delaunay is in every constrained triangulation whose
-edges it does not cross.
+Other meshes, as those that follow lines, have sides that the Delaunay triangulation of their
+corners lacks. These are all that must be asked for: a side that is Delaunay is in every constrained
+triangulation whose edges it does not cross. But first those are asked for that the mesh states.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, used_rows
 from liftmesh.errors import CrossingError, InputError
-from liftmesh.io.columns import checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces, edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
@@ -28,7 +28,6 @@ from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import named_values
 from liftmesh.planar.regular import regular
-from liftmesh.terrain.breaklines import BREAKLINE
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
@@ -56,15 +55,16 @@ def as_surface(
     -------
     Surface
         All rows of the mesh are its vertices; rows in no face are skipped by its triangulation.
-        Triangles that the mesh does not have, as one that was trimmed, are masked.
+        Triangles that the mesh does not have, as one that was trimmed, are masked. Sides that are
+        not Delaunay, as along breaklines, become constraints of the triangulation.
 
     Raises
     ------
     InputError
-        The mesh has no faces, faces share a planar position but no row, or one is no triangle of
-        the triangulation of their corners: the Delaunay triangulation, or the one by the weights,
-        radii or metric that the metadata say. So are most meshes of more than a few faces that a
-        format in single precision (GLB, glTF, STL) has rounded.
+        The mesh has no faces, faces share a planar position but no row, faces overlap, or hold
+        further corners; or one is no triangle of the regular triangulation, or the one in a metric,
+        that the metadata say. So are many meshes that a format in single precision (GLB, glTF,
+        STL) has rounded.
     UnsupportedTypeError
         No adapter can convert the object to a cloud.
     FormatError
@@ -98,14 +98,20 @@ def as_surface(
     _check(cloud, planar, used)
     planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
     solved = _solved(cloud, planar, threads)
-    if BREAKLINE in cloud.attributes:
-        solved = _following(solved, faces, planar, threads)
+    place = _places(solved.simplices, faces, len(cloud))
+    edges = checked_edges(edges_of(cloud), len(cloud), "the mesh")
+    if ((place < 0).any() or len(edges)) and not Provenance(cloud.metadata).lifted_by:
+        for asked in _sides(solved, faces, edges):
+            solved = _with_edges(solved, asked, planar, threads)
+            place = _places(solved.simplices, faces, len(cloud))
+            if (place >= 0).all():
+                break
     if len(solved.duplicates):
         row, kept = solved.duplicates[0].tolist()
         raise InputError(
             f"rows {kept} and {row} of faces are at one planar position: {_remedy(cloud, 'points')}"
         )
-    mask = _absent(solved.simplices, faces, cloud)
+    mask = _absent(place, solved.simplices, faces, cloud)
     kept_faces = solved.simplices if mask is None else solved.simplices[~mask]
     return Surface(
         vertices=cloud.points,
@@ -133,16 +139,22 @@ def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
     return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
 
 
-def _following(
-    solved: Triangulation, faces: Rows, planar: Floats, threads: int | None
-) -> Triangulation:
-    """Triangulate the corners with the sides that a triangulation does not have."""
+def _sides(solved: Triangulation, faces: Rows, edges: Rows) -> tuple[Integers, Integers]:
+    """Return the sides that are edges, and these with those that a triangulation does not have."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     sides = np.unique(pair_keys(*ends.T))
     missing = np.setdiff1d(sides, pair_keys(*solved.edges.T), assume_unique=True)
-    if not len(missing):
+    stated = np.intersect1d(sides, pair_keys(*np.sort(edges, axis=1).T))
+    return stated, np.union1d(missing, stated)
+
+
+def _with_edges(
+    solved: Triangulation, asked: Integers, planar: Floats, threads: int | None
+) -> Triangulation:
+    """Triangulate the corners with edges."""
+    if not len(asked):
         return solved
-    edges = np.stack(pairs_of_keys(missing), axis=1).astype(np.int32)
+    edges = np.stack(pairs_of_keys(asked), axis=1).astype(np.int32)
     try:
         return constrained_delaunay(
             planar, edges, nonfinite="skip", order="canonical", threads=threads
@@ -159,25 +171,31 @@ def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:
         raise InputError(f"row {row} of a face is not finite: {cloud.points[row].tolist()}")
 
 
-def _absent(simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
+def _absent(place: Integers, simplices: Rows, faces: Rows, cloud: Cloud) -> Array | None:
     """Tell which triangles the mesh does not have; raise if it has others."""
-    pairs, lasts = _names(simplices, len(cloud))
+    if (place < 0).any():
+        number = int(np.argmin(place))
+        raise InputError(
+            f"face {number}, of the rows {faces[number].tolist()}, is no triangle of the Delaunay "
+            f"triangulation of the vertices, nor of one with its sides as constraints: "
+            f"{_remedy(cloud, 'vertices')}"
+        )
+    absent = np.ones(len(simplices), dtype=np.bool_)
+    absent[place] = False
+    return absent if absent.any() else None
+
+
+def _places(simplices: Rows, faces: Rows, rows: int) -> Integers:
+    """Return the triangle that each face of the mesh is; -1 if it is none."""
+    pairs, lasts = _names(simplices, rows)
     order = np.lexsort((lasts, pairs))
     pairs, lasts = pairs[order], lasts[order]
-    their_pairs, their_lasts = _names(faces, len(cloud))
+    their_pairs, their_lasts = _names(faces, rows)
     end = len(order) - 1
     place = np.minimum(np.searchsorted(pairs, their_pairs), end)
     place = np.minimum(place + (lasts[place] != their_lasts), end)  # two share a side at most
-    strange = np.flatnonzero((pairs[place] != their_pairs) | (lasts[place] != their_lasts))
-    if len(strange):
-        number = int(strange[0])
-        raise InputError(
-            f"face {number}, of the rows {faces[number].tolist()}, is no triangle of the Delaunay "
-            f"triangulation of the vertices: {_remedy(cloud, 'vertices')}"
-        )
-    absent = np.ones(len(simplices), dtype=np.bool_)
-    absent[order[place]] = False
-    return absent if absent.any() else None
+    is_there = (pairs[place] == their_pairs) & (lasts[place] == their_lasts)
+    return np.where(is_there, order[place], -1)
 
 
 def _remedy(cloud: Cloud, points: str) -> str:

@@ -228,8 +228,10 @@ def _whole(
 def _check_faces(mesh: Cloud, plane: Any) -> None:
     """Raise for a mesh of fewer faces than its points have, if it may have been trimmed."""
     try:
-        as_surface(mesh, plane=plane)
+        found = as_surface(mesh, plane=plane)
     except InputError:  # the faces are others: the points count alone, as those of a cloud
+        return
+    if isinstance(found.triangulation, ConstrainedTriangulation):
         return
     if not Provenance(mesh.metadata).lifted_by:
         raise InputError(

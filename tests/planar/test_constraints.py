@@ -14,6 +14,7 @@ from hypothesis import given, settings, strategies as st
 
 import liftmesh
 from liftmesh import constrained_delaunay
+from liftmesh.planar import constraints
 from liftmesh.planar.constraints import Constraints, gather, match_rows
 
 SQUARE = [[0.0, 0.0], [3.0, 0.0], [3.0, 3.0], [0.0, 3.0]]
@@ -227,6 +228,21 @@ def test_wrong_lines_are_named(options: dict[str, Any], said: str | None) -> Non
     error = liftmesh.InputError if said else FileNotFoundError
     with pytest.raises(error, match=said):
         gathered(**options)
+
+
+def test_rings_of_rows_that_are_not_finite() -> None:
+    points = [*SQUARE, [float("nan"), 1]]
+    with pytest.raises(liftmesh.NonFiniteError):
+        constrained_delaunay(points, polygons=[[0, 1, 4]])
+    with pytest.raises(liftmesh.InputError, match=r"2 edges end .*edge 1 \(of polygon 0\), \[1, 4"):
+        constrained_delaunay(points, polygons=[[0, 1, 4]], nonfinite="skip")
+
+
+def test_too_many_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(constraints, "MOST_ROWS", 4)
+    assert len(gathered(polylines=[SQUARE]).added) == 0
+    with pytest.raises(liftmesh.InputError, match="2 edges of 5 rows are more than 32-bit"):
+        gathered(polylines=[LINE])
 
 
 def test_empty_lists_are_no_constraints() -> None:

@@ -116,6 +116,8 @@ def test_lines_that_cross_are_named_with_both_heights() -> None:
         [[10, 30, 4.875], [10, 10.5, 10.625]],
     )
     assert surface.report.lines["rows_at_crossings"] == 2
+    apart = liftmesh.triangulate(hills(), breaklines=lines[::2], crossing="split")
+    assert apart.report.lines["rows_at_crossings"] == 0
     turned = liftmesh.triangulate(hills(), breaklines=lines[1::-1], crossing="split")
     assert turned.vertices[-1].tolist() == [10, 10.5, 3.65625]
 
@@ -260,6 +262,9 @@ def test_other_planes() -> None:
     assert len(tilted.triangulation.constraints) >= 1
     with pytest.raises(InputError, match="'xy', 'xz' or 'yz'"):
         liftmesh.triangulate(hills(), boundary=SQUARE, plane="fit")
+    lines = [KERB, [[10, 0, 3], [10, 32, 5]]]
+    with pytest.raises(InputError, match="rows of their own in the plane, which is 'fit'"):
+        liftmesh.triangulate(hills(), breaklines=lines, plane="fit", crossing="split")
 
 
 @pytest.mark.parametrize(
@@ -278,6 +283,7 @@ def test_other_planes() -> None:
         ({"breaklines": [[0, np.nan, 1], [1, 1, 1]]}, "a corner of breakline 0 is not finite"),
         ({"breaklines": KERB, "crossing": "ignore"}, "crossing is 'ignore'"),
         ({"holes": {"type": "Point", "coordinates": [1, 2]}}, "Polygon or MultiPolygon"),
+        ({"holes": {"type": "Feature", "geometry": [3]}}, "no GeoJSON"),
     ],
 )
 def test_what_is_refused(options, message) -> None:

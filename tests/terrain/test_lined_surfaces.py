@@ -134,12 +134,21 @@ def test_trimmed_closed_and_moved(surface) -> None:
     assert (np.unique(ends, axis=0, return_counts=True)[1] == 2).all()
     raised = surface.replace(vertices=surface.vertices * [1, 1, 2])
     assert raised.triangulation is surface.triangulation
+    shifted = surface.replace(vertices=surface.vertices + np.array([64, -128, 1]))
+    assert shifted.verify().canonical
+    np.testing.assert_array_equal(shifted.faces, surface.faces)
+    np.testing.assert_array_equal(
+        shifted.triangulation.constraints, surface.triangulation.constraints
+    )
+    mixed = surface.vertices * np.array([1, 8, 1])
+    with pytest.raises(InputError, match="moved vertices have another triangulation"):
+        surface.replace(vertices=mixed)
     copy = pickle.loads(pickle.dumps(surface))
     np.testing.assert_array_equal(copy.faces, surface.faces)
     np.testing.assert_array_equal(copy.triangulation.constraints, surface.triangulation.constraints)
 
 
-@pytest.mark.parametrize("suffix", ["ply", "npz"])
+@pytest.mark.parametrize("suffix", ["ply", "npz", "obj", "off"])
 def test_a_file_gives_the_surface_again(surface, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"tin.{suffix}"
     surface.save(path)
