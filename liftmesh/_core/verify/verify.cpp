@@ -136,7 +136,8 @@ class Verification {
         if (!check_boundary(found)) return false;
         if (!found.are_consistent() && !merged_) {
             if (!merge_positions()) return false;
-            if (verdict_.merged > 0 && !(pair_edges(found) && check_boundary(found))) return false;
+            const bool is_renamed = verdict_.merged > 0 || member_.is_constrained();
+            if (is_renamed && !(pair_edges(found) && check_boundary(found))) return false;
         }
         return found.are_consistent() ||
                (mark_corners() &&
