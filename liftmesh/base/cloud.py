@@ -46,6 +46,8 @@ class Cloud(FrozenResult):
         values decide, and this field says what they decided: None if there was nothing to decide,
         as for unsigned 8-bit integers, whatever is given. Parts of a cloud keep the depth of the
         whole.
+    edges : (k, 2) ndarray of int32, optional
+        Edges between rows of ``points``, such as the breaklines that faces follow.
 
     Raises
     ------
@@ -75,6 +77,7 @@ class Cloud(FrozenResult):
     metadata: Mapping[str, Any] = field(default_factory=dict)
     crs: str | None = None
     color_depth: int | None = None
+    edges: Rows | None = None
 
     def __post_init__(self) -> None:
         self._take_points()
@@ -105,6 +108,7 @@ class Cloud(FrozenResult):
         _check_columns("normals", self.normals, (3,))
         if self.faces is not None:
             _check_array("faces", self.faces)
+        _check_columns("edges", self.edges, (2,))
         for name, values in self._per_row():
             _check_array(name, values)
             if len(values) != len(self.points):
@@ -123,6 +127,8 @@ class Cloud(FrozenResult):
         words = [f"{count:,} point" if count == 1 else f"{count:,} points"]
         if self.faces is not None:
             words.append(f"{len(self.faces):,} face" + ("s" if len(self.faces) != 1 else ""))
+        if self.edges is not None and len(self.edges):
+            words.append(counted(len(self.edges), "edge"))
         names = [name for name, _ in self._per_row()]
         words += names[:_MOST_NAMED]
         if len(names) > _MOST_NAMED:
@@ -191,7 +197,7 @@ class Cloud(FrozenResult):
         return replace(self, colors=colors, color_depth=depth)
 
     def select(self, which: slice | Array) -> Cloud:
-        """Select rows with all their values, without the faces.
+        """Select rows with all their values, without faces and edges.
 
         Parameters
         ----------
@@ -233,6 +239,7 @@ class Cloud(FrozenResult):
             normals=None if self.normals is None else self.normals[which],
             attributes={name: values[which] for name, values in self.attributes.items()},
             faces=None,
+            edges=None,
         )
 
     def _per_row(self) -> list[tuple[str, Array]]:

@@ -94,6 +94,7 @@ class CloudBuilder:
         metadata: Mapping[str, Any] = MappingProxyType({}),
         crs: str | None = None,
         color_depth: int | None = None,
+        edges: Rows | None = None,
     ) -> Cloud:
         """Return the filled arrays as a cloud; the depth is what the file states."""
         return Cloud(
@@ -105,6 +106,7 @@ class CloudBuilder:
             metadata=metadata,
             crs=crs,
             color_depth=confirmed_depth(self.colors, color_depth),
+            edges=edges,
         )
 
     def _grouped(
@@ -167,18 +169,26 @@ def triangulated(
     return _fans(faces)
 
 
-def checked_faces(faces: Array, vertices: int, name: str) -> Rows:
+def checked_faces(
+    faces: Array, vertices: int, name: str, kind: str = "face", shape: str = "(m, 3)"
+) -> Rows:
     """Return (m, 3) faces as int32; raise if one refers to a vertex that does not exist."""
-    if faces.dtype.kind not in "iu" or faces.ndim != 2 or faces.shape[1] != 3:
+    is_wide = faces.ndim == 2 and shape.endswith(f" {faces.shape[1]})")
+    if faces.dtype.kind not in "iu" or not is_wide:
         raise FormatError(
-            f"{name}: faces must be an (m, 3) array of integers, "
+            f"{name}: {kind}s must be an {shape} array of integers, "
             f"not {faces.dtype} of shape {faces.shape}"
         )
     if not _within(faces, vertices):
         wrong = (faces < 0) | (faces >= vertices)
         row, corner = (int(each) for each in np.argwhere(wrong)[0])
-        raise FormatError(f"{name}: face {row} {outside(int(faces[row, corner]), vertices)}")
+        raise FormatError(f"{name}: {kind} {row} {outside(int(faces[row, corner]), vertices)}")
     return faces.astype(np.int32, copy=False)
+
+
+def checked_edges(edges: Array, vertices: int, name: str) -> Rows:
+    """Return (k, 2) edges as int32; raise if one refers to a vertex that does not exist."""
+    return checked_faces(edges, vertices, name, "edge", "(k, 2)")
 
 
 def face_counts(faces: Ragged) -> dict[str, int]:
@@ -193,6 +203,11 @@ def face_counts(faces: Ragged) -> dict[str, int]:
 def faces_of(cloud: Cloud) -> Rows:
     """Return the faces of a cloud: an empty array if it has none."""
     return np.zeros((0, 3), dtype=np.int32) if cloud.faces is None else cloud.faces
+
+
+def edges_of(cloud: Cloud) -> Rows:
+    """Return the edges of a cloud: an empty array if it has none."""
+    return np.zeros((0, 2), dtype=np.int32) if cloud.edges is None else cloud.edges
 
 
 def narrowed(faces: Array) -> Array:

@@ -55,6 +55,7 @@ NEEDS = ("points", "faces", "finite")
 CONTENT = {
     "points": "rows in no face",
     "faces": "faces",
+    "edges": "edges",
     "colors": "colors",
     "alpha": "alpha",
     "deep_colors": "colors beyond 8 bits",
@@ -86,8 +87,9 @@ class Format:
         One line for people.
     keeps : tuple of str
         The parts of a cloud that the file preserves: "points" (every row in its place, including
-        rows in no face), "faces", "colors" (with 8 bits per channel), "alpha", "deep_colors"
-        (colours of more than 8 bits), "normals" (directions, in single precision at least),
+        rows in no face), "faces", "edges", "colors" (with 8 bits per channel), "alpha",
+        "deep_colors" (colours of more than 8 bits), "normals" (directions, in single precision at
+        least),
         "attributes" (named values; the format may split an (n, k) attribute into k columns),
         "crs", "metadata" (every entry that JSON holds, but none that a reader noted of its file),
         "float64" (every coordinate bit for bit). By default all of them.

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.columns import checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces
 from liftmesh.io.format import check_needs, dropped, renamed
 from liftmesh.io.registry import as_cloud, find_written
 from liftmesh.io.streams import (
@@ -51,7 +51,7 @@ class WriteResult:
         x, y, z that were subtracted from every vertex because the format holds single precision
         only; the file records it too. None: coordinates are written as they are.
     dropped : tuple of str
-        What the mesh has and the file does not keep: colors, alpha, normals, attributes and
+        What the mesh has and the file does not keep: edges, colors, alpha, normals, attributes and
         metadata by name, the crs, rows in no face, double precision, colors beyond 8 bits; and what
         a cloud does not hold of an object of another library, such as texture.
     renamed : tuple of (str, str)
@@ -166,6 +166,8 @@ def write(
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
+    if cloud.edges is not None:
+        checked_edges(cloud.edges, len(cloud), name)
     check_needs(file_format, cloud)
     if not isinstance(target, str | os.PathLike):
         check_stream(target, "write")

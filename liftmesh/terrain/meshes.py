@@ -7,7 +7,7 @@ faces: it is made again, and what the mesh does not have is masked.
 
 Other meshes, as those that follow lines, have sides that the Delaunay triangulation of their
 corners lacks. These are all that must be asked for: a side that is Delaunay is in every constrained
-triangulation whose edges it does not cross.
+triangulation whose edges it does not cross. But first those are asked for that the mesh states.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, used_rows
 from liftmesh.errors import CrossingError, InputError
-from liftmesh.io.columns import checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces, edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.io.registry import known_formats
@@ -99,9 +99,13 @@ def as_surface(
     planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
     solved = _solved(cloud, planar, threads)
     place = _places(solved.simplices, faces, len(cloud))
-    if (place < 0).any() and not Provenance(cloud.metadata).lifted_by:
-        solved = _following(solved, faces, planar, threads)
-        place = _places(solved.simplices, faces, len(cloud))
+    edges = checked_edges(edges_of(cloud), len(cloud), "the mesh")
+    if ((place < 0).any() or len(edges)) and not Provenance(cloud.metadata).lifted_by:
+        for asked in _sides(solved, faces, edges):
+            solved = _with_edges(solved, asked, planar, threads)
+            place = _places(solved.simplices, faces, len(cloud))
+            if (place >= 0).all():
+                break
     if len(solved.duplicates):
         row, kept = solved.duplicates[0].tolist()
         raise InputError(
@@ -135,16 +139,22 @@ def _solved(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation:
     return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
 
 
-def _following(
-    solved: Triangulation, faces: Rows, planar: Floats, threads: int | None
-) -> Triangulation:
-    """Triangulate the corners with the sides that a triangulation does not have."""
+def _sides(solved: Triangulation, faces: Rows, edges: Rows) -> tuple[Integers, Integers]:
+    """Return the sides that are edges, and these with those that a triangulation does not have."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     sides = np.unique(pair_keys(*ends.T))
     missing = np.setdiff1d(sides, pair_keys(*solved.edges.T), assume_unique=True)
-    if not len(missing):
+    stated = np.intersect1d(sides, pair_keys(*np.sort(edges, axis=1).T))
+    return stated, np.union1d(missing, stated)
+
+
+def _with_edges(
+    solved: Triangulation, asked: Integers, planar: Floats, threads: int | None
+) -> Triangulation:
+    """Triangulate the corners with edges."""
+    if not len(asked):
         return solved
-    edges = np.stack(pairs_of_keys(missing), axis=1).astype(np.int32)
+    edges = np.stack(pairs_of_keys(asked), axis=1).astype(np.int32)
     try:
         return constrained_delaunay(
             planar, edges, nonfinite="skip", order="canonical", threads=threads

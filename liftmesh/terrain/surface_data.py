@@ -126,6 +126,7 @@ def as_cloud(surface: SurfaceData) -> Cloud:
         metadata=surface.metadata,
         crs=surface.crs,
         color_depth=kept_depth(surface.colors),
+        edges=getattr(surface.triangulation, "constraints", None),
     )
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh.base.colors import as_float, as_uint8
+from liftmesh.io.columns import edges_of
 from liftmesh.io.format import CONTENT, TOLERANCE
 from liftmesh.io.metadata import user_entries
 
@@ -22,10 +23,10 @@ if TYPE_CHECKING:
 
 Array = np.ndarray[Any, np.dtype[Any]]
 
-ROWS, FACES, COLORS, ALPHA, DEEP, NORMALS, CRS, PRECISION = (
+ROWS, FACES, EDGES, COLORS, ALPHA, DEEP, NORMALS, CRS, PRECISION = (
     CONTENT[word]
     for word in (
-        "points", "faces", "colors", "alpha", "deep_colors", "normals", "crs", "float64",
+        "points", "faces", "edges", "colors", "alpha", "deep_colors", "normals", "crs", "float64",
     )
 )  # fmt: skip
 
@@ -93,6 +94,10 @@ def near(a: Array, b: Array) -> bool:
 
 
 def _of_points(before: Cloud, after: Cloud) -> Iterator[str]:
+    if len(edges_of(before)) and not len(edges_of(after)):
+        yield EDGES
+    else:
+        _demand(np.array_equal(edges_of(before), edges_of(after)), "other edges")
     has_faces = before.faces is not None and len(before.faces) > 0
     if has_faces and (after.faces is None or not len(after.faces)):
         yield FACES

@@ -95,6 +95,9 @@ def clouds(draw: st.DrawFn, *, most: int = 5) -> Cloud:
         faces=draw(st.none() | _faces(rows)) if rows > 2 else None,
         metadata=draw(_metadata()),
         crs=draw(st.none() | st.sampled_from(SYSTEMS)),
+        edges=draw(st.none() | hnp.arrays("i4", (2, 2), elements=st.integers(0, rows - 1)))
+        if rows
+        else None,
     )
 
 

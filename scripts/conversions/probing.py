@@ -9,9 +9,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from conversions.comparing import ALPHA, CRS, DEEP, FACES, ORDER, PRECISION, ROWS, losses
+from conversions.comparing import ALPHA, CRS, DEEP, EDGES, FACES, ORDER, PRECISION, ROWS, losses
 
 from liftmesh import Cloud, LiftmeshError
+from liftmesh.io.columns import edges_of
 
 if TYPE_CHECKING:
     from conversions.passages import Arrival, Passage
@@ -23,6 +24,7 @@ OWN, BY_VALUE, ROUNDED_TYPE, LOST, REFUSED = "own", "by value", "rounded", "lost
 # Eighths, which LAS holds, three corners of a face each, and as many positions as rows.
 _POINTS = np.array([[0, 0, 1], [4, 0, 2.5], [0, 3, 0.25], [8, 8, 8]], dtype=np.float64)
 _FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+_EDGES = np.array([[1, 2], [0, 3]], dtype=np.int32)
 _BYTES = np.array([[0, 128, 255], [1, 2, 3], [254, 127, 64], [9, 9, 9]], dtype=np.uint8)
 _WORDS = np.array([[0, 1, 65535], [300, 2, 3], [4, 5, 6], [7, 8, 9]], dtype=np.uint16)
 _UNITS = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0, -1]], dtype=np.float64)
@@ -126,13 +128,15 @@ def _probed(passage: Passage) -> Kept:
     far = _sent(passage, replace(plain, points=_POINTS / 7 + 450000.1))
     lost = _lost(passage, replace(plain, faces=_FACES[:1])) or set()
     lost |= _lost(passage, replace(plain, crs="EPSG:25832")) or set()
+    lined = _sent(passage, replace(plain, edges=_EDGES))
+    lost |= set() if lined is not None and len(edges_of(lined.cloud)) else {EDGES}
     lost |= {PRECISION} if points is not None and PRECISION in points else set()
     usual = [name for name in _USUAL_NAMES if not _attribute(passage, plain, name, 0.5)]
     usual_name = usual[0] if usual else _USUAL_NAMES[0]
     types = {k: _type_status(passage, plain, usual_name, each) for k, each in TYPES.items()}
     names = {name for name in NAMES if not _attribute(passage, plain, name, 0.5)}
     return Kept(
-        lost=frozenset(lost & {FACES, ROWS, ORDER, CRS, PRECISION}),
+        lost=frozenset(lost & {FACES, EDGES, ROWS, ORDER, CRS, PRECISION}),
         colors=frozenset(_kept_colors(passage, plain)),
         normals=frozenset(_kept_normals(passage, plain)),
         types=types,

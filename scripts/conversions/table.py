@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from campaign import with_part
-from conversions.comparing import CRS, FACES, PRECISION, ROWS
+from conversions.comparing import CRS, EDGES, FACES, PRECISION, ROWS
 from conversions.objects import objects
 from conversions.passages import Passage, files
 from conversions.probing import BY_VALUE, COLORS, NAMES, OWN, ROUNDED_TYPE, Kept, kept_by
@@ -20,7 +20,7 @@ PAGE = Path(__file__).resolve().parents[2] / "FORMATS.md"
 
 Row = tuple[str, ...]
 
-_KEPT = ("positions", "faces", "colours", "normals", "named values", "their names", "crs",
+_KEPT = ("positions", "faces", "edges", "colours", "normals", "named values", "their names", "crs",
          "metadata")  # fmt: skip
 _OF_FILES = ("format", "suffixes", "reads", "writes", "in pieces", "gzip", *_KEPT)
 _OF_OBJECTS = ("object", *_KEPT)
@@ -92,6 +92,7 @@ def _cells(way: Passage) -> Row:
     return (
         _positions(kept),
         "needs them" if way.needs_faces else _yes(FACES not in kept.lost),
+        _yes(EDGES not in kept.lost),
         _colors(kept),
         _normals(kept),
         _values(kept),

@@ -20,7 +20,7 @@ _LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
 
 
 def landxml(data: bytes) -> Cloud:
-    """Read points, faces and coordinate system of the surface: no library reads LandXML."""
+    """Read points, faces, breaklines and coordinate system: no library reads LandXML."""
     root = ET.fromstring(data)
     rows = [each.text or "" for each in root.iter(f"{_LANDXML}P")]
     points = np.array([[float(word) for word in row.split()] for row in rows])[:, [1, 0, 2]]
@@ -28,9 +28,13 @@ def landxml(data: bytes) -> Cloud:
     assert numbers == [str(k) for k in range(1, len(points) + 1)], "points are numbered from 1"
     corners = [(each.text or "").split() for each in root.iter(f"{_LANDXML}F")]
     faces = np.array([[int(word) - 1 for word in face] for face in corners], np.int32)
+    lines = [(each.text or "").split() for each in root.iter(f"{_LANDXML}PntList3D")]
+    ends = np.array(lines, np.float64).reshape(-1, 2, 3)[..., [1, 0, 2]]
+    known = {row.tobytes(): k for k, row in enumerate(points)}
+    edges = [[known[end.tobytes()] for end in line] for line in ends]
     system = root.find(f"{_LANDXML}CoordinateSystem")
     crs = None if system is None else system.get("ogcWktCode", system.get("desc"))
-    return Cloud(points, faces=faces, crs=crs)
+    return Cloud(points, faces=faces, crs=crs, edges=np.array(edges, np.int32).reshape(-1, 2))
 
 
 def three_mf(data: bytes) -> Cloud:
@@ -61,7 +65,7 @@ def three_mf(data: bytes) -> Cloud:
 
 
 def vtu(data: bytes) -> Cloud:
-    """Read points, triangles and values with meshio, which reads no file without cells."""
+    """Read points, triangles, lines and values with meshio, which reads no file without cells."""
     if b'NumberOfCells="0"' in data:
         raise InputError("meshio does not read this")
     with tempfile.TemporaryDirectory() as folder:
@@ -70,10 +74,16 @@ def vtu(data: bytes) -> Cloud:
         found = meshio.read(path)
     values: dict[str, Any] = {name: _native(each) for name, each in found.point_data.items()}
     colors, normals = values.pop("Colors", None), values.pop("Normals", None)
-    (cells,) = found.cells or [None]
-    faces = None if cells is None or cells.type == "vertex" else cells.data.astype(np.int32)
+    cells = {each.type: each.data.astype(np.int32) for each in found.cells}
     points = _native(found.points)
-    return Cloud(points, colors=colors, normals=normals, attributes=values, faces=faces)
+    return Cloud(
+        points,
+        colors=colors,
+        normals=normals,
+        attributes=values,
+        faces=cells.get("triangle"),
+        edges=cells.get("line"),
+    )
 
 
 def _native(values: Any) -> Any:

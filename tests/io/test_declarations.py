@@ -14,6 +14,7 @@ import pytest
 import liftmesh
 from liftmesh import Cloud, Format, FormatError, InputError, WriteResult
 from liftmesh.base.colors import as_float, as_uint8
+from liftmesh.io.columns import edges_of
 from liftmesh.io.format import CONTENT, NEEDS
 from liftmesh.io.metadata import user_entries
 from liftmesh.io.registry import FORMATS
@@ -37,6 +38,7 @@ CALLS = [(name, options) for name, several in OPTIONS.items() for options in sev
 POINTS = np.array([[0, 0, 1], [4, 0, 2.5], [0, 3, 0.25], [8, 8, 8]], dtype=np.float64)
 FACES = np.array([[0, 1, 2]], dtype=np.int32)
 ALL_FACES = np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32)
+EDGES = np.array([[1, 2], [0, 3]], dtype=np.int32)
 NORMALS = np.array([[0, 0, 1], [0, 1, 0], [1, 0, 0], [0, 0.6, 0.8]], dtype=np.float32)
 RGB = np.array([[0, 128, 255], [1, 2, 3], [254, 127, 64], [9, 9, 9]], dtype=np.uint8)
 RGBA = np.column_stack([RGB, [255, 10, 0, 128]]).astype(np.uint8)
@@ -73,6 +75,8 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
         {"faces", "points", "float64"},
     ),
     "normals of points": (Cloud(POINTS, normals=NORMALS), {"points", "normals"}),
+    "edges": (replace(MESH, edges=EDGES), {"faces", "edges"}),
+    "edges of points": (Cloud(POINTS, edges=EDGES), {"points", "edges"}),
     "named values": (
         replace(MESH, attributes={"class": np.arange(4, dtype=np.uint8), "z0": POINTS[:, 2]}),
         {"faces", "attributes"},
@@ -90,6 +94,7 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
             MESH,
             points=POINTS / 7,
             faces=FACES,
+            edges=EDGES,
             colors=DEEP,
             normals=NORMALS,
             attributes={"class": np.arange(4, dtype=np.uint8)},
@@ -133,6 +138,7 @@ def kept(back: Cloud, cloud: Cloud) -> dict[str, bool]:
     return {
         "points": len(back) == len(cloud) and near,
         "faces": cloud.faces is None or (back.faces is not None and len(back.faces) > 0),
+        "edges": np.array_equal(edges_of(back), edges_of(cloud)),
         "colors": same_colors(eight(back.colors), eight(cloud.colors), 3),
         "alpha": same_colors(back.colors, cloud.colors, 4),
         "deep_colors": same_colors(back.colors, cloud.colors, 3),

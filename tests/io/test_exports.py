@@ -37,7 +37,11 @@ SCHEMA: dict[str, tuple[set[str], list[str]]] = {
     "CoordinateSystem": (set(), []),
     "Application": ({"name"}, []),
     "Surfaces": (set(), ["Surface"]),
-    "Surface": ({"name"}, ["Definition"]),
+    "Surface": ({"name"}, ["SourceData", "Definition"]),
+    "SourceData": (set(), ["Breaklines"]),
+    "Breaklines": (set(), ["Breakline"]),
+    "Breakline": ({"brkType"}, ["PntList3D"]),
+    "PntList3D": (set(), []),
     "Definition": ({"surfType"}, ["Pnts", "Faces"]),
     "Pnts": (set(), ["P"]),
     "P": ({"id"}, []),
@@ -73,6 +77,19 @@ def test_landxml_has_northing_easting_and_height() -> None:
     assert (definition.get("surfType"), limits) == ("TIN", [1 / 3, 9.0])
     assert next(root.iter(SPACE + "CoordinateSystem")).get("epsgCode") == "25832"
     assert next(root.iter(SPACE + "Metric")).get("linearUnit") == "meter"
+
+
+def test_edges_are_breaklines_of_landxml_and_lines_of_vtu(tmp_path: Path) -> None:
+    mesh = replace(MESH, edges=np.array([[0, 2], [1, 3]], np.int32))
+    texts = [each.text or "" for each in landxml(mesh).iter(SPACE + "PntList3D")]
+    ends = np.array([[float(x) for x in text.split()] for text in texts]).reshape(2, 2, 3)
+    assert np.array_equal(ends[..., [1, 0, 2]], POINTS[mesh.edges])
+    assert liftmesh.write(tmp_path / "a.vtu", mesh).dropped == ()
+    triangles, lines = meshio.read(tmp_path / "a.vtu").cells
+    assert np.array_equal(triangles.data, MESH.faces)
+    assert (lines.type, lines.data.tolist()) == ("line", [[0, 2], [1, 3]])
+    assert written(replace(MESH, edges=mesh.edges[:0]), "vtu") == written(MESH, "vtu")
+    assert "edges" in liftmesh.write(tmp_path / "a.3mf", mesh).dropped
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import io
 import re
+from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -134,3 +137,36 @@ def test_meshes_by_weights_or_in_a_metric_are_found_again(tmp_path, given: str) 
     found = liftmesh.as_surface(tmp_path / "tin.ply")
     assert names(found) == names(surface) != names(liftmesh.triangulate(points).trim(max_edge=14))
     np.testing.assert_array_equal(found.raster(2).values, surface.raster(2).values)
+
+
+def lined() -> liftmesh.Surface:
+    """Make a surface along a line that many Delaunay sides cross."""
+    rows = np.random.default_rng(5).integers(0, 64, (300, 3)).astype(np.float64)
+    line = [[1.0, 1.5, 9.0], [40.0, 20.0, 8.0], [63.0, 62.5, 7.0]]
+    return liftmesh.triangulate(rows, breaklines=[line])
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply", "npz"])
+def test_a_file_keeps_the_lines_of_a_surface(kind: str, tmp_path: Path) -> None:
+    surface = lined()
+    assert "edges" not in surface.save(tmp_path / f"a.{kind}").dropped
+    again = liftmesh.as_surface(tmp_path / f"a.{kind}")
+    assert len(surface.triangulation.constraints) >= 2
+    assert np.array_equal(again.triangulation.constraints, surface.triangulation.constraints)
+    assert np.array_equal(again.vertices, surface.vertices)
+    assert again.verify().valid
+    assert set(map(frozenset, again.faces.tolist())) == set(map(frozenset, surface.faces.tolist()))
+
+
+def test_edges_at_rows_in_no_face_are_left_out() -> None:
+    trimmed = lined().trim(max_edge=12)
+    again = liftmesh.as_surface(trimmed.to_cloud())
+    assert len(again.faces) == len(trimmed.faces)
+
+
+def test_edges_that_are_no_rows_are_refused() -> None:
+    cloud = replace(lined().to_cloud(), edges=np.array([[0, 900]]))
+    with pytest.raises(liftmesh.FormatError, match=r"the mesh: edge 0 refers to vertex 900"):
+        liftmesh.as_surface(cloud)
+    with pytest.raises(liftmesh.FormatError, match=r"edge 0 refers to vertex 900"):
+        liftmesh.write(io.BytesIO(), cloud, format="ply")

@@ -1,7 +1,8 @@
 """LandXML 1.2, the surfaces of civil engineering: written, not read.
 
 Points are northing, easting and height, in this order, with digits that round-trip; a face lists
-its points counter-clockwise seen from above. A file has one unit of length for all three, which is
+its points counter-clockwise seen from above. Edges are breaklines of two points, which hold their
+coordinates. A file has one unit of length for all three, which is
 that of the coordinate system, and metres where there is none. The format demands a date: it is that
 of no day, since bytes are a function of the mesh.
 
@@ -19,7 +20,7 @@ import numpy as np
 from liftmesh.crs.description import is_number, urn_of
 from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import faces_of
+from liftmesh.io.columns import edges_of, faces_of
 from liftmesh.io.markup import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
 
@@ -58,15 +59,27 @@ def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str = "surface") -> N
         f"<Units>{units}</Units>\n{_system(cloud.crs)}"
         '<Application name="liftmesh"/>\n'
         f"<Surfaces>\n<Surface name={attribute(name)}>\n"
-        f'<Definition surfType="TIN" elevMin="{low!r}" elevMax="{high!r}">\n<Pnts>\n'
     )
     stream.write(head.encode())
+    _write_breaklines(stream, cloud)
+    definition = f'<Definition surfType="TIN" elevMin="{low!r}" elevMax="{high!r}">\n<Pnts>\n'
+    stream.write(definition.encode())
     numbers = np.arange(1, len(cloud) + 1)
     columns = [numbers, cloud.points[:, 1], cloud.points[:, 0], heights]
     write_rows(stream, columns, prefix='<P id="', between=('">', " ", " "), end="</P>\n")
     stream.write(b"</Pnts>\n<Faces>\n")
     write_rows(stream, [faces_of(cloud)], prefix="<F>", plus=1, end="</F>\n")
     stream.write(b"</Faces>\n</Definition>\n</Surface>\n</Surfaces>\n</LandXML>\n")
+
+
+def _write_breaklines(stream: BinaryIO, cloud: Cloud) -> None:
+    if not len(edges := edges_of(cloud)):
+        return
+    stream.write(b"<SourceData>\n<Breaklines>\n")
+    ends = np.hstack([cloud.points[end][:, [1, 0, 2]] for end in edges.T])
+    begin, end = '<Breakline brkType="standard"><PntList3D>', "</PntList3D></Breakline>\n"
+    write_rows(stream, [ends], prefix=begin, end=end)
+    stream.write(b"</Breaklines>\n</SourceData>\n")
 
 
 def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:

@@ -20,7 +20,7 @@ from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.colors import confirmed_depth, stated_depth
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io import metadata
-from liftmesh.io.columns import CloudBuilder, checked_faces
+from liftmesh.io.columns import CloudBuilder, checked_edges, checked_faces
 from liftmesh.io.formats.numpy_arrays import (
     Layout,
     array_parts,
@@ -33,10 +33,11 @@ from liftmesh.io.text_tables import shortened
 
 _POINTS = ("points", "vertices", "xyz")
 _FACES = ("faces", "triangles")
+_EDGES = "edges"
 _CRS = "crs"
 _METADATA = "metadata"
 _DEPTH = "color_depth"
-_RESERVED = {*_POINTS, *_FACES, "colors", "normals"}
+_RESERVED = {*_POINTS, *_FACES, _EDGES, "colors", "normals"}
 
 
 def read_npy(stream: BinaryIO, name: str) -> Cloud:
@@ -86,6 +87,7 @@ def write_npz(stream: BinaryIO, cloud: Cloud, *, compressed: bool = False) -> No
         _DEPTH: None if depth is None else np.array(depth, np.uint8),
         "normals": cloud.normals,
         "faces": cloud.faces,
+        _EDGES: cloud.edges,
         _CRS: crs,
         _METADATA: np.array(metadata.as_text(entries)) if entries else None,
     }
@@ -197,10 +199,11 @@ class _Roles:
         self.crs, self.metadata = (
             key if key in arrays and _is_text(arrays[key]) else None for key in (_CRS, _METADATA)
         )
+        self._edges = _EDGES if _EDGES in arrays and _are_edges(arrays[_EDGES]) else None
         self.depth = _DEPTH if _DEPTH in arrays and _is_count(arrays[_DEPTH]) else None
         self._check(arrays, "colors", (3, 4), count)
         self._check(arrays, "normals", (3,), count)
-        known = {self._points, self._faces, *self.scalars, "colors", "normals"}
+        known = {self._points, self._faces, self._edges, *self.scalars, "colors", "normals"}
         rest = {key: arrays[key].shape for key in arrays if key not in known}
         fits = {
             key: key not in _RESERVED and len(shape) > 0 and shape[0] == count
@@ -217,6 +220,7 @@ class _Roles:
             return _points_alone(arrays[self._points], self._name, first)
         points = _points(arrays[self._points], self._name, first)
         faces = arrays.get(self._faces) if self._faces else None
+        edges = arrays.get(self._edges) if self._edges else None
         return Cloud(
             points,
             colors=arrays.get("colors"),
@@ -226,6 +230,7 @@ class _Roles:
             faces=None if faces is None else checked_faces(faces, len(points), self._name),
             metadata=self._described(arrays),
             crs=None if self.crs is None else _crs(arrays[self.crs]),
+            edges=None if edges is None else checked_edges(edges, len(points), self._name),
         )
 
     def _described(self, arrays: Mapping[str, Array]) -> dict[str, Any]:
@@ -268,6 +273,10 @@ class _Roles:
 def _crs(array: Array) -> str | None:
     crs = str(array)
     return crs if is_crs(crs) else None
+
+
+def _are_edges(array: _Shaped) -> bool:
+    return len(array.shape) == 2 and array.shape[1] == 2 and array.dtype.kind in "iu"
 
 
 def _is_count(array: _Shaped) -> bool:

@@ -2,10 +2,11 @@
 
 An OBJ file is a list of lines, each a keyword and its values: ``v`` a vertex, ``vn`` a normal,
 ``f`` a face whose corners are vertex, vertex/texture, vertex/texture/normal or vertex//normal,
-counted from 1, or backwards from the last one so far. The lines are read in large blocks and
-grouped by keyword, so that all vertices of a block are parsed at once. Keywords that do not
-concern the shape are counted and skipped. The writer emits the shortest digits that round-trip. A
-coordinate system is a JSON string in a comment, ``# crs "EPSG:25832"``; metadata stand there too.
+counted from 1, or backwards from the last one so far; ``l`` a chain of edges. The lines are read in
+large blocks and grouped by keyword, so that all vertices of a block are parsed at once. Keywords
+that do not concern the shape are counted and skipped. The writer emits the shortest digits that
+round-trip, and a chain for each edge. A coordinate system is a JSON string in a comment,
+``# crs "EPSG:25832"``; metadata stand there too.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, fits_eight_bits, recognized
 from liftmesh.base.options import ObjColors, check_option
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import face_counts, triangulated
+from liftmesh.io.columns import edges_of, face_counts, triangulated
 from liftmesh.io.formats.obj_faces import (
     MARK,
     Corners,
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     from liftmesh.io.columns import Ragged
 
 _SYNTAX = Syntax(comments=("#",), continued=True)
-_KEYWORDS = ("v", "vn", "f")
+_KEYWORDS = ("v", "vn", "f", "l")
 
 # Possible numbers of values of a vertex line: x y z, with a weight, with r g b, with alpha.
 _VERTEX_WIDTHS = (3, 4, 6, 7)
@@ -100,15 +101,17 @@ class _Reading:
     vertices: list[Array] = field(default_factory=list)
     normals: list[Array] = field(default_factory=list)
     corners: list[Corners] = field(default_factory=list)
+    chains: list[Corners] = field(default_factory=list)
     ignored: Counter[str] = field(default_factory=Counter)
     vertex_count: int = 0
     normal_count: int = 0
 
     def take(self, block: Block) -> None:
-        v, vn, f = self._sorted(block)
-        if len(f):
-            before = (self.vertex_count, self.normal_count)
-            self.corners.append(parse_corners(f, self.name, (v.numbers, vn.numbers), before))
+        v, vn, *kinds = self._sorted(block)
+        before = (self.vertex_count, self.normal_count)
+        for found, kind in zip((self.corners, self.chains), kinds, strict=True):
+            if len(kind):
+                found.append(parse_corners(kind, self.name, (v.numbers, vn.numbers), before))
         self._take_vertices(v)
         if len(vn):
             self.normals.append(number_table(vn, self.name, width=3))
@@ -164,7 +167,25 @@ class _Reading:
             faces=faces,
             metadata=self._metadata(corners),
             crs=self.crs,
+            edges=self._edges(len(table)),
         )
+
+    def _edges(self, vertices: int) -> Rows | None:
+        """Divide the chains of ``l`` lines into edges."""
+        if not self.chains:
+            return None
+        chains = Corners.joined(self.chains)
+        ends = chains.vertices.values
+        is_wrong = (ends < 0) | (ends >= vertices)
+        if is_wrong.any():
+            wrong = int(is_wrong.argmax())
+            line = chains.lines[chains.vertices.row_of(wrong)]
+            text = outside(int(ends[wrong]), vertices)
+            raise FormatError(f"{self.name}: line {line}: a corner of a chain {text}")
+        joined = np.ones(len(ends), dtype=np.bool_)
+        joined[np.cumsum(chains.vertices.sizes, dtype=np.int64) - 1] = False
+        first = np.flatnonzero(joined)
+        return np.stack([ends[first], ends[first + 1]], axis=1).astype(np.int32)
 
     def _painted(self, colors: Array | None, vertices: int) -> Array | None:
         """The colours of comments, if there are no others and as many as vertices."""
@@ -274,6 +295,8 @@ def write_obj(
         write_rows(stream, [cloud.normals], prefix="vn ")
     if cloud.faces is not None:
         _write_faces(stream, cloud.faces, normals=cloud.normals is not None)
+    if len(edges := edges_of(cloud)):
+        write_rows(stream, [edges], prefix="l ", plus=1)
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:

@@ -2,8 +2,8 @@
 
 Arrays follow the tree, each with its length, every bit of them in base64: raw bytes would be a
 quarter shorter, but then the file is no XML, and few programs read it. Rows without faces become
-cells of one point each. meshio, which reads such files, writes them to paths only, and holds all of
-the text in memory: so this is written here, a block at a time.
+cells of one point each, edges cells of two, which come last. meshio, which reads such files, writes
+them to paths only, and holds all of the text in memory: so this is written here, a block at a time.
 
 Source: VTK File Formats, docs.vtk.org.
 """
@@ -19,6 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits
+from liftmesh.io.columns import edges_of
 from liftmesh.io.format import dropped_values
 from liftmesh.io.markup import attribute, is_possible
 
@@ -29,7 +30,7 @@ _TYPES = {
     "i1": "Int8", "i2": "Int16", "i4": "Int32", "i8": "Int64", "u1": "UInt8", "u2": "UInt16",
     "u4": "UInt32", "u8": "UInt64", "f4": "Float32", "f8": "Float64",
 }  # fmt: skip
-_VERTEX, _TRIANGLE = 1, 5  # kinds of cells
+_VERTEX, _LINE, _TRIANGLE = 1, 3, 5  # kinds of cells
 _COLORS, _NORMALS = "Colors", "Normals"
 _ROWS = 1 << 18  # written at a time
 
@@ -78,16 +79,18 @@ def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
 
 
 def _cells(cloud: Cloud) -> list[tuple[str, Array]]:
-    """Return the corners of all cells, where each ends, and its kind."""
-    if cloud.faces is None or not len(cloud.faces):
-        count, width, kind = len(cloud), 1, _VERTEX
-        corners = np.arange(count, dtype=np.int32)
-    else:
-        count, width, kind = len(cloud.faces), 3, _TRIANGLE
-        corners = cloud.faces.reshape(-1)
-    ends = np.arange(width, width * count + 1, width, dtype=np.int64)
-    kinds = np.full(count, kind, np.uint8)
-    return [("connectivity", corners), ("offsets", ends), ("types", kinds)]
+    """Return the corners of all cells, lines last, where each ends, and its kind."""
+    parts = [(np.arange(len(cloud), dtype=np.int32)[:, None], _VERTEX)]
+    if cloud.faces is not None and len(cloud.faces):
+        parts = [(cloud.faces, _TRIANGLE)]
+    if len(edges := edges_of(cloud)):
+        parts.append((edges, _LINE))
+    cells, kinds = zip(*parts, strict=True)
+    counts = [len(each) for each in cells]
+    corners = np.concatenate([each.reshape(-1) for each in cells])
+    ends = np.cumsum(np.repeat([each.shape[1] for each in cells], counts), dtype=np.int64)
+    of_cells = np.repeat(np.array(kinds, np.uint8), counts)
+    return [("connectivity", corners), ("offsets", ends), ("types", of_cells)]
 
 
 def _of_points(cloud: Cloud) -> list[tuple[str, Array]]:

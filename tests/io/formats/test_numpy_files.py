@@ -293,3 +293,16 @@ def test_half_a_character_is_no_name_of_an_archive() -> None:
     cloud = Cloud(AWKWARD, attributes={"\ud800": np.zeros(len(AWKWARD))})
     with pytest.raises(FormatError, match=r"attribute '\\ud800' of type float64: rename"):
         saved(cloud, "npz")
+
+
+def test_edges_are_pairs_of_rows_or_passed_over() -> None:
+    points = np.eye(3)
+    stream = io.BytesIO()
+    np.savez(stream, points=points, edges=np.ones((3, 2)))
+    assert loaded(stream.getvalue(), "npz").metadata["not_read"] == ("edges (3, 2)",)
+    cloud = Cloud(points, edges=np.array([[0, 2], [1, 0]], np.int32))
+    again = loaded(saved(cloud, "npz"), "npz")
+    assert again.edges is not None
+    assert again.edges.tolist() == [[0, 2], [1, 0]]
+    with pytest.raises(FormatError, match="attribute 'edges'"):
+        saved(Cloud(points, attributes={"edges": points}), "npz")

@@ -217,3 +217,25 @@ def test_indices_may_have_a_plus() -> None:
     for corner in ("+", "1/+", "+-1", "1+", "+0", "1/-/2", "1.0"):
         with pytest.raises(FormatError, match=f"line 5: {re.escape(repr(corner))} is not a corner"):
             read(f"{SQUARE}f {corner} 2 3\n")
+
+
+def test_chains_are_edges() -> None:
+    text = b"v 0 0 1\nv 1 0 2\nv 0 1 3\nl 1/1 2 3\nl 1\nl -1 -3\nf 1 2 3\n"
+    cloud = loaded(text, "obj")
+    assert cloud.edges is not None
+    assert cloud.edges.tolist() == [[0, 1], [1, 2], [2, 0]]
+    assert saved(cloud, "obj").endswith(b"f 1 2 3\nl 1 2\nl 2 3\nl 3 1\n")
+    assert str(cloud) == "<Cloud of 3 points, 1 face, 3 edges>"
+
+
+@pytest.mark.parametrize(
+    ("line", "cause"),
+    [
+        ("l 1 9", "line 3: a corner of a chain refers to vertex 9, but there are 2 vertices"),
+        ("l 1 -3", "line 3: a corner of a chain refers back to before the first of 2 vertices"),
+        ("l 1 x", "line 3: 'x' is not a corner"),
+    ],
+)
+def test_chains_of_vertices_that_are_not_there(line: str, cause: str) -> None:
+    with pytest.raises(FormatError, match=cause):
+        loaded(f"v 0 0 0\nv 1 0 0\n{line}\n".encode(), "obj")

@@ -120,13 +120,15 @@ def test_other_elements_and_properties_are_passed_over_in_place(mixed: bool) -> 
         f"7 2 1 2\n8 1 1\n{ROWS}0 1\n1 2\n1 3 0 1 2 2 0 1 0.5\n"
         f"1 {len(last)} {' '.join(map(str, last))} 2 0 1 0.5\n513\n"
     )
-    for cloud in (binary_ply(header, body), ascii_ply(header, text)):
+    made = (binary_ply(header, body), [[0, 0]] * 2), (ascii_ply(header, text), [[0, 1], [1, 2]])
+    for cloud, edges in made:
         assert_same_bits(cloud.points, POINTS)
         assert cloud.faces is not None
         assert len(cloud.faces) == 2 + mixed
+        assert cloud.edges is not None
+        assert cloud.edges.tolist() == edges
         assert cloud.metadata["not_read"] == (
             "element material (2 rows)",
-            "element edge (2 rows)",
             "face property flags (2 rows)",
             "face property texcoord (2 rows)",
             "face property quality (2 rows)",

@@ -1,6 +1,7 @@
 """PLY, the format that preserves everything: doubles, colours, normals, attributes, a crs.
 
-Reading starts here: the vertex element becomes rows, the face element triangles. Data that a Cloud
+Reading starts here: the vertex element becomes rows, the face element triangles, and an edge
+element edges, if its ends are vertex1 and vertex2. Data that a Cloud
 cannot hold (other elements, properties of faces, lists of vertices) is skipped, and listed in the
 metadata.
 """
@@ -21,12 +22,19 @@ from liftmesh.io.columns import (
     CloudBuilder,
     Ragged,
     built_in_chunks,
+    checked_edges,
     face_counts,
     triangulated,
 )
 from liftmesh.io.formats.ply.ascii_body import AsciiBody
 from liftmesh.io.formats.ply.binary_body import BinaryBody
-from liftmesh.io.formats.ply.header import Element, depth_of_comments, old_names, read_header
+from liftmesh.io.formats.ply.header import (
+    EDGE,
+    Element,
+    depth_of_comments,
+    old_names,
+    read_header,
+)
 from liftmesh.io.metadata import noted, others, stated, stated_crs
 from liftmesh.io.text_tables import shortened
 
@@ -73,24 +81,34 @@ class _Reading:
         return {name: dtype for element in vertex for name, dtype in _scalars(element).items()}
 
     def cloud(self) -> Cloud:
-        builder, faces = None, None
+        builder, faces, edges = None, None, None
         for element in self._header.elements:
             if element.name == "vertex":
                 builders = self._vertices(element, max(element.rows, 1))
                 builder = next(builders, None) or CloudBuilder(_scalars(element), 0)
             elif element.name == "face":
                 faces = self._faces(element)
+            elif element.name == "edge" and _are_edges(element):
+                edges = self._edges(element)
             else:
                 self._skip_element(element)
         if builder is None:
             raise self._no_vertices()
         self._body.check_end()
         triangles = None if faces is None else triangulated(faces, builder.rows, self._name)
-        return self._cloud(builder, triangles, self._metadata(faces))
+        if edges is not None:
+            edges = checked_edges(edges, builder.rows, self._name)
+        return self._cloud(builder, triangles, self._metadata(faces), edges)
 
-    def _cloud(self, builder: CloudBuilder, faces: Rows | None, metadata: dict[str, Any]) -> Cloud:
+    def _cloud(
+        self,
+        builder: CloudBuilder,
+        faces: Rows | None,
+        metadata: dict[str, Any],
+        edges: Rows | None = None,
+    ) -> Cloud:
         """Give attributes the names that comments state."""
-        made = builder.cloud(faces, metadata, self._crs(), self._depth)
+        made = builder.cloud(faces, metadata, self._crs(), self._depth, edges)
         if not self._names:
             return made
         named = {self._names.get(key, key): values for key, values in made.attributes.items()}
@@ -145,6 +163,13 @@ class _Reading:
         parts = [block[name] for block in self._body.lists(element, [name])]
         return Ragged.joined(parts) if parts else Ragged.empty(usable[0].dtype)
 
+    def _edges(self, element: Element) -> Array:
+        others = [each.name for each in element.properties if each.name not in EDGE]
+        self._note_skipped(element, others)
+        blocks = self._columns(element, EDGE)
+        parts = [np.stack([block[end] for end in EDGE], axis=1) for block in blocks]
+        return np.concatenate([np.empty((0, 2), dtype=np.int32), *parts])
+
     def _skip_element(self, element: Element) -> None:
         self._skipped.append(f"element {element.name} ({counted(element.rows, 'row')})")
         self._exhaust(element)
@@ -164,6 +189,11 @@ class _Reading:
         entries = stated(self._comments) | ({"obj_info": infos} if infos else {})
         counts = {} if faces is None else face_counts(faces)
         return noted(entries, not_read=tuple(self._skipped)) | counts
+
+
+def _are_edges(element: Element) -> bool:
+    types = _scalars(element)
+    return element.is_table and all(end in types and types[end].kind in "iu" for end in EDGE)
 
 
 def _scalars(element: Element) -> dict[str, np.dtype]:

@@ -47,6 +47,8 @@ ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 LONGEST_LINE = 1 << 16
 
+EDGE = ("vertex1", "vertex2")  # the ends of an edge
+
 
 @dataclass(frozen=True, slots=True)
 class Property:

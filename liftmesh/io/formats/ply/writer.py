@@ -19,8 +19,9 @@ from liftmesh._typing import Array
 from liftmesh.base.colors import as_uint8
 from liftmesh.base.options import PlyColors, PlyEncoding, check_option
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, edges_of
 from liftmesh.io.formats.ply.header import (
+    EDGE,
     LONGEST_LINE,
     depth_statement,
     name_statements,
@@ -113,6 +114,9 @@ def _header(
     if cloud.faces is not None:
         lines.append(f"element face {len(cloud.faces)}")
         lines.append("property list uchar int vertex_indices")
+    if len(edges := edges_of(cloud)):
+        lines.append(f"element edge {len(edges)}")
+        lines += [f"property int {end}" for end in EDGE]
     return "\n".join([*lines, "end_header", ""]).encode("ascii")
 
 
@@ -135,6 +139,8 @@ def _write_text(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> No
     write_rows(stream, [*columns.values()])
     if cloud.faces is not None:
         write_rows(stream, [cloud.faces], prefix="3 ")
+    if len(edges := edges_of(cloud)):
+        write_rows(stream, [edges])
 
 
 def _write_binary(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> None:
@@ -148,6 +154,7 @@ def _write_binary(stream: BinaryIO, cloud: Cloud, columns: dict[str, Array]) -> 
         stream.write(part.tobytes())
     if cloud.faces is not None:
         _write_triangles(stream, cloud.faces)
+    stream.write(edges_of(cloud).astype("<i4").tobytes())
 
 
 def _write_triangles(stream: BinaryIO, faces: Array) -> None:
