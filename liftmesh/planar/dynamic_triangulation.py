@@ -7,7 +7,6 @@ makes of the points present, whatever was there before, and in whichever order i
 
 from __future__ import annotations
 
-import operator
 import threading
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import MOST_ROWS, as_coordinates, as_pairs, check_finite, pair_keys
-from liftmesh.base.options import counted, refused
+from liftmesh.base.options import as_count, counted, refused
 from liftmesh.errors import CrossingError, InputError
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constraints import gather
@@ -248,8 +247,9 @@ class DynamicTriangulation:
             raise refused("vertices", vertices, "give the numbers of points", verb="are")
         if len(np.unique(numbers)) < len(numbers):
             raise InputError("a number occurs twice: a point can be removed once")
+        rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)
         with _Use(self._lock):
-            rows = self._present(numbers)
+            self._check_present(rows, numbers)
             place, holders = self._mesh.first_held(rows)
             if len(holders):
                 raise _held_error(int(rows[place]), holders)
@@ -288,7 +288,7 @@ class DynamicTriangulation:
         >>> tri.constraints.tolist(), tri.is_constrained.sum(axis=1)
         ([[0, 2]], array([1, 1]))
         """
-        self._insert_constraints(self._edge(a, b)[None])
+        self._insert_constraints(self._edge(a, b))
 
     def remove_constraint(self, a: int, b: int) -> None:
         """Remove a constraint. Its points stay.
@@ -315,10 +315,10 @@ class DynamicTriangulation:
         >>> tri.input_edges.tolist(), tri.simplices.tolist()
         ([], [[3, 0, 1], [2, 3, 1]])
         """
-        ends = self._edge(a, b).tolist()
+        edge = self._edge(a, b)
         with _Use(self._lock):
             self._forget()
-            if not self._mesh.remove_constraint(*ends):
+            if not self._mesh.remove_constraint(*edge[0].tolist()):
                 raise InputError(
                     f"no constraint goes from {a} to {b}: those that there are stand in input_edges"
                 )
@@ -404,19 +404,18 @@ class DynamicTriangulation:
         return crossing_error(self.points, given, pairs, remedy)
 
     def _edge(self, a: int, b: int) -> Rows:
-        ends = np.array([operator.index(a), operator.index(b)])
+        ends = as_count("a", a, 0, MOST_ROWS), as_count("b", b, 0, MOST_ROWS)
         if a == b:
             raise InputError(f"both ends of a constraint are point {a}: give two points")
+        edge = np.array([ends], np.int32)
         with _Use(self._lock):
-            return self._present(ends)
+            self._check_present(edge[0], ends)
+        return edge
 
-    def _present(self, numbers: Array) -> Rows:
-        """Return numbers that are in use as those of the kernel."""
-        rows = np.where((numbers < 0) | (numbers > MOST_ROWS), -1, numbers).astype(np.int32)
+    def _check_present(self, rows: Rows, numbers: Array | tuple[int, ...]) -> None:
         absent = self._mesh.first_absent(rows)
         if absent >= 0:
             raise InputError(f"no point has the number {int(numbers[absent])}")
-        return rows
 
     def _forget(self) -> None:
         """Drop what was read before a change."""

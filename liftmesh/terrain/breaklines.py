@@ -6,8 +6,9 @@ a line without heights, and of a draped line also where it crosses sides of face
 so. Where it crosses a line whose heights hold, both are split later, and the row
 there has the height of that line.
 
-Rings separate the triangles into regions, each of which is in a polygon as a whole. The largest
-triangle of a region tells which: so neither rounding nor rings that leave the cloud matter.
+Rings are edges, so a triangle is in a polygon as a whole, and its centroid tells. Where a draped
+ring leaves the hull, its last row is rounded to just beside it: slivers there are left out if a
+triangle beside them is.
 """
 
 from __future__ import annotations
@@ -19,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, starts_of_runs
 from liftmesh.errors import CrossingError, InputError, Option
@@ -33,7 +33,6 @@ from liftmesh.vector.polygons import contains
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.lines import Line, Lines
     from liftmesh.terrain.surface import Surface
@@ -98,7 +97,7 @@ def with_lines(frame: Frame, lines: Lines, build: Callable[..., Surface]) -> Sur
             surface = surface or build(Network.of(chains, lines.crossing), is_last=False)
             chains += _laid(each, surface, each.densified(frame, lines.densify)[:, :2])
     network = Network.of(chains, lines.crossing)
-    surface = _bounded(build(network), lines, network)
+    surface = _bounded(build(network), lines)
     return replace(surface, report=replace(surface.report, lines=_counts(surface)))
 
 
@@ -320,68 +319,27 @@ def _counts(surface: Surface) -> dict[str, int]:
     }
 
 
-def _bounded(surface: Surface, lines: Lines, network: Network) -> Surface:
+def _bounded(surface: Surface, lines: Lines) -> Surface:
     """Leave out the faces that are outside of the boundary, or in holes."""
     if not (lines.boundary or lines.holes):
         return surface
     tri, frame = surface.triangulation, surface.frame
-    regions = _Regions(tri, network)
-    middles = centroids(tri.points[tri.simplices[regions.largest]])
+    corners = tri.points[tri.simplices]
+    middles = centroids(corners)
     shown = np.ones(len(middles), dtype=np.bool_)
     if lines.boundary:
         shown = contains(lines.rings(lines.boundary, frame), middles)
     if lines.holes:
         shown &= ~contains(lines.rings(lines.holes, frame), middles)
-    return masked(surface, ~regions.spread(shown))
-
-
-class _Regions:
-    """The regions into which rings divide triangles.
-
-    Where a draped ring leaves the hull, its last row may be rounded to just inside of it. The
-    sliver between this row and the side of the hull is a region of its own, and shown if both sides
-    of the ring are.
-    """
-
-    def __init__(self, tri: Triangulation, network: Network) -> None:
-        self._neighbors = tri.neighbors
-        self._is_ring = np.zeros((tri.nsimplex, 3), dtype=np.bool_)
-        is_end = np.zeros(len(tri.points), dtype=np.bool_)
-        if isinstance(tri, ConstrainedTriangulation):
-            closed = np.array([each.closed for each in network.lines], dtype=np.bool_)
-            is_piece = _are_of(tri, closed[network.line])
-            is_end[tri.constraints[is_piece]] = True
-            triangle, corner = np.nonzero(tri.is_constrained)
-            ends = [tri.simplices[triangle, (corner + step) % 3] for step in (1, 2)]
-            keys = pair_keys(np.minimum(*ends), np.maximum(*ends))
-            place = np.searchsorted(pair_keys(*tri.constraints.T), keys)
-            self._is_ring[triangle, corner] = is_piece[place]
-        self._rim = np.unique(np.nonzero((tri.neighbors < 0) & is_end[tri.simplices])[0])
-        at_rim = np.zeros(tri.nsimplex, dtype=np.bool_)
-        at_rim[self._rim] = True
-        divides = self._is_ring | at_rim[:, None] | (at_rim[tri.neighbors] & (tri.neighbors >= 0))
-        bits = (divides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
-        self._label = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits)
-        corners = tri.points[tri.simplices]
-        with np.errstate(all="ignore"):
-            (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
-            order = np.argsort(ax * by - ay * bx, kind="stable")
-        self.largest = np.empty(self._label.max() + 1, dtype=np.int64)
-        self.largest[self._label[order]] = order
-
-    def spread(self, shown: Mask) -> Mask:
-        """Tell of each triangle what is known of each region."""
-        spread: Mask = shown[self._label]
-        across = self._neighbors[self._rim]
-        counts = (across >= 0) & ~self._is_ring[self._rim]
-        agreed = (spread[across] | ~counts).all(axis=1)
-        spread[self._rim] = np.where(counts.any(axis=1), agreed, spread[self._rim])
-        return spread
-
-
-def _are_of(tri: ConstrainedTriangulation, edges: Mask) -> Mask:
-    """Tell which constraints belong to some of the input edges."""
-    starts, members = tri.constraint_inputs
-    found = np.zeros(len(tri.constraints), dtype=np.bool_)
-    found[np.repeat(np.arange(len(found)), np.diff(starts))[edges[members]]] = True
-    return found
+    with np.errstate(all="ignore"):
+        (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
+        area = ax * by - ay * bx
+    is_open = tri.neighbors >= 0
+    if isinstance(tri, ConstrainedTriangulation):
+        is_open &= ~tri.is_constrained
+    is_smaller = is_open & (area[:, None] < area[tri.neighbors])
+    while True:  # no ring is between such triangles: the smaller one is a sliver
+        differs = (shown[:, None] & ~shown[tri.neighbors] & is_smaller).any(axis=1)
+        if not differs.any():
+            return masked(surface, ~shown)
+        shown[differs] = False

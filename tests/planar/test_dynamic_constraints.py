@@ -249,6 +249,10 @@ def test_errors_name_constraints() -> None:
         tri.insert_constraint(2, 2)
     with pytest.raises(liftmesh.InputError, match="no point has the number 9"):
         tri.insert_constraint(2, 9)
+    with pytest.raises(liftmesh.InputError, match="b is -1: give a whole number from 0"):
+        tri.insert_constraint(2, -1)
+    with pytest.raises(liftmesh.InputError, match=r"a is 2\.0"):
+        tri.remove_constraint(2.0, 0)  # type: ignore[arg-type]
     assert len(tri) == 6
     tri.remove_constraint(1, 3)
     tri.remove([4, 5])

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <vector>
 
 #include "checks.hpp"
@@ -38,12 +39,27 @@ std::vector<Corners> sorted(const liftmesh::Result& result, At at) {
 
 void compare_with_fresh(const Triangulation& mesh) {
     std::vector<Point> present;
-    for (Vertex v = 0; v < mesh.vertex_end(); ++v)
-        if (mesh.is_present(v)) present.push_back(mesh.point(v));
+    std::vector<Vertex> vertex;
+    for (Vertex v = 0; v < mesh.vertex_end(); ++v) {
+        if (!mesh.is_present(v)) continue;
+        present.push_back(mesh.point(v));
+        vertex.push_back(v);
+    }
     demand(present.size() == mesh.size(), "points are counted wrongly");
+    std::vector<std::int32_t> edges;
+    for (const auto [a, b] : mesh.constraints().wholes())
+        for (const Vertex v : {a, b}) {
+            const auto at = std::lower_bound(vertex.begin(), vertex.end(), v);
+            edges.push_back(static_cast<std::int32_t>(at - vertex.begin()));
+        }
     Impatient interrupt;
-    const auto fresh =
-        liftmesh::delaunay(liftmesh::dynamic::input_of(present), false, {}, interrupt);
+    const auto fresh = liftmesh::constrained_delaunay(
+        liftmesh::dynamic::input_of(present), edges.data(), edges.size() / 2, false, {}, interrupt);
+    demand(fresh.crossings.empty(), "constraints cross");
+    std::set<liftmesh::dynamic::Piece> pieces, wanted;
+    for (const auto& [each, whole] : mesh.constraints().parts()) pieces.insert(each);
+    for (const auto [a, b] : fresh.pieces) wanted.insert({vertex[a], vertex[b]});
+    demand(!mesh.has_triangles() || pieces == wanted, "constraints have other pieces");
     const auto place = [&](std::int32_t row) { return present[static_cast<std::size_t>(row)]; };
     const auto own = [&](std::int32_t v) { return mesh.point(static_cast<Vertex>(v)); };
     demand(sorted(mesh.result(), own) == sorted(fresh.result, place),

@@ -5,7 +5,8 @@
 
 namespace fuzzing {
 
-// The triangles are those of a fresh run on the points present, as sets of positions.
+// The triangles are those of a fresh run on the points and constraints present, as sets of
+// positions, and the pieces of constraints are the same.
 void compare_with_fresh(const liftmesh::dynamic::Triangulation& mesh);
 
 // Triangles, neighbours and hull are in order, and every edge is canonical.

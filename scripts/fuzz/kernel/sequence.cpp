@@ -1,5 +1,5 @@
-// Points that come and go as the bytes say: at every checkpoint the triangles are canonical, by
-// integers of any length, and those of a fresh run.
+// Points and constraints that come and go as the bytes say: at every checkpoint the triangles are
+// those of a fresh run, and, without constraints, canonical by integers of any length.
 #include <algorithm>
 #include <set>
 #include <vector>
@@ -8,6 +8,7 @@
 #include "checks.hpp"
 #include "demand.hpp"
 #include "encodings.hpp"
+#include "predicates/orient2d.hpp"
 #include "scatter.hpp"
 #include "targets.hpp"
 
@@ -47,6 +48,8 @@ class Sequence {
                 return insert_batch(block(2 + size % 8), size < 24 ? ~std::size_t{0} : size - 23);
             case 4:
                 return check();
+            case 5:
+                return size % 4 == 0 ? remove_constraint() : insert_constraint();
             default:
                 return insert(some(1));
         }
@@ -100,12 +103,42 @@ class Sequence {
     }
     void remove_some(std::size_t count) {
         for (; count > 0 && !present_.empty(); --count) {
-            const auto at = std::next(present_.begin(),
-                                      static_cast<std::ptrdiff_t>(bytes_.byte() % present_.size()));
-            mesh_.remove(*at);
-            demand(!mesh_.is_present(*at), "a removed point is present");
-            present_.erase(at);
+            const Vertex v = chosen(present_);
+            release(v);
+            mesh_.remove(v);
+            demand(!mesh_.is_present(v), "a removed point is present");
+            present_.erase(v);
         }
+    }
+    template <class Items>
+    typename Items::value_type chosen(const Items& items) {
+        return *std::next(items.begin(), static_cast<std::ptrdiff_t>(bytes_.byte() % items.size()));
+    }
+    // Without what a point is needed for.
+    void release(Vertex v) {
+        for (auto held = mesh_.holders(v); !held.empty(); held = mesh_.holders(v))
+            for (const auto [a, b] : held) mesh_.remove_constraint(a, b);
+    }
+    void insert_constraint() {
+        if (present_.empty()) return;
+        const Vertex a = chosen(present_), b = chosen(present_);
+        if (a == b) return;
+        const auto crossed = mesh_.insert_constraint(a, b);
+        for (const auto [c, d] : crossed)
+            demand(cross(a, b, c, d), "an edge crosses what it does not");
+        const bool is_there = mesh_.constraints().contains(liftmesh::dynamic::piece(a, b));
+        demand(is_there == crossed.empty(), "a constraint crosses nothing, or is there");
+    }
+    bool cross(Vertex a, Vertex b, Vertex c, Vertex d) const {
+        const auto side = [&](Vertex from, Vertex to, Vertex v) {
+            return liftmesh::orient2d(mesh_.point(from), mesh_.point(to), mesh_.point(v));
+        };
+        return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+    }
+    void remove_constraint() {
+        if (mesh_.constraints().empty()) return;
+        const auto [a, b] = chosen(mesh_.constraints().wholes());
+        mesh_.remove_constraint(a, b);
     }
     // Every third one, or all but every third one, or all.
     void remove_batch(unsigned size) {
@@ -113,6 +146,7 @@ class Sequence {
         std::size_t i = size % 3;
         for (const Vertex v : present_)
             if (++i % 3 == 0 ? size % 4 < 2 : size % 4 > 0) gone.push_back(v);
+        for (const Vertex v : gone) release(v);
         Impatient interrupt(size < 24 ? ~std::size_t{0} : size - 23);
         const Status status = mesh_.remove(gone.data(), gone.size(), interrupt);
         demand(status == Status::ok || interrupt.was_requested(),
@@ -138,11 +172,14 @@ class Sequence {
     void check() const {
         demand(mesh_.size() == present_.size(), "points are counted wrongly");
         compare_with_fresh(mesh_);
-        if (present_.size() <= most_judged) judge(mesh_);
+        if (present_.size() <= most_judged && mesh_.constraints().empty()) judge(mesh_);
     }
 
     void empty() {
-        for (const Vertex v : present_) mesh_.remove(v);
+        for (const Vertex v : present_) {
+            release(v);
+            mesh_.remove(v);
+        }
         demand(mesh_.size() == 0 && mesh_.result().triangle_count == 0, "something is left");
     }
 
