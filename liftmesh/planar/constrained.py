@@ -270,6 +270,8 @@ def _kept(
         seeded = _seeded(solved, seeds, bounds)
     arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
     keep = _kernel.carve(*arrays, carve or "none", seeded).astype(np.bool_)
+    if carve == "holes" and given.winding.any() and not winding.any():
+        keep[:] = False  # holes cancel polygons out, and their parity does not count
     if not keep.any():
         raise InputError(
             f"no triangle is left: {Option('carve')} and {Option('seeds')} remove all of "
@@ -306,7 +308,7 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     """Find the triangles of seeds, which have to be inside of a region."""
     solution = solved.solution
     places = np.ascontiguousarray(as_numbers("seeds", seeds, _SEED, verb="are"))
-    if places.shape[-1:] != (2,) or places.ndim > 2:
+    if places.size and (places.shape[-1:] != (2,) or places.ndim > 2):
         raise InputError(f"{Option('seeds')} have the shape {places.shape}: {_SEED}")
     places = places.reshape(-1, 2)
     triangles = np.empty(len(places), dtype=np.int32)

@@ -126,7 +126,8 @@ def _check_rows(array: Array, rows: int, name: str) -> None:
         remedy = "negative numbers do not count from the end"
     elif row == rows and array.min() > 0:
         remedy = "if yours count from 1, subtract 1"
-    raise InputError(f"{name} has the row {row}, where 0 to {rows - 1} are possible: {remedy}")
+    possible = f"where 0 to {rows - 1} are possible" if rows else "and there are no points"
+    raise InputError(f"{name} has the row {row}, {possible}: {remedy}")
 
 
 def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
@@ -297,7 +298,7 @@ def _insides(
 
 
 def _turns(corners: Floats, starts: Integers) -> Rows:
-    """Return 1 for rings that turn counter-clockwise, -1 for others, 0 for those without area."""
+    """Return -1 for rings that turn clockwise, 1 for others, also for loops that cancel out."""
     count = np.diff(starts)
     of_ring = np.repeat(np.arange(len(count)), count)
     if not np.isfinite(corners).all():
@@ -316,7 +317,7 @@ def _turns(corners: Floats, starts: Integers) -> Rows:
     doubt = (count + 8) * 2.0**-52 * size + 2.0**-1000 * (length + count)
     turns = np.sign(area).astype(np.int32)
     for ring in np.flatnonzero(~(np.abs(area) > doubt)).tolist():
-        turns[ring] = _exact_turn(corners[starts[ring] : starts[ring + 1]])
+        turns[ring] = _exact_turn(corners[starts[ring] : starts[ring + 1]]) or 1
     return turns
 
 

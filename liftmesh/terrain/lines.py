@@ -202,7 +202,7 @@ def _all(option: str, given: Any, crs: str | None, depth: int) -> Iterator[Any]:
         found = [rings] if rings else []
     if not found:
         kinds = "LineString or Polygon" if depth == 2 else "Polygon or MultiPolygon"
-        raise InputError(f"there is none in what {Option(option)} are given as: give {kinds}")
+        raise InputError(f"there is no {kinds} in what {Option(option)} are given as")
     yield from found
 
 

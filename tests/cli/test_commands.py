@@ -38,7 +38,11 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
     }
     assert not re.search(r"centre|\bThin: ", " ".join([command.help or "", *texts.values()]))
     if "classes" in texts:
-        default = "By default all." if name in {"info", "thin"} else "as by default of LAS and LAZ."
+        default = (
+            "By default all."
+            if name in {"info", "thin", "constrain"}
+            else "as by default of LAS and LAZ."
+        )
         assert texts["classes"].endswith(default)
 
 

@@ -30,6 +30,7 @@ WRITING = [
     ("contour", "a.las", "old.geojson", "--interval", "1"),
     ("solid", "a.las", "old.stl", "--base-height", "-1"),
     ("voronoi", "a.las", "old.svg"),
+    ("constrain", "mesh.ply", "old.ply", "--edges", "pairs.txt"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
     ("compare", "a.las", "--hull", "old.ply"),
@@ -42,6 +43,7 @@ def folder(tmp_path: Path) -> Path:
         liftmesh.write(tmp_path / name, POINTS + ord(name[0]))
     liftmesh.triangulate(POINTS).save(tmp_path / "mesh.ply")
     np.savetxt(tmp_path / "plane.txt", np.eye(4))
+    (tmp_path / "pairs.txt").write_text("0 1\n")
     box = [[[0, 0], [99, 0], [99, 99], [0, 99], [0, 0]]]
     (tmp_path / "box.geojson").write_text(json.dumps({"type": "Polygon", "coordinates": box}))
     liftmesh.tile(tmp_path / "b.las", tmp_path / "tiles")

@@ -91,6 +91,23 @@ def test_both_loops_of_a_ring_that_crosses_itself_are_inside(rows: list[list[flo
     assert area(tri) == 4
 
 
+def test_loops_that_cancel_out_are_inside_beside_other_polygons() -> None:
+    ring = [[20, 0], [24, 4], [24, 0], [20, 4]]
+    options: dict[str, Any] = {"carve": "holes", "crossing": "split"}
+    assert area(constrained_delaunay(FRAME, polygons=[ring, box(0, 9)], **options)) == 8 + 81
+
+
+def test_a_hole_as_large_as_its_polygon_leaves_nothing_of_it() -> None:
+    holed = [box(0, 3), box(0, 3)]
+    with pytest.raises(liftmesh.InputError, match="no triangle is left"):
+        constrained_delaunay(FRAME, polygons=[holed], carve="holes")
+    assert area(constrained_delaunay(FRAME, polygons=[holed, [box(4, 6)]], carve="holes")) == 4
+
+
+def test_no_seeds_remove_nothing() -> None:
+    assert area(constrained_delaunay(box(0, 3), [[0, 2]], seeds=[])) == 9
+
+
 @pytest.mark.parametrize("options", [{}, {"polylines": [[0, 2]]}, {"edges": [[0, 2], [2, 3]]}])
 def test_nothing_left_is_an_error(options: dict[str, Any]) -> None:
     with pytest.raises(liftmesh.InputError, match=r"no triangle is left: .* all of 2 triangles"):

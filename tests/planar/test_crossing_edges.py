@@ -55,6 +55,22 @@ def test_only_some_of_many_are_in_words() -> None:
     assert len(caught.value.crossings) == len(caught.value.places) == 13
 
 
+@pytest.mark.parametrize("first", [0, 1])
+def test_all_spokes_of_a_star_cross_a_line(first: int) -> None:
+    """Of one star, or of two at the ends of the same spokes."""
+    spokes = 50
+    points = [[0.0, 0.0], [-1.0, 1.0], [1.0 + spokes, 1.0], [float(spokes), 5.0]]
+    points += [[k + 0.5, 2.0] for k in range(spokes)]
+    edges = [[1, 2], *([0, 4 + k] for k in range(spokes)), *([3, 4 + k] for k in range(spokes))]
+    with pytest.raises(liftmesh.CrossingError) as caught:
+        constrained_delaunay(points, edges[::-1] if first else edges)
+    pairs = caught.value.crossings.tolist()
+    line = len(edges) - 1 if first else 0
+    of_star = [len(edges) - 1 - k if first else k for k in range(1, spokes + 1)]
+    assert {sum(pair) - line for pair in pairs} == set(of_star)
+    assert len(pairs) == spokes
+
+
 def test_the_order_of_edges_changes_nothing() -> None:
     rng = np.random.default_rng(3)
     points, edges = rng.random((20, 2)), rng.permutation(20).reshape(-1, 2)

@@ -156,17 +156,44 @@ class Constraints {
         std::sort(visits.begin(), visits.end(), [](const Visit& one, const Visit& other) {
             return std::tie(one.triangle, one.edge) < std::tie(other.triangle, other.edge);
         });
-        for (std::size_t i = 0; i < visits.size(); ++i) {
-            for (std::size_t j = i + 1;
-                 j < visits.size() && visits[j].triangle == visits[i].triangle; ++j) {
-                if (cross(visits[i].span, visits[j].span))
-                    add(visits[i].edge, visits[j].edge, crossings);
-                if (patience_.ends()) return false;
-            }
+        for (std::size_t i = 0, last = 0; i < visits.size(); i = last) {
+            while (last < visits.size() && visits[last].triangle == visits[i].triangle) ++last;
+            if (!compare({&visits[i], last - i}, crossings)) return false;
         }
         std::sort(crossings.begin(), crossings.end());
         crossings.erase(std::unique(crossings.begin(), crossings.end()), crossings.end());
         return true;
+    }
+
+    // Compares all spans that meet a triangle, but not those of a star with each other.
+    bool compare(std::span<Visit> visits, std::vector<Crossing>& crossings) {
+        const Vertex center = most_common_end(visits);
+        const auto star = std::partition(visits.begin(), visits.end(), [&](const Visit& each) {
+            return each.span.from != center && each.span.to != center;
+        });
+        for (auto one = visits.begin(); one != star; ++one) {
+            for (auto other = one + 1; other != visits.end(); ++other)
+                if (cross(one->span, other->span)) add(one->edge, other->edge, crossings);
+            if (patience_.ends(1 + visits.size() / 16)) return false;
+        }
+        return true;
+    }
+
+    static Vertex most_common_end(std::span<const Visit> visits) {
+        std::vector<Vertex> ends;
+        for (const Visit& each : visits) ends.insert(ends.end(), {each.span.from, each.span.to});
+        std::sort(ends.begin(), ends.end());
+        std::size_t most = 0;
+        Vertex found = ends[0];
+        for (auto at = ends.begin(); at != ends.end();) {
+            const auto after = std::upper_bound(at, ends.end(), *at);
+            if (static_cast<std::size_t>(after - at) > most) {
+                most = static_cast<std::size_t>(after - at);
+                found = *at;
+            }
+            at = after;
+        }
+        return found;
     }
 
     void add_members(Span ends, const Placed& other, std::vector<Crossing>& crossings) const {
@@ -181,6 +208,7 @@ class Constraints {
     }
 
     bool cross(Span s, Span t) const {
+        if (s.from == t.from || s.from == t.to || s.to == t.from || s.to == t.to) return false;
         const auto parts = [this](Span line, Span ends) {
             const Point a = mesh_.points[line.from], b = mesh_.points[line.to];
             return orient2d(a, b, mesh_.points[ends.from]) * orient2d(a, b, mesh_.points[ends.to]) <

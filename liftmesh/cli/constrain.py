@@ -1,0 +1,173 @@
+"""``liftmesh constrain``: triangulates points in the plane with edges that the mesh contains."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import click
+
+from liftmesh.base.options import Carve, Crossing
+from liftmesh.cli import inputs, options, outputs, terminal
+from liftmesh.cli.options import flag, option
+from liftmesh.cli.surfaces import is_table
+from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh._typing import Rows
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.io.write import WriteResult
+    from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
+
+SHORT_HELP = "Triangulate points in the plane with edges that the mesh contains."
+HELP = (
+    "The constrained Delaunay triangulation of x and y. Corners of lines at no row become rows "
+    "after those of IN. Without lines, the edges that IN has (OBJ, PLY, NPZ) are taken."
+)
+EXAMPLES = [
+    "liftmesh constrain survey.csv mesh.obj --edges pairs.txt",
+    "liftmesh constrain wells.csv land.ply --polygons coast.geojson --carve holes",
+    "liftmesh constrain points.csv mesh.vtu --polylines roads.gpkg --crossing split",
+]
+
+
+def _lines(
+    edges: Annotated[
+        Path | None,
+        option("FILE", "Edges: two rows of IN in each line, from 0; or an OBJ, PLY or NPZ file."),
+    ] = None,
+    polylines: Annotated[
+        Path | None,
+        option("FILE", "Lines (GeoJSON, GeoPackage, shapefile, DXF, the l elements of OBJ)."),
+    ] = None,
+    polygons: Annotated[
+        Path | None, option("FILE", "Polygons, whose rings are edges, in the same formats.")
+    ] = None,
+    crossing: Annotated[
+        Crossing, flag("Of edges that cross at no row: an error, or a new row at each crossing.")
+    ] = "error",
+    carve: Annotated[
+        Carve | None, flag("Leave out what is outside of polygons, or in their holes, too.")
+    ] = None,
+) -> dict[str, Any]:
+    """Return the options of lines, as `liftmesh.constrained_delaunay` has them."""
+    files = options.given(edges=edges, polylines=polylines, polygons=polygons)
+    for path in files.values():
+        path.open("rb").close()
+    return files | options.given(crossing=crossing, carve=carve)
+
+
+Lines: TypeAlias = Annotated[dict[str, Any], options.Group(_lines, "Lines")]
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
+
+
+@outputs.guards("target")
+def run(
+    source: options.Source,
+    target: Target,
+    *,
+    reading: inputs.AllRows,
+    nonfinite: options.SkipNonFinite = "error",
+    lines: Lines,
+    threads: options.Threads = None,
+    json: options.Json = False,
+) -> None:
+    """Read points and edges, triangulate, write the mesh, and print a report."""
+    if json:
+        outputs.check_stdout()
+    target.check()
+    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **reading})
+    if "edges" in lines:
+        lines["edges"] = _edges(lines["edges"])
+    elif not {"polylines", "polygons"} & lines.keys():
+        if cloud.edges is None:
+            raise click.BadParameter(
+                f"{source} has no edges: give --edges, --polylines or --polygons"
+            )
+        lines["edges"] = cloud.edges
+    with inputs.about(source):
+        target.check_content(cloud)
+        tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
+        mesh = _mesh(cloud, tri)
+    written = target.write(mesh)
+    with outputs.report_after(target.path):
+        _report(written, tri, as_json=json)
+
+
+def _edges(path: Path) -> Rows:
+    """Read pairs of rows."""
+    import numpy as np
+
+    from liftmesh.io.read import read
+    from liftmesh.io.text_tables import BLOCK, HASH, Lines as TextLines, exact_values, number_table
+
+    if path.suffix.lower() in (".obj", ".ply", ".npz"):
+        edges = read(path).edges
+        if edges is None:
+            raise InputError(f"{path} has no edges")
+        return edges
+    parts = [np.empty((0, 2), np.int32)]
+    with path.open("rb") as stream:
+        text = TextLines(stream, str(path), HASH)
+        while len(block := text.take(BLOCK)):
+            values = number_table(block, str(path), width=2).reshape(-1)
+            line_of = [int(each) for each in np.repeat(block.numbers, 2)].__getitem__
+            kind = np.dtype(np.int32)
+            rows = exact_values(values, kind, str(path), "the number of a row", line_of)
+            parts.append(rows.reshape(-1, 2))
+    return np.concatenate(parts)
+
+
+def _triangulated(cloud: Cloud, **choices: Any) -> ConstrainedTriangulation:
+    import liftmesh
+
+    text = f"triangulating {len(cloud):,} rows"
+    with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
+        return liftmesh.constrained_delaunay(
+            cloud.points[:, :2], order="canonical", progress=progress, **choices
+        )
+
+
+def _mesh(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
+    """Make the mesh: rows of lines have no heights, and no values."""
+    import numpy as np
+
+    from liftmesh.base.cloud import Cloud
+
+    faces, edges, new = tri.simplices, tri.constraints, tri.npoints - len(cloud)
+    if not new:
+        return replace(cloud, faces=faces, edges=edges)
+    if cloud.points[:, 2].any():
+        raise InputError(
+            f"{new:,} corners or crossings of lines are at no row, so that they have no height, "
+            "but the rows have: use liftmesh triangulate --breaklines"
+        )
+    if cloud.attributes or cloud.colors is not None or cloud.normals is not None:
+        terminal.note(f"{new:,} rows are new, and have no values: those of the others are left out")
+    points = np.column_stack([tri.points, np.zeros(tri.npoints)])
+    return Cloud(points, faces=faces, edges=edges, metadata=cloud.metadata, crs=cloud.crs)
+
+
+def _report(written: WriteResult, tri: ConstrainedTriangulation, *, as_json: bool) -> None:
+    counts = {
+        "rows": tri.npoints,
+        "added": len(tri.added),
+        "crossings": len(tri.crossing_rows),
+        "duplicates": len(tri.duplicates),
+        "skipped": len(tri.skipped),
+        "triangles": tri.nsimplex,
+        "constraints": len(tri.constraints),
+        "zero_length": len(tri.zero_length),
+    }
+    if as_json:
+        named = {f"n_{name}": count for name, count in counts.items()}
+        terminal.as_json({**outputs.as_values(written), **named, "displacement": tri.displacement})
+        return
+    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
+    terminal.sentence(outputs.headline(written, line), "good")
+    rows = [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
+    if len(tri.crossing_rows):
+        rows.append(("displacement", f"{tri.displacement:.3g}"))
+    terminal.table(rows)

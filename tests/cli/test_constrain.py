@@ -1,0 +1,103 @@
+"""``liftmesh constrain``: points and edges of files become a mesh that contains the edges."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import failed, liftmesh as command
+
+import liftmesh
+from liftmesh import Cloud
+
+SQUARE = np.array([[0, 0], [8, 0], [8, 8], [0, 8], [3, 2], [5, 2], [5, 5], [3, 5]], np.float64)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    np.savetxt(tmp_path / "points.xy", np.c_[SQUARE, np.zeros(8)])
+    (tmp_path / "points.xy").rename(tmp_path / "points.xyz")
+    (tmp_path / "pairs.txt").write_text("# rows\n0 6\n4 1  # twice\n")
+    rings = [[*SQUARE[:4].tolist(), [0, 0]], [*SQUARE[4:].tolist(), [3, 2]]]
+    for name, kind, parts in (("land", "Polygon", rings), ("lines", "MultiLineString", rings)):
+        tree = {"type": kind, "coordinates": parts}
+        (tmp_path / f"{name}.geojson").write_text(json.dumps(tree))
+    return tmp_path
+
+
+def test_edges_of_rows(folder: Path) -> None:
+    done = command("constrain", "points.xyz", "a.obj", "--edges", "pairs.txt", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    expected = liftmesh.constrained_delaunay(SQUARE, [[0, 6], [4, 1]])
+    assert (told["n_constraints"], told["n_rows"]) == (len(expected.constraints), 8)
+    mesh = liftmesh.read(folder / "a.obj")
+    assert mesh.edges is not None
+    assert mesh.edges.tolist() == expected.constraints.tolist()
+    found = liftmesh.verify(SQUARE, mesh.faces, constraints=mesh.edges)
+    assert found.valid
+    again = command("constrain", "a.obj", "b.ply", cwd=folder)
+    assert again.returncode == 0, again.stderr
+    assert "8 vertices" in again.stdout
+    assert np.array_equal(liftmesh.read(folder / "b.ply").edges, mesh.edges)
+    same = command("constrain", "points.xyz", "c.npz", "--edges", "a.obj", cwd=folder)
+    assert same.returncode == 0, same.stderr
+
+
+def test_polygons_are_carved(folder: Path) -> None:
+    words = ("--polygons", "land.geojson", "--carve", "holes", "--json")
+    (folder / "points.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in SQUARE))
+    done = command("constrain", "points.csv", "a.ply", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert (told["n_triangles"], told["n_added"]) == (8, 0)
+
+
+def test_crossings_are_an_error_or_split(folder: Path) -> None:
+    (folder / "cross.txt").write_text("0 6\n4 2\n7 5\n1 3\n")
+    words = ("constrain", "points.xyz", "a.ply", "--edges", "cross.txt")
+    failed(command(*words, cwd=folder), 3, "cross where no row is", "--crossing split")
+    done = command(*words, "--crossing", "split", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "displacement" in done.stdout
+    assert len(liftmesh.read(folder / "a.ply")) > 8
+
+
+@pytest.mark.parametrize(
+    ("text", "cause"),
+    [
+        ("0 1\n1 2 3\n", "pairs.txt: line 2: expected 2 values, found 3"),
+        ("0 1\n\n1 2.5\n", "pairs.txt: line 3: the number of a row is 2.5"),
+        ("0 x\n", "pairs.txt: line 1, value 2: 'x' is not a number"),
+        ("0 1\n4 8\n", "edge 1, [4, 8], has the row 8, where 0 to 7 are possible"),
+    ],
+)
+def test_pairs_that_cannot_be_used(text: str, cause: str, folder: Path) -> None:
+    (folder / "pairs.txt").write_text(text)
+    words = ("constrain", "points.xyz", "a.ply", "--edges", "pairs.txt")
+    failed(command(*words, cwd=folder), 3, cause)
+    assert not (folder / "a.ply").exists()
+
+
+def test_what_is_missing(folder: Path) -> None:
+    failed(command("constrain", "points.xyz", "a.ply", cwd=folder), 2, "has no edges", "--edges")
+    words = ("constrain", "points.xyz", "a.ply", "--edges")
+    failed(command(*words, "none.txt", cwd=folder), 3, "none.txt")
+    liftmesh.write(folder / "bare.ply", np.eye(3))
+    failed(command(*words, "bare.ply", cwd=folder), 3, "bare.ply has no edges")
+
+
+def test_new_rows_have_no_heights_and_no_values(folder: Path) -> None:
+    heights = Cloud(np.c_[SQUARE[:4], np.arange(4.0)])
+    liftmesh.write(folder / "high.ply", heights)
+    words = ("--polylines", "lines.geojson")
+    done = command("constrain", "high.ply", "a.ply", *words, cwd=folder)
+    failed(done, 3, "4 corners or crossings of lines are at no row", "--breaklines")
+    flat = Cloud(np.c_[SQUARE[:4], np.zeros(4)], attributes={"a": np.arange(4)})
+    liftmesh.write(folder / "flat.ply", flat)
+    done = command("constrain", "flat.ply", "a.ply", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "4 rows are new" in done.stderr
+    assert len(liftmesh.read(folder / "a.ply")) == 8
