@@ -325,7 +325,7 @@ def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:
         np.testing.assert_array_equal(found.vertices, plain.vertices)
     with pytest.raises(InputError, match=r"kerbs.gpkg is in 'EPSG:25832', the surface in"):
         liftmesh.triangulate(hills(), breaklines=tmp_path / "kerbs.gpkg", crs="EPSG:25833")
-    with pytest.raises(FormatError, match=r"kerbs.json: .*give Polygon or MultiPolygon"):
+    with pytest.raises(FormatError, match=r"kerbs.json: .*no Polygon or MultiPolygon"):
         liftmesh.triangulate(hills(), holes=tmp_path / "kerbs.json")
     island = shapely.Polygon(SQUARE, [[(20, 8), (20, 20), (30, 20)]])
     geopandas.GeoDataFrame(geometry=[island], crs="EPSG:25832").to_file(tmp_path / "lots.shp")
