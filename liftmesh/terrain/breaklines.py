@@ -139,7 +139,9 @@ class _Drape(LineCrossings):
         super().__init__(surface)
         tri = surface.triangulation
         pieces = getattr(tri, "constraints", np.empty((0, 2), dtype=np.int32))
-        self._pieces = pair_keys(*pieces.T)
+        rim = np.stack([tri.convex_hull, np.roll(tri.convex_hull, -1)])
+        at_rim = pair_keys(rim.min(axis=0), rim.max(axis=0))  # where lines would end before it
+        self._pieces = np.setdiff1d(pair_keys(*pieces.T), at_rim)
 
     def parts(self, corners: Floats) -> list[Floats]:
         """Return what each piece of a line becomes; in both directions it is the same."""

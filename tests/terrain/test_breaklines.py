@@ -220,6 +220,23 @@ def test_a_boundary_may_leave_the_cloud() -> None:
         liftmesh.triangulate(points, holes=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
 
 
+@pytest.mark.slow
+def test_rings_that_leave_the_hull_cut_exactly() -> None:
+    """Also where a breakline is a side of the hull, or a ring crosses one side twice."""
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        points = rng.random((rng.integers(5, 40), 3)) * 12
+        angles = np.sort(rng.random(4) * 2 * np.pi)
+        ring = np.column_stack([np.cos(angles), np.sin(angles)]) * 6 + rng.random(2) * 12
+        line = rng.random((3, 3)) * 12
+        hull = shapely.MultiPoint(np.vstack([points, line])[:, :2]).convex_hull
+        hidden = shapely.Polygon(ring).buffer(0)
+        if hull.within(hidden) or hidden.area < 1:
+            continue
+        surface = liftmesh.triangulate(points, breaklines=line, holes=ring)
+        assert plane_area(surface) == pytest.approx(hull.difference(hidden).area, rel=1e-9)
+
+
 def test_contour_lines_leave_flat_triangles() -> None:
     ring = np.array([[0, 0], [8, 0], [8, 8], [0, 8], [0, 0]], dtype=float)
     contours = [np.column_stack([ring, np.zeros(5)]), np.column_stack([ring / 2 + 2, np.ones(5)])]
@@ -308,7 +325,7 @@ def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:
         np.testing.assert_array_equal(found.vertices, plain.vertices)
     with pytest.raises(InputError, match=r"kerbs.gpkg is in 'EPSG:25832', the surface in"):
         liftmesh.triangulate(hills(), breaklines=tmp_path / "kerbs.gpkg", crs="EPSG:25833")
-    with pytest.raises(FormatError, match=r"kerbs.json: .*give Polygon or MultiPolygon"):
+    with pytest.raises(FormatError, match=r"kerbs.json: .*no Polygon or MultiPolygon"):
         liftmesh.triangulate(hills(), holes=tmp_path / "kerbs.json")
     island = shapely.Polygon(SQUARE, [[(20, 8), (20, 20), (30, 20)]])
     geopandas.GeoDataFrame(geometry=[island], crs="EPSG:25832").to_file(tmp_path / "lots.shp")
