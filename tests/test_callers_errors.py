@@ -40,6 +40,11 @@ def tiled_surface(**options: Any) -> object:
 
 CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] = {
     "delaunay": (liftmesh.delaunay, liftmesh.delaunay, {"points": PLANAR}),
+    "constrained_delaunay": (
+        liftmesh.constrained_delaunay,
+        liftmesh.constrained_delaunay,
+        {"points": PLANAR, "edges": [[0, 1]], "polylines": [[[0.5, 0.5], [0.6, 0.7]]]},
+    ),
     "regular": (liftmesh.regular, liftmesh.regular, {"points": PLANAR, "weights": ROWS[:, 2]}),
     "regular by radii": (
         liftmesh.regular,

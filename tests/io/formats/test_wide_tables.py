@@ -106,7 +106,7 @@ def test_the_command_line_tells_its_own_option(
     assert f"expands to {needed(name):,} bytes, more than the limit of 20,000,000" in told
     assert told.endswith("if you trust the file, raise it with --max-bytes\n")
     assert main(["info", str(path), "--max-bytes", str(needed(name)), "--json"]) == exit_codes.DONE
-    assert json.loads(capsys.readouterr().out)["rows"] == ROWS
+    assert json.loads(capsys.readouterr().out)["n_rows"] == ROWS
 
 
 @pytest.mark.slow
