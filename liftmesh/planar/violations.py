@@ -106,7 +106,11 @@ class TriangleViolations(Violations):
     """Places where triangles are wrong, with exact signs."""
 
     def __init__(
-        self, rows: Reals, given: Array, kind: TriangulationKind, constraints: Array | None
+        self,
+        rows: Reals,
+        given: Array,
+        kind: TriangulationKind,
+        constraints: Array | None = None,
     ) -> None:
         super().__init__(rows, MEANINGS if kind.name == "delaunay" else MEANINGS | _OF_LIFTED)
         self._given = given

@@ -387,7 +387,7 @@ def test_bad_input_is_one_line_and_leaves_nothing_behind(
     far = {"type": "Polygon", "coordinates": [[[900, 900], [901, 900], [901, 901]]]}
     (tmp_path / "far.json").write_text(json.dumps(far))
     square = np.array([[0.0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-    faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
+    faces = np.array([[0, 1, 3], [0, 2, 3]], dtype=np.int32)  # overlap
     liftmesh.write(tmp_path / "bent.ply", liftmesh.Cloud(square, faces=faces))
     liftmesh.triangulate(square, crs="EPSG:25832").save(tmp_path / "utm.ply")
     liftmesh.triangulate(square, crs="EPSG:28992").save(tmp_path / "dutch.ply")

@@ -52,7 +52,9 @@ def test_a_table_is_printed(
     assert [row[3].strip() for row in rows[2:7]] == [
         *("CDT", "triangle", "CDT", "tame edges", "delaunay"),
     ]
-    assert all(float(row[4]) > 0 and float(row[6]) > 0 for row in rows[2:7])
+    for row in rows[2:7]:  # the wheels of CDT and triangle are in the extra `bench` alone
+        is_told = row[3].strip() in {"CDT", "triangle"} and "not installed: " in row[4]
+        assert is_told or (float(row[4]) > 0 and float(row[6]) > 0)
 
 
 def test_a_wrong_answer_is_told_and_no_time(

@@ -66,8 +66,8 @@ struct Below {
 
 class Sweep {
  public:
-    Sweep(const NamedMesh& named, const std::vector<Segment>& segments, ConstrainedEdges& edges,
-          Flaws& flaws)
+    Sweep(const NamedMesh& named, const std::vector<FollowedEdge>& segments,
+          ConstrainedEdges& edges, Flaws& flaws)
         : named_(named),
           points_(named.mesh.points),
           segments_(segments),
@@ -104,7 +104,7 @@ class Sweep {
             roles_[edge.tail] = roles_[edge.head] = event | on_boundary;
         for (std::size_t row = 0; row < roles_.size(); ++row)
             if (is_other(row)) roles_[named_.lowest[row]] |= event;
-        for (const Segment& each : segments_)
+        for (const FollowedEdge& each : segments_)
             if (!each.is_whole()) roles_[each.to] |= event;
         for (Row row = 0; row < roles_.size(); ++row)
             if (roles_[row] & event) events_.push_back(row);
@@ -321,7 +321,7 @@ class Sweep {
 
     const NamedMesh& named_;
     const Point* points_;
-    const std::vector<Segment>& segments_;
+    const std::vector<FollowedEdge>& segments_;
     ConstrainedEdges& edges_;
     Flaws& flaws_;
     std::vector<std::uint8_t> roles_;  // of each row
@@ -336,7 +336,7 @@ class Sweep {
 
 }  // namespace
 
-bool check_carving(const NamedMesh& named, const std::vector<Segment>& segments,
+bool check_carving(const NamedMesh& named, const std::vector<FollowedEdge>& segments,
                    ConstrainedEdges& edges, Flaws& flaws, std::optional<std::size_t>& outside) {
     return Sweep(named, segments, edges, flaws).run(outside);
 }

@@ -40,7 +40,7 @@ struct Listed {
 
 }  // namespace
 
-bool ConstrainedEdges::match(std::vector<Segment>& segments) {
+bool ConstrainedEdges::match(std::vector<FollowedEdge>& segments) {
     std::vector<std::uint32_t> first;
     Buffer<Listed> listed;
     const auto for_each_segment = [&](auto visit) {
@@ -61,7 +61,7 @@ bool ConstrainedEdges::match(std::vector<Segment>& segments) {
             const Listed *const start = &listed[first[low]], *const end = &listed[first[low + 1]];
             const Listed* at = std::lower_bound(start, end, Listed{high, 0});
             for (; at != end && at->end == high; ++at) {
-                Segment& found = segments[at->segment];
+                FollowedEdge& found = segments[at->segment];
                 std::atomic_ref(found.reached).store(found.to, std::memory_order_relaxed);
                 marked_[place] = 1;
             }
@@ -136,11 +136,11 @@ Row ConstrainedEdges::follow(Row from, Row to) {
 
 namespace {
 
-std::vector<Segment> segments_of(const NamedMesh& named, const Constraints& constraints) {
+std::vector<FollowedEdge> segments_of(const NamedMesh& named, const Constraints& constraints) {
     const auto named_row = [&](std::int32_t row) {
         return named.lowest.empty() ? static_cast<Row>(row) : named.lowest[static_cast<Row>(row)];
     };
-    std::vector<Segment> segments(constraints.count);
+    std::vector<FollowedEdge> segments(constraints.count);
     for (std::size_t i = 0; i < segments.size(); ++i) {
         const Row from = named_row(constraints.ends[2 * i]);
         segments[i] = {from, named_row(constraints.ends[2 * i + 1]), from};
@@ -149,8 +149,8 @@ std::vector<Segment> segments_of(const NamedMesh& named, const Constraints& cons
 }
 
 // Follows the segments that are not whole.
-bool follow(const NamedMesh& named, std::vector<Segment>& segments, ConstrainedEdges& edges) {
-    const auto is_whole = [](const Segment& segment) { return segment.is_whole(); };
+bool follow(const NamedMesh& named, std::vector<FollowedEdge>& segments, ConstrainedEdges& edges) {
+    const auto is_whole = [](const FollowedEdge& segment) { return segment.is_whole(); };
     if (std::all_of(segments.begin(), segments.end(), is_whole)) return true;
     const Point* const points = named.mesh.points;
     return edges.collect() &&
@@ -167,7 +167,7 @@ bool follow(const NamedMesh& named, std::vector<Segment>& segments, ConstrainedE
 bool check_constraints(const NamedMesh& named, const Constraints& constraints, EdgePairing& pairing,
                        Flaws& flaws, std::optional<std::size_t>& outside) {
     ConstrainedEdges edges(named.mesh, named.pool);
-    std::vector<Segment> segments = segments_of(named, constraints);
+    std::vector<FollowedEdge> segments = segments_of(named, constraints);
     if (!edges.match(segments) || !follow(named, segments, edges)) return false;
     if (!constraints.are_carved) {
         for (std::size_t i = 0; i < segments.size(); ++i)

@@ -9,7 +9,7 @@ namespace liftmesh {
 
 // A constraint, and the row at which edges along it end: `to` if it is a union of edges. Otherwise
 // `from` is its lesser end.
-struct Segment {
+struct FollowedEdge {
     Row from, to, reached;
     bool is_whole() const { return reached == to; }
 };
@@ -21,7 +21,7 @@ class ConstrainedEdges {
         : mesh_(mesh), pool_(pool), marked_(3 * mesh.count) {}
 
     // Marks the edges that are segments as a whole. False if the interrupt came first.
-    bool match(std::vector<Segment>& segments);
+    bool match(std::vector<FollowedEdge>& segments);
 
     // Lists the edges of each vertex, which `follow` needs. False if the interrupt came first.
     bool collect();
@@ -65,7 +65,7 @@ struct NamedMesh {
 // Checks the boundary of carved triangles (carving.cpp), and follows the segments that leave them.
 // Counts the rows outside; not if it finds that triangles overlap. False if the interrupt came
 // first.
-bool check_carving(const NamedMesh& named, const std::vector<Segment>& segments,
+bool check_carving(const NamedMesh& named, const std::vector<FollowedEdge>& segments,
                    ConstrainedEdges& edges, Flaws& flaws, std::optional<std::size_t>& outside);
 
 // Adds every constraint that is no union of edges, and removes edges along constraints from
