@@ -47,10 +47,10 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 
 IN_THE_LIBRARY_ALONE = {
-    "a", "b", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data", "density",
-    "dtype", "folder", "furthest_site", "heights", "incremental", "light", "masses", "max_iter", "max_proofs", "order", "origin",
-    "planar", "progress", "row", "rows", "shape", "strict", "tol", "transform", "values",
-    "vertices",
+    "a", "b", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
+    "density", "dtype", "folder", "furthest_site", "heights", "incremental", "light", "masses",
+    "max_iter", "max_proofs", "order", "origin", "planar", "progress", "row", "rows", "shape",
+    "strict", "tol", "transform", "values", "vertices",
 }  # fmt: skip
 NAMING = {
     "Option", "refused", "as_count", "as_number", "as_numbers", "as_positive", "as_distance",
