@@ -67,7 +67,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         Edges as pairs of rows of `points`.
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
-        shape (c, 2) or (c, 3), whose heights are left out; one chain may stand by itself. Or lines,
+        shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
+        that are floats, may stand by itself. Or lines,
         and polygons as their rings: geometries of shapely, or a list of them; a GeoDataFrame or
         GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the path of a file: GeoJSON,
         GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
