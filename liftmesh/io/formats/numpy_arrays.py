@@ -194,10 +194,13 @@ def _header(stream: Source) -> tuple[tuple[int, ...], bool, np.dtype]:
             f"the header takes {size:,} bytes, more than {_LONGEST_HEADER:,}: save only the fields "
             "you need"
         )
-    text = _plain_text(read_most(stream, size).decode("latin-1")).encode("latin-1")
+    given = read_most(stream, size).decode("latin-1")
+    text = _plain_text(given).encode("latin-1")
     try:
         return parse(io.BytesIO(length.pack(len(text)) + text), max_header_size=len(text))
     except MemoryError as error:  # the parser's own limit: its message, if any, is about stacks
+        if _USUAL.fullmatch(given):  # which nest nothing
+            raise
         raise ValueError("nested too deeply") from error
 
 
