@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Mask, Reals, Rows
@@ -239,45 +239,9 @@ class ConstrainedTriangulation(Triangulation):
         number = range(len(self.constraints))[constraint]
         return members[indptr[number] : indptr[number + 1]]
 
-    def find_simplex(
-        self, xi: ArrayLike, bruteforce: bool = False, tol: float | None = None
-    ) -> Rows:
-        """Find the triangles that contain the given points, exactly.
-
-        Parameters
-        ----------
-        xi : array_like of shape (..., 2)
-            Planar points.
-        bruteforce, tol
-            Accepted for compatibility with SciPy; ignored, as the result is exact.
-
-        Returns
-        -------
-        (...) ndarray of int32
-            As for `Triangulation`: the first triangle that contains each point, or -1; also where
-            regions were removed.
-
-        Raises
-        ------
-        InputError
-            As for `Triangulation`.
-
-        See Also
-        --------
-        Triangulation.find_simplex : How points are located.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> square = [[0, 0], [3, 0], [3, 3], [0, 3]]
-        >>> hole = [[1, 1], [1, 2], [2, 2], [2, 1]]
-        >>> tri = liftmesh.constrained_delaunay(square, polygons=[[square, hole]], carve="holes")
-        >>> tri.nsimplex, tri.find_simplex([1.5, 1.5])
-        (8, array(-1, dtype=int32))
-        """
-        triangles = super().find_simplex(xi, bruteforce, tol)
-        triangles[triangles >= self.nsimplex] = -1
-        return triangles
+    def _left(self, found: Rows) -> Rows:
+        found[found >= self.nsimplex] = -1
+        return found
 
     @cached_property
     def _locator(self) -> _kernel.Locator:

