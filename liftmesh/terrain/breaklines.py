@@ -262,9 +262,12 @@ class Following:
         if not named:
             return
         rest = f"; and {len(firm) - _NAMED:,} more" if len(firm) > _NAMED else ""
-        raise InputError(
+        raise CrossingError(
             f"lines cross where they have no corner: {'; '.join(named)}{rest}. Give both a corner "
-            f"there, or {Option('crossing', 'split')}, which takes the height of the first"
+            f"there, or {Option('crossing', 'split')}, which takes the height of the first",
+            crossings=error.crossings[firm],
+            rows=error.rows[firm],
+            places=error.places[firm[firm < len(error.places)]],
         ) from error
 
     def _along(self, planar: Floats, edges: Rows, places: Floats) -> Floats:
