@@ -225,9 +225,9 @@ bool is_passed(const Ground& ground, std::int32_t face, Point p, Point q) {
         contains &= fuzzing::turn(a, b, p) >= 0;
         const auto [left, right] = std::minmax(p.x, q.x);
         const auto [low, high] = std::minmax(p.y, q.y);
-        if (fuzzing::turn(p, q, a) * fuzzing::turn(p, q, b) <= 0 && fuzzing::turn(a, b, p) * fuzzing::turn(a, b, q) <= 0 &&
-            std::max(a.x, b.x) >= left && std::min(a.x, b.x) <= right &&
-            std::max(a.y, b.y) >= low && std::min(a.y, b.y) <= high)
+        if (fuzzing::turn(p, q, a) * fuzzing::turn(p, q, b) <= 0 &&
+            fuzzing::turn(a, b, p) * fuzzing::turn(a, b, q) <= 0 && std::max(a.x, b.x) >= left &&
+            std::min(a.x, b.x) <= right && std::max(a.y, b.y) >= low && std::min(a.y, b.y) <= high)
             return true;
     }
     return contains;
