@@ -80,6 +80,7 @@ def run(
         outputs.check_stdout()
     target.check()
     cloud, seeds = _points(source, reading)
+    files = {**lines}
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
     elif not {"polylines", "polygons"} & lines.keys():
@@ -88,9 +89,11 @@ def run(
                 f"{source} has no edges: give --edges, --polylines or --polygons"
             )
         lines |= {"edges": cloud.edges, "seeds": seeds}
+        files["edges"] = source
     with inputs.about(source):
         target.check_content(cloud)
-        tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
+        with inputs.about_lines(files):
+            tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
         mesh = _mesh(cloud, tri)
     written = target.write(mesh)
     with outputs.report_after(target.path):
@@ -147,8 +150,10 @@ def _mesh(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
     import numpy as np
 
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.metadata import with_carved
 
     faces, edges, new = tri.simplices, tri.constraints, tri.npoints - len(cloud)
+    cloud = replace(cloud, metadata=with_carved(cloud.metadata, tri.carved))
     if not new:
         return replace(cloud, faces=faces, edges=edges)
     if cloud.points[:, 2].any():

@@ -180,7 +180,7 @@ def run(
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
-    with inputs.about_rows(sources, cloud):
+    with inputs.about_rows(sources, cloud), inputs.about_lines(lines):
         target.check_content(cloud)
         surface = _triangulate(
             cloud,

@@ -163,6 +163,11 @@ def _lines(given: Any) -> list[Any]:
     items = _items("polylines", given)
     if _is_chain(items):
         return [given]
+    if len(items) > 1 and all(_is_pair_of_integers(each) for each in items):
+        raise InputError(
+            f"{Option('polylines')} are {shown(given)}, pairs of integers, which may be rows or "
+            f"corners: give edges between rows as {Option('edges', ...)}, and corners as floats"
+        )
     lines: list[Any] = []
     for each in items:
         shapes = lines_in(each)
@@ -219,6 +224,11 @@ def _is_chain(items: Sequence[Any]) -> bool:
 def _is_corner(given: Any) -> bool:
     is_flat = isinstance(given, list | tuple | np.ndarray) and len(given) in (2, 3)
     return is_flat and all(isinstance(each, Number) for each in given)
+
+
+def _is_pair_of_integers(given: Any) -> bool:
+    is_pair = isinstance(given, list | tuple | np.ndarray) and len(given) == 2
+    return is_pair and all(isinstance(each, int | np.integer) for each in given)
 
 
 def _is_ring(given: Any, polygon: int) -> bool:

@@ -53,7 +53,8 @@ def crossing_error(
     ]
     rest = f"; and {len(pairs) - _NAMED:,} more" if len(pairs) > _NAMED else ""
     return CrossingError(
-        f"{counted(len(pairs), 'pair')} of edges cross where no row is: {'; '.join(named)}{rest}. "
+        f"{counted(len(pairs), 'pair')} of edges cross{'es' * (len(pairs) == 1)} where no row is: "
+        f"{'; '.join(named)}{rest}. "
         f"Add their crossings as points, or {remedy}",
         crossings=pairs,
         rows=rows,

@@ -41,6 +41,11 @@ def test_crossings_of_lines_and_polygons_name_these() -> None:
     assert "(of polygon 0)" in str(caught.value)
 
 
+def test_one_pair_crosses() -> None:
+    with pytest.raises(liftmesh.CrossingError, match=r"^1 pair of edges crosses where no row is: "):
+        constrained_delaunay(SQUARE, [[2, 0], [3, 1]])
+
+
 def comb(teeth: int) -> tuple[list[list[float]], list[list[int]]]:
     points = [[-1.0, 0.5], [float(teeth), 0.5]]
     for k in range(teeth):
