@@ -160,6 +160,25 @@ Constrained Triangulation::build(const std::vector<Point>& points,
     return outcome;
 }
 
+std::vector<Row> Triangulation::adopt(const Input& input, Constrained& mesh) {
+    const Result& result = mesh.result;
+    std::vector<bool> is_corner(input.rows);
+    for (std::size_t i = 0; i < 3 * result.triangle_count; ++i)
+        is_corner[static_cast<std::size_t>(result.simplices[i])] = true;
+    std::vector<Vertex> vertex_of_row(input.rows, ghost);
+    std::vector<Row> rows;
+    for (Row row = 0; row < input.rows; ++row) {
+        if (!is_corner[row]) continue;
+        rows.push_back(row);
+        vertex_of_row[row] = add_vertex(input[row]);
+    }
+    mesh.distinct = rows.size();
+    fresh_.reserve(2 * rows.size() - 2);
+    fresh_.keep_marks();
+    take(mesh, vertex_of_row);
+    return rows;
+}
+
 // The result of a run over the rows of the vertices that are present.
 void Triangulation::take(const Constrained& outcome, const std::vector<Vertex>& vertex_of_row) {
     line_.clear();

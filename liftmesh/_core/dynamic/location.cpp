@@ -74,6 +74,15 @@ Place Triangulation::locate(Point p, Vertex hint) const {
     return {ghost, t};
 }
 
+Edge Triangulation::edge_between(Vertex from, Vertex to) const {
+    Edge corner = corner_[from];
+    do {
+        if (slots_.tail(corner) == to) return previous(corner);
+        corner = next(slots_.twin(next(corner)));
+    } while (corner != corner_[from]);
+    return nothing;
+}
+
 Vertex Triangulation::find(Point p, Vertex hint) const {
     if (size_ == 0) return ghost;
     if (has_triangles()) return locate(p, hint).vertex;

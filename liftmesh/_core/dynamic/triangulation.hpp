@@ -94,6 +94,14 @@ class Triangulation {
     // The vertex at a position, or `ghost`.
     Vertex find(Point p, Vertex hint = ghost) const;
 
+    // For callers that keep constraints by themselves: takes over triangles with marks, of rows
+    // that it returns as vertices.
+    std::vector<Row> adopt(const Input& input, Constrained& mesh);
+    void mark(Edge e) { slots_.mark(e); }
+    void unmark(Edge e) { slots_.unmark(e); }
+    // From a vertex to a neighbour, or `nothing`.
+    Edge edge_between(Vertex from, Vertex to) const;
+
     // Triangles over the numbers of vertices, and the hull.
     Result result() const;
     // The marks of the same triangles.
