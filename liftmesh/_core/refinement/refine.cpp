@@ -80,6 +80,7 @@ class Refinement {
     bool is_marked_at(Edge e, Point p) const;
     void add(Point p);
     Vertex fill(Point p, std::int32_t piece);
+    void stamp(const std::vector<TriangleId>& triangles);
 
     bool is_encroached(Edge e, Point p) const;
     void look_at_side(Edge e);
@@ -114,6 +115,8 @@ class Refinement {
     dynamic::Triangulation mesh_;
     std::vector<Row> rows_;              // of the first vertices
     std::vector<std::int32_t> region_;   // of slots
+    std::vector<std::uint32_t> stamp_;   // of slots: when they were filled
+    std::uint32_t time_ = 0;
     std::vector<std::int32_t> divided_;  // by vertices
     std::size_t made_ = 0;
     bool is_capped_ = false;
@@ -153,6 +156,7 @@ void Refinement::begin(const Start& start) {
     rows_ = mesh_.adopt(start.input, start.mesh);
     divided_.assign(rows_.size(), given);
     region_.assign(slot_of(slots().end()), outside);
+    stamp_.assign(region_.size(), 0);
     for (std::size_t i = 0; i < start.regions.size(); ++i)
         region_[region_.size() - 1 - i] = start.regions[i];
 }
@@ -256,8 +260,7 @@ std::optional<Waiting> Refinement::need(TriangleId t) {
     if (!is_inside(t)) return {};
     const Shape found = shape(t);
     const Edge base = found.base;
-    const Waiting named{
-        found.base2, {slots().tail(base), slots().head(base), slots().apex(base)}, base};
+    const Waiting named{found.base2, base, stamp_[slot_of(t)]};
     if (found.is_sharp) return is_between_constraints(base) ? std::nullopt : std::optional(named);
     if (!largest_.empty() && found.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))])
         return named;
@@ -270,9 +273,8 @@ void Refinement::look_at(TriangleId t) {
 }
 
 bool Refinement::is_gone(const Waiting& waiting) const {
-    const Edge e = waiting.base;
-    return slots().apex(e) != waiting.corners[2] || slots().tail(e) != waiting.corners[0] ||
-           slots().head(e) != waiting.corners[1];
+    const TriangleId t = triangle_of(waiting.base);
+    return slots().is_free(t) || stamp_[slot_of(t)] != waiting.stamp;
 }
 
 // Asks for the lengths that are wanted in all triangles that are new.
@@ -282,8 +284,8 @@ void Refinement::measure() {
     std::vector<std::int32_t> regions;
     std::vector<double> lengths(unmeasured_.size());
     for (const Waiting& each : unmeasured_) {
-        const auto [a, b, c] = each.corners;
-        const Point p = at(a), q = at(b), r = at(c);
+        const Point p = at(slots().tail(each.base)), q = at(slots().head(each.base)),
+                    r = at(slots().apex(each.base));
         centroids.push_back({p.x / 3 + q.x / 3 + r.x / 3, p.y / 3 + q.y / 3 + r.y / 3});
         regions.push_back(region(triangle_of(each.base)));
     }
@@ -376,7 +378,14 @@ Vertex Refinement::fill(Point p, std::int32_t piece) {
     if (v >= divided_.size()) divided_.resize(v + std::size_t{1});
     divided_[v] = piece;
     region_.resize(slot_of(slots().end()), outside);
+    stamp(mesh_.star());
     return v;
+}
+
+void Refinement::stamp(const std::vector<TriangleId>& triangles) {
+    stamp_.resize(slot_of(slots().end()));
+    ++time_;
+    for (const TriangleId t : triangles) stamp_[slot_of(t)] = time_;
 }
 
 // The triangles around the last point, from the border's first one in the plane on.
@@ -405,7 +414,8 @@ bool Refinement::is_encroached(Edge e, Point p) const {
 // A side of a triangle, seen from inside.
 void Refinement::look_at_side(Edge e) {
     const TriangleId t = triangle_of(e);
-    if (!slots().is_marked(e) || (!is_inside(t) && !wanted_.is_conforming)) return;
+    if (!slots().is_marked(e) || slots().is_ghost(t)) return;
+    if (!is_inside(t) && !wanted_.is_conforming) return;
     if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
 }
 
@@ -488,6 +498,7 @@ bool Refinement::remove_apex(Edge e) {
     mesh_.plan(star_, patch_);
     mesh_.replace(v, star_, patch_, fresh_);
     for (const TriangleId each : fresh_) region(each) = inside;
+    stamp(fresh_);
     in_order(fresh_);
     for (const TriangleId each : fresh_) {
         for (unsigned k = 0; k < 3; ++k) look_at_side(edge(each, k));
@@ -512,11 +523,16 @@ TriangleId Refinement::find_beside(Edge e, Point p) const {
     TriangleId t = triangle_of(slots().is_ghost(triangle_of(e)) ? slots().twin(e) : e);
     for (unsigned step = 0; step < far; ++step) {
         if (slots().is_ghost(t)) return t;
-        unsigned k = 0;
-        while (k < 3 && !is_right_of(edge(t, k), p)) ++k;
-        if (k == 3) return t;
-        if (slots().is_marked(edge(t, k))) break;
-        t = triangle_of(slots().twin(edge(t, k)));
+        Edge crossed = nothing;
+        bool is_in = true;
+        for (unsigned k = 0; k < 3; ++k) {
+            if (!is_right_of(edge(t, k), p)) continue;
+            is_in = false;
+            if (!slots().is_marked(edge(t, k))) crossed = edge(t, k);
+        }
+        if (is_in) return t;
+        if (crossed == nothing) break;
+        t = triangle_of(slots().twin(crossed));
     }
     return nothing;
 }
