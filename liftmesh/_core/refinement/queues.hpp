@@ -59,6 +59,7 @@ class Buckets {
  public:
     Buckets() : buckets_(std::size_t{1} << (64 - shift)) {}
     bool empty() const { return count_ == 0; }
+    std::size_t size() const { return count_; }
     void push(const Waiting& each) {
         const std::size_t i = std::bit_cast<std::uint64_t>(each.base2) >> shift;
         buckets_[i].push_back(each);

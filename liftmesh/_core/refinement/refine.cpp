@@ -60,6 +60,7 @@ class Refinement {
     void begin(const Start& start);
     void in_order(std::vector<TriangleId>& triangles) const;
     void look_at_all();
+    void tell();
     bool does_step();
 
     Shape shape(TriangleId t) const;
@@ -95,7 +96,8 @@ class Refinement {
     TriangleId find_beside(Edge e, Point p) const;
     bool dig_across(const Part& part, Edge e, Point p);
     bool is_at_border(Vertex v) const;
-    void insert_on(const Part& part, Edge e, Point p);
+    void insert_on(const Part& part, Edge e, Point middle);
+    void divide(const Part& part, std::int32_t left, std::int32_t right);
     void look_around();
     bool conforms();
 
@@ -105,7 +107,9 @@ class Refinement {
     }
 
     const Wanted& wanted_;
+    Interrupt& interrupt_;
     Patience patience_;
+    std::size_t told_ = 0;
     Measures measures_;
     double sharp_, wide_, off_center_;
     std::vector<double> largest_;
@@ -113,9 +117,9 @@ class Refinement {
     std::span<const constrained::Piece> pieces_;
 
     dynamic::Triangulation mesh_;
-    std::vector<Row> rows_;              // of the first vertices
-    std::vector<std::int32_t> region_;   // of slots
-    std::vector<std::uint32_t> stamp_;   // of slots: when they were filled
+    std::vector<Row> rows_;             // of the first vertices
+    std::vector<std::int32_t> region_;  // of slots
+    std::vector<std::uint32_t> stamp_;  // of slots: when they were filled
     std::uint32_t time_ = 0;
     std::vector<std::int32_t> divided_;  // by vertices
     std::size_t made_ = 0;
@@ -134,6 +138,7 @@ class Refinement {
 
 Refinement::Refinement(const Start& start, const Wanted& wanted, Interrupt& interrupt)
     : wanted_(wanted),
+      interrupt_(interrupt),
       patience_(interrupt),
       measures_(greatest_of(start.input)),
       given_rows_(start.input.rows),
@@ -193,9 +198,21 @@ void Refinement::push(std::vector<Waiting>& all) {
 
 Status Refinement::run() {
     look_at_all();
-    while (does_step())
+    while (does_step()) {
         if (patience_.ends(256)) return Status::interrupted;
+        if (made_ % 1024 == 0) tell();
+    }
     return Status::ok;
+}
+
+// How far it is, by what waits now: more may.
+void Refinement::tell() {
+    constexpr std::size_t whole = 1000;
+    if (told_ == 0) interrupt_.expect(whole);
+    const std::size_t now = whole * made_ / (made_ + waiting_.size() + 1);
+    if (now <= told_) return;
+    interrupt_.advance(now - told_);
+    told_ = now;
 }
 
 // False at the end.
@@ -556,30 +573,38 @@ bool Refinement::is_at_border(Vertex v) const {
                        [v](const BorderEdge& each) { return each.tail == v; });
 }
 
-void Refinement::insert_on(const Part& part, Edge e, Point p) {
+void Refinement::insert_on(const Part& part, Edge e, Point middle) {
+    constexpr std::size_t places = 9;
     const std::int32_t left = region(triangle_of(e)), right = region(triangle_of(slots().twin(e)));
-    const std::int32_t piece = piece_at(part.first, part.second);
-    if (!dig_across(part, e, p)) {
-        stuck_.insert(key(part));
+    for (std::size_t i = 0; i < places; ++i) {
+        const Point p = beside(middle, i);
+        if (!dig_across(part, e, p)) continue;
+        const Vertex v = fill(p, piece_at(part.first, part.second));
+        divide(part, left, right);
+        look_around();
+        for (const Vertex end : {part.first, part.second}) {
+            const Edge half = mesh_.edge_between(end, v);
+            look_at_side(half);
+            look_at_side(slots().twin(half));
+        }
         return;
     }
-    const Vertex v = fill(p, piece);
+    stuck_.insert(key(part));
+}
+
+// The star of a new vertex between the ends of a part: what is left of it has one region, what is
+// right of it the other.
+void Refinement::divide(const Part& part, std::int32_t left, std::int32_t right) {
     const auto& border = mesh_.border();
     std::size_t i = 0;
     while (border[i].tail != part.second) ++i;
-    std::int32_t inside = left;  // up to the other end
+    std::int32_t inside = left;
     for (std::size_t step = 0; step < border.size(); ++step, i = (i + 1) % border.size()) {
         const TriangleId t = mesh_.star()[i];
         if (border[i].tail == part.first) inside = right;
         if (border[i].tail == part.first || border[i].tail == part.second)
             mesh_.mark(slots().opposite(t, border[i].head));
         region(t) = slots().is_ghost(t) ? outside : inside;
-    }
-    look_around();
-    for (const Vertex end : {part.first, part.second}) {
-        const Edge half = mesh_.edge_between(end, v);
-        look_at_side(half);
-        look_at_side(slots().twin(half));
     }
 }
 
