@@ -109,7 +109,7 @@ def with_lines(
             surface = surface or built(chains, is_last=False)
             chains += _laid(each, surface, each.densified(frame, lines.densify)[:, :2])
     surface = _bounded(built(chains, is_last=True), lines)
-    return replace(surface, report=replace(surface.report, lines=_counts(surface)))
+    return replace(surface, report=replace(surface.report, lines=line_counts(surface)))
 
 
 def _laid(line: Line, surface: Surface, corners: Floats) -> Iterator[Chain]:
@@ -318,7 +318,7 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def _counts(surface: Surface) -> dict[str, int]:
+def line_counts(surface: Surface) -> dict[str, int]:
     """Count what lines have brought."""
     flags = surface.attributes.get(BREAKLINE, np.empty(0))
     heights = surface.frame.heights(surface.vertices)[surface.faces]
