@@ -112,7 +112,8 @@ def with_lines(
         corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
-    return replace(surface, report=replace(surface.report, lines=_counts(surface)))
+    counts = _counts(surface, len(lifting.cloud))
+    return replace(surface, report=replace(surface.report, lines=counts))
 
 
 def _whole(line: Line, points: Floats) -> Chain:
@@ -334,15 +335,19 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def _counts(surface: Surface) -> dict[str, int]:
-    """Count what lines have brought."""
-    flags = surface.attributes.get(BREAKLINE, np.empty(0))
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
-    tri = surface.triangulation
+def _counts(surface: Surface, first: int) -> dict[str, int]:
+    """Count what lines have brought, whose rows begin with the first."""
+    flags = surface.attributes.get(BREAKLINE, np.empty(0))[first:]
+    heights = surface.frame.heights(surface.vertices)
+    left, used = surface.report.left_out, surface.report.representatives
+    left, used = left[left >= first], used[left >= first]
+    is_beside = (flags[left - first] == OF_LINE) & (heights[left] != heights[used])
+    heights, tri = heights[surface.faces], surface.triangulation
     return {
         "rows": int(np.count_nonzero(flags)),
         "rows_from_around": int(np.count_nonzero(flags == OF_AROUND)),
         "rows_at_crossings": len(getattr(tri, "crossing_rows", ())),
+        "rows_at_other_heights": int(np.count_nonzero(is_beside)),
         "edges": len(getattr(tri, "constraints", ())),
         "flat_triangles": int((heights[:, :1] == heights).all(axis=1).sum()),
     }
