@@ -163,15 +163,15 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
 
-    def build(points: Reals, edges: Rows) -> tuple[Any, ...]:
-        run = nonfinite == "skip", *as_threads(threads, len(points)), progress
+    def build(points: Reals, edges: Rows, part: Progress | None) -> tuple[Any, ...]:
+        run = nonfinite == "skip", *as_threads(threads, len(points)), part
         return _kernel.constrained(points, edges, *run)
 
     if crossing == "split":
-        split = split_crossings(planar, given, build)
+        split = split_crossings(planar, given, build, progress)
     else:
         split = Split(planar, given.edges, np.arange(len(given.edges), dtype=np.int32))
-        split.built = build(planar, given.edges)
+        split.built = build(planar, given.edges, progress)
     solved = _solved(rows, split, given, order, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)

@@ -21,6 +21,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.base.options import part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -208,15 +209,16 @@ class Following:
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
         """Triangulate the planar points."""
         edges = self.network.edges + np.int32(len(self.cloud))
-        run: Any = {name: options[name] for name in ("nonfinite", "threads", "progress")}
-        tri = None
+        run: Any = {name: options[name] for name in ("nonfinite", "threads")}
+        tri, progress = None, options["progress"]
         if self.network.crossing == "error":
+            part, progress = part_of(progress, 0, 0.5), part_of(progress, 0.5, 1)
             try:
-                tri = constrained_delaunay(planar, edges, **run)
+                tri = constrained_delaunay(planar, edges, **run, progress=part)
             except CrossingError as error:
                 self._refuse(error, planar, edges)
         if tri is None:
-            tri = constrained_delaunay(planar, edges, crossing="split", **run)
+            tri = constrained_delaunay(planar, edges, crossing="split", **run, progress=progress)
             if len(tri.crossing_rows):
                 rows = in_space(self.frame, tri.points[tri.crossing_rows], self._at_crossings(tri))
                 self.points = np.concatenate([self.points, rows])
