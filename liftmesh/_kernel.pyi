@@ -347,6 +347,13 @@ def rings(
     neighbors: NDArray[np.int32],
     left_out: NDArray[np.uint8] | None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int64]]: ...
+def passages(
+    points: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    ends: NDArray[np.float64],
+    starts: NDArray[np.int32],
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 
 class Relief:
     def __init__(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 
 import ezdxf
@@ -220,6 +221,31 @@ def test_a_boundary_may_leave_the_cloud() -> None:
         liftmesh.triangulate(points, holes=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
 
 
+def assert_bounded_by_constraints(surface: liftmesh.Surface) -> None:
+    """What is left verifies as a carved triangulation, and so does the whole."""
+    tri = surface.triangulation
+    left = liftmesh.verify(tri.points, surface.faces, constraints=tri.constraints, carved=True)
+    assert left.canonical, left.flaws
+    assert surface.verify().canonical
+    starts, members = tri.constraint_inputs
+    assert (np.diff(starts) > 0).all()
+    ends = tri.input_edges[members]
+    assert len(ends) == starts[-1]
+    marked = np.sort(tri.simplices[:, [[1, 2], [2, 0], [0, 1]]][tri.is_constrained], axis=1)
+    assert {*map(tuple, marked.tolist())} == {*map(tuple, tri.constraints.tolist())}
+
+
+def test_a_ring_that_cuts_a_corner_of_the_hull_leaves_no_open_side() -> None:
+    for seed in range(6):
+        points = np.random.default_rng(seed).random((60, 3)) * [10, 10, 1]
+        surface = liftmesh.triangulate(points, boundary=[[-3, 4], [4, -3], [13, 6], [6, 13]])
+        assert_bounded_by_constraints(surface)
+        copy = pickle.loads(pickle.dumps(surface))
+        np.testing.assert_array_equal(
+            copy.triangulation.constraints, surface.triangulation.constraints
+        )
+
+
 @pytest.mark.slow
 def test_rings_that_leave_the_hull_cut_exactly() -> None:
     """Also where a breakline is a side of the hull, or a ring crosses one side twice."""
@@ -235,6 +261,7 @@ def test_rings_that_leave_the_hull_cut_exactly() -> None:
             continue
         surface = liftmesh.triangulate(points, breaklines=line, holes=ring)
         assert plane_area(surface) == pytest.approx(hull.difference(hidden).area, rel=1e-9)
+        assert_bounded_by_constraints(surface)
 
 
 def test_contour_lines_leave_flat_triangles() -> None:
