@@ -78,7 +78,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
         and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
         OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
-        turn. What is in two holes of one polygon counts as inside, as an island: give holes once.
+        turn. What is in two holes of one polygon counts as inside, as an island; a hole that is
+        given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
         insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for

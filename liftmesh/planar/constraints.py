@@ -60,6 +60,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
     ]
     rings = [ring for area in areas for ring in area]
     corners, added = _as_rows(points, [*lines, *rings])
+    _check_holes(areas, corners[len(lines) :])
     tail, head, line = _sides(corners, len(lines))
     joined = np.concatenate([plain, np.stack([tail, head], axis=1)]).astype(np.int32)
     if len(joined) > _MOST_EDGES or len(points) + len(added) > MOST_ROWS:
@@ -146,6 +147,21 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
         raise InputError(f"{name} is {shown(given)}: give {fewest} rows or more")
     _check_rows(array, rows, name)
     return array
+
+
+def _check_holes(areas: Sequence[Sequence[Line]], rings: Sequence[Rows]) -> None:
+    """Raise if two holes of a polygon are the same: what is in both would count as inside."""
+    start = 0
+    for polygon, area in enumerate(areas):
+        known: dict[bytes, int] = {}
+        for hole, ring in enumerate(rings[start + 1 : start + len(area)]):
+            first = known.setdefault(np.sort(ring).tobytes(), hole)
+            if first != hole:
+                raise InputError(
+                    f"holes {first} and {hole} of polygon {polygon} have the same corners: give "
+                    "each hole once"
+                )
+        start += len(area)
 
 
 def _without_return(ring: Line) -> Line:
