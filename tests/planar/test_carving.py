@@ -130,9 +130,9 @@ def test_seeds_remove_their_regions() -> None:
     ("seeds", "said"),
     [
         ([[1, 0.5], [5, 5]], r"seed 1, \(5.0, 5.0\), is outside of all triangles: give a point"),
-        ([[np.nan, 1]], "seed 0, .* is outside"),
+        ([[1, 0.5], [np.nan, 1]], r"seed 1, \(nan, 1.0\), is not finite: give a point"),
         ([[1, 1]], r"seed 0, \(1.0, 1.0\), is on an edge that bounds"),
-        ([[2, 1], [1, 2]], "no triangle is left"),
+        ([[2, 1], [1, 2]], r"no triangle is left: seeds remove all of 2 .* leave out those in"),
         ([1, 2, 3], r"seeds have the shape \(3,\)"),
         ("here", "seeds are 'here'"),
     ],
@@ -140,6 +140,14 @@ def test_seeds_remove_their_regions() -> None:
 def test_wrong_seeds_are_named(seeds: Any, said: str) -> None:
     with pytest.raises(liftmesh.InputError, match=said):
         constrained_delaunay(box(0, 3), [[0, 2]], seeds=seeds)
+
+
+def test_whether_carving_or_seeds_remove_all_is_told() -> None:
+    options: dict[str, Any] = {"carve": "outside", "seeds": [[1.5, 1.5]]}
+    with pytest.raises(liftmesh.InputError, match="left: seeds remove all"):
+        constrained_delaunay([*FRAME], polygons=[box(0, 3)], **options)
+    with pytest.raises(liftmesh.InputError, match="left: carve removes all of 2 triangles, since"):
+        constrained_delaunay(box(0, 3), [[0, 2]], **options | {"seeds": [[1, 2]]})
 
 
 def test_many_seeds_in_one_region() -> None:
