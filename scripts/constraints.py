@@ -61,7 +61,7 @@ def carve_randomly(points: Points, given: Given, rng: Generator) -> None:
     }
     try:
         whole = liftmesh.constrained_delaunay(points, **options)
-    except liftmesh.InputError:  # all on a line, or crossings without end
+    except liftmesh.InputError:  # all on a line, crossings without end, a hole twice
         return
     carve = rng.choice(np.array([None, "outside", "holes"], dtype=object))
     corners = rng.integers(0, len(points), (rng.choice([0, 0, 1, 2]), 2))

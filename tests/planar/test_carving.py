@@ -110,7 +110,7 @@ def test_what_is_left_is_what_the_definition_leaves(data: st.DataObject) -> None
     }
     try:
         whole = constrained_delaunay(points, edges, **options)
-    except liftmesh.DegenerateInputError:
+    except liftmesh.InputError:  # all on a line, or a hole that is given twice
         return
     try:
         carved = constrained_delaunay(points, edges, carve=carve, seeds=seeds, **options)
@@ -173,9 +173,9 @@ def test_seeds_remove_their_regions() -> None:
     ("seeds", "said"),
     [
         ([[1, 0.5], [5, 5]], r"seed 1, \(5.0, 5.0\), is outside of all triangles: give a point"),
-        ([[np.nan, 1]], "seed 0, .* is outside"),
+        ([[1, 0.5], [np.nan, 1]], r"seed 1, \(nan, 1.0\), is not finite: give a point"),
         ([[1, 1]], r"seed 0, \(1.0, 1.0\), is on an edge that bounds"),
-        ([[2, 1], [1, 2]], "no triangle is left"),
+        ([[2, 1], [1, 2]], r"no triangle is left: seeds remove all of 2 .* leave out those in"),
         ([1, 2, 3], r"seeds have the shape \(3,\)"),
         ("here", "seeds are 'here'"),
     ],
@@ -193,6 +193,14 @@ def test_a_seed_at_a_corner_of_a_boundary_is_on_it(order: list[int]) -> None:
     for row in ring:
         with pytest.raises(liftmesh.InputError, match=r"seed 0, .* is on an edge that bounds"):
             constrained_delaunay(points, polygons=[ring], seeds=points[row])
+
+
+def test_whether_carving_or_seeds_remove_all_is_told() -> None:
+    options: dict[str, Any] = {"carve": "outside", "seeds": [[1.5, 1.5]]}
+    with pytest.raises(liftmesh.InputError, match="left: seeds remove all"):
+        constrained_delaunay([*FRAME], polygons=[box(0, 3)], **options)
+    with pytest.raises(liftmesh.InputError, match="left: carve removes all of 2 triangles, since"):
+        constrained_delaunay(box(0, 3), [[0, 2]], **options | {"seeds": [[1, 2]]})
 
 
 def test_many_seeds_in_one_region() -> None:

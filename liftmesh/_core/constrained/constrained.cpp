@@ -108,18 +108,44 @@ class Constraints {
         return sort(placed_, mesh_.count, pool_, [](const Placed& each) { return each.a; });
     }
 
+    // Where edges cross many triangles, each crosses what those before have left behind, if they go
+    // from one end of the plane to the other. Then the rest follows in random rounds, each about
+    // twice as large as the one before (Amenta, Choi, Rote 2003).
     bool insert(Insertion& insertion) {
+        constexpr std::size_t many = 16, least = 256;
         memberships_.reserve(placed_.size());
-        for (const Placed& each : placed_) {
-            bool crosses = false;
-            insertion.insert(each.a, each.b, [&](Span span, const std::vector<Edge>& crossed) {
-                crosses |= !crossed.empty();
-                memberships_.push_back({piece(span), each.edge});
-            });
-            if (crosses) crossing_.push_back(each);
+        std::size_t done = 0, met = 0;
+        for (; done < placed_.size() && met <= many * (done + least); ++done) {
+            met += insert(placed_[done], insertion);
             if (patience_.ends()) return false;
         }
+        const std::span<const Placed> rest = std::span(placed_).subspan(done);
+        const int first = std::bit_width(rest.size());
+        for (int round = first; round >= 0; --round) {
+            for (const Placed& each : rest) {
+                if (std::min(round_of(each), first) != round) continue;
+                insert(each, insertion);
+                if (patience_.ends()) return false;
+            }
+        }
         return true;
+    }
+
+    static int round_of(const Placed& edge) {
+        return std::countl_zero(hash(std::uint64_t{edge.a} << 32 | edge.b));
+    }
+
+    // Returns how many triangles it met.
+    std::size_t insert(const Placed& edge, Insertion& insertion) {
+        std::size_t met = 0;
+        bool crosses = false;
+        insertion.insert(edge.a, edge.b, [&](Span span, const std::vector<Edge>& crossed) {
+            met += insertion.met();
+            crosses |= !crossed.empty();
+            memberships_.push_back({piece(span), edge.edge});
+        });
+        if (crosses) crossing_.push_back(edge);
+        return met;
     }
 
     Piece piece(Span span) const {
