@@ -103,7 +103,7 @@ def _through_file(found: Format, options: Mapping[str, Any], cloud: Cloud) -> Ar
 
 
 def without_others(back: Cloud, cloud: Cloud) -> Cloud:
-    """Leave out what a LAS file or raster has besides: its layout, and the values of every point."""
+    """Leave out what such files have besides: layout, values of every point, and holes."""
     added = OF_LAS - cloud.attributes.keys() if "las" in back.metadata else frozenset()
     kept = {name: each for name, each in back.attributes.items() if name not in added}
     entries = {key: each for key, each in back.metadata.items() if key not in OF_FILES}
