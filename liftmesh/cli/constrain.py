@@ -79,7 +79,9 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    cloud, seeds = _points(source, reading)
+    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **reading})
+    files = {**lines}
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
     elif not {"polylines", "polygons"} & lines.keys():
@@ -87,25 +89,18 @@ def run(
             raise click.BadParameter(
                 f"{source} has no edges: give --edges, --polylines or --polygons"
             )
-        lines |= {"edges": cloud.edges, "seeds": seeds}
+        entries = {**cloud.metadata}
+        lines |= {"edges": cloud.edges, "seeds": entries.pop("holes", None)}
+        cloud = replace(cloud, metadata=entries)  # without the holes, which are made
+        files["edges"] = source
     with inputs.about(source):
         target.check_content(cloud)
-        tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
+        with inputs.about_lines(files):
+            tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
         mesh = _mesh(cloud, tri)
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, tri, as_json=json)
-
-
-def _points(source: Path, reading: dict[str, Any]) -> tuple[Cloud, Any]:
-    """Read the points, with edges if they have some, and a point in each hole."""
-    if source.suffix.lower() == ".poly" and not reading:
-        from liftmesh.io.formats.triangle_files import read_poly
-
-        cloud, holes = read_poly(source)
-        return cloud, holes if len(holes) else None
-    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
-    return inputs.read(source, {**planar, **reading}), None
 
 
 def _edges(path: Path) -> Rows:
@@ -147,8 +142,10 @@ def _mesh(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
     import numpy as np
 
     from liftmesh.base.cloud import Cloud
+    from liftmesh.io.metadata import with_carved
 
     faces, edges, new = tri.simplices, tri.constraints, tri.npoints - len(cloud)
+    cloud = replace(cloud, metadata=with_carved(cloud.metadata, tri.carved))
     if not new:
         return replace(cloud, faces=faces, edges=edges)
     if cloud.points[:, 2].any():

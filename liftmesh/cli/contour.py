@@ -87,7 +87,7 @@ def run(
         lines.save(target)
     heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
     if json:
-        counts = {"lines": len(lines), "levels": heights, "length": length}
+        counts = {"n_lines": len(lines), "n_levels": heights, "length": length}
         rows_of = {} if source.is_dir() else notes.provenance(surface)
         terminal.as_json({"path": str(target), **counts, **rows_of})
     else:

@@ -16,7 +16,7 @@ from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
-from liftmesh.errors import DataWarning, FormatError, InputError, Message, Option
+from liftmesh.errors import CrossingError, DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -383,8 +383,22 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
         raise
 
 
+@contextmanager
+def about_lines(lines: Mapping[str, Any]) -> Iterator[None]:
+    """Add the files of lines, if any, to an error about places where these cross."""
+    try:
+        yield
+    except CrossingError as error:
+        files = [each for each in lines.values() if isinstance(each, Path)]
+        if files:
+            error.within(", ".join("stdin" if is_stream(each) else str(each) for each in files))
+        raise
+
+
 def _is_about_data(error: InputError) -> bool:
-    """Whether an error is about what a file holds, and not about options."""
+    """Whether an error is about what a file of points holds, and not about options or lines."""
+    if isinstance(error, CrossingError):
+        return False
     parts = error.message.parts
     return not any(isinstance(each, Option) and each.value is None for each in parts)
 

@@ -158,9 +158,9 @@ def _say(
         terminal.as_json(
             {
                 "path": str(path or "-"),
-                "lines": lines,
-                "parts": len(draped.lines),
-                "points": len(heights),
+                "n_lines": lines,
+                "n_parts": len(draped.lines),
+                "n_points": len(heights),
                 "length": length,
                 "length_of_lines": whole,
                 "lowest": float(heights.min()),

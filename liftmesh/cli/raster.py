@@ -95,7 +95,7 @@ def run(
     with terminal.stage(f"writing {target.name}"):
         raster.save(target, cog=cog, compress=packing)
     known = int(np.count_nonzero(~np.isnan(raster.values)))
-    counts = {"known": known, "unit": raster.unit, **notes.provenance(surface)}
+    counts = {"n_known": known, "unit": raster.unit, **notes.provenance(surface)}
     place = raster.transform, raster.crs
     _say(target, quantity, raster.values.shape, place, counts, as_json=json)
 
@@ -145,9 +145,9 @@ def _say(
     """Say how large a raster is, and how many pixels have a value, if they were counted."""
     (rows, columns), (transform, crs) = shape, place
     if as_json:
-        size = {"rows": rows, "columns": columns}
+        size = {"n_rows": rows, "n_columns": columns}
         there = {"transform": list(transform)[:6], "crs": crs}
         terminal.as_json({"path": str(path), "quantity": quantity, **size, **counts, **there})
         return
-    known = f", {counts['known']:,} with a value" if counts else ""
+    known = f", {counts['n_known']:,} with a value" if counts else ""
     terminal.sentence(f"{path}: {columns:,} x {rows:,} pixels of {quantity}{known}", "good")

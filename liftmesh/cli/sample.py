@@ -58,7 +58,7 @@ def run(
     path = _write(target, sampled)
     with outputs.report_after(target.path):
         if json:
-            counts: dict[str, Any] = {"points": len(asked), "known": known}
+            counts: dict[str, Any] = {"n_points": len(asked), "n_known": known}
             counts |= notes.provenance(surface)
             terminal.as_json({"path": str(path or "-"), "interpolation": interpolation, **counts})
         else:

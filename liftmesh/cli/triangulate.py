@@ -39,6 +39,7 @@ EXAMPLES = [
 
 _LINES = {  # of the report
     "rows": "of lines", "rows_from_around": "height from around", "rows_at_crossings": "crossings",
+    "rows_at_other_heights": "rows of lines at other heights",
     "edges": "edges of lines", "flat_triangles": "flat triangles",
 }  # fmt: skip
 _GROUND = 2  # not "ground", which takes all rows where there is none
@@ -180,7 +181,7 @@ def run(
         cloud = inputs.read_rows(sources, reading)
     cloud = thinned(cloud, thin)
     seconds = {"read": perf_counter() - start}
-    with inputs.about_rows(sources, cloud):
+    with inputs.about_rows(sources, cloud), inputs.about_lines(lines):
         target.check_content(cloud)
         surface = _triangulate(
             cloud,

@@ -30,6 +30,9 @@ TRANSFORMATION = "transformation"
 LIFTED = "triangulated_by"
 """The entry that says by what the points of a mesh were lifted, if not to the paraboloid."""
 
+CARVED = "carved"
+"""The entry that says that regions that edges bound are missing from a mesh."""
+
 OWN = "liftmesh"  # the comment that begins every header
 
 # Lines of a file, which PLY keeps as such.
@@ -92,6 +95,12 @@ _NOTES = frozenset(Notes.__annotations__)
 def noted(metadata: Mapping[str, Any], **notes: Unpack[Notes]) -> dict[str, Any]:
     """Add notes to metadata, but for those that say nothing."""
     return {**metadata, **{key: each for key, each in notes.items() if each not in (None, (), {})}}
+
+
+def with_carved(metadata: Mapping[str, Any], carved: bool) -> dict[str, Any]:
+    """State whether regions that edges bound are missing from a mesh."""
+    others = {key: each for key, each in metadata.items() if key != CARVED or each is not True}
+    return others | {CARVED: True} if carved else others
 
 
 def user_entries(metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -188,6 +197,11 @@ class Provenance:
     def simplification(self) -> dict[str, Any]:
         """How the surface was simplified."""
         return self._mapping("simplification")
+
+    @property
+    def carved(self) -> bool:
+        """Whether regions that edges bound are missing from the mesh."""
+        return self.entries.get(CARVED) is True
 
     @property
     def las(self) -> dict[str, Any]:

@@ -68,26 +68,28 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
         shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
-        that are floats, may stand by itself. Or lines,
-        and polygons as their rings: geometries of shapely, or a list of them; a GeoDataFrame or
-        GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the path of a file: GeoJSON,
-        GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
+        that are floats, may stand by itself. Several pairs of integers are refused, as they may be
+        either: edges between rows are `edges`, and a list of chains, ``[chain]``, has coordinates
+        of any type. Or lines, and polygons as their rings: geometries of shapely, or a list of
+        them; a GeoDataFrame or GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the
+        path of a file: GeoJSON, GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
     polygons : list, path or geometries, optional
         Polygons, each as a ring, or as a list of rings: the outer one, then its holes. A ring is
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
         and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
         OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
-        turn. What is in two holes of one polygon counts as inside, as an island: give holes once.
+        turn. What is in two holes of one polygon counts as inside, as an island; a hole that is
+        given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
         insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
         the rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
-        What is removed. With "outside", the triangles outside of all polygons; with "holes", those
-        in their holes, too. Without polygons, `edges` bound regions, and without these polylines
-        that end where they begin: "outside" removes what can be reached from the hull without
-        crossing them, and "holes" also what is an even number of crossings away. Other edges never
-        count: they divide no region.
+        What is removed. With "outside", what can be reached from the hull without crossing the
+        sides of polygons; with "holes", all that is inside of none: also in their holes, or
+        enclosed between them. Without polygons, `edges` bound regions, and without these polylines
+        that end at the position where they begin: "holes" then also removes what is an even number
+        of crossings away. Other edges never count: they divide no region.
     seeds : array_like of shape (s, 2), optional
         A point in each region to be removed besides; regions are bounded as for `carve`.
     nonfinite : {"error", "skip"}, default "error"
@@ -108,7 +110,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     InputError
         As for `delaunay`; an edge has a row that is out of range or skipped; a line or polygon
         cannot be read, has too few corners, or one that is not finite; an option is unknown; a seed
-        is outside, or on an edge; nothing would be left; edges still cross after many splits.
+        is not finite, outside, or on an edge; nothing would be left; edges still cross after many
+        splits.
     CrossingError
         Edges cross, and `crossing` is "error".
     NonFiniteError
@@ -153,21 +156,23 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     check_option("crossing", crossing, Crossing)
     if carve is not None:
         check_option("carve", carve, Carve)
+    if isinstance(points, list | tuple) and not len(points):
+        points = np.empty((0, 2))  # corners of lines are enough
     rows = as_coordinates(rows_of(points))
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
     given = gather(planar, edges, polylines, polygons)
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
 
-    def build(points: Reals, edges: Rows) -> tuple[Any, ...]:
-        run = nonfinite == "skip", *as_threads(threads, len(points)), progress
+    def build(points: Reals, edges: Rows, part: Progress | None) -> tuple[Any, ...]:
+        run = nonfinite == "skip", *as_threads(threads, len(points)), part
         return _kernel.constrained(points, edges, *run)
 
     if crossing == "split":
-        split = split_crossings(planar, given, build)
+        split = split_crossings(planar, given, build, progress)
     else:
         split = Split(planar, given.edges, np.arange(len(given.edges), dtype=np.int32))
-        split.built = build(planar, given.edges)
+        split.built = build(planar, given.edges, progress)
     solved = _solved(rows, split, given, order, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)
@@ -274,12 +279,20 @@ def _kept(
     if carve == "holes" and given.winding.any() and not winding.any():
         keep[:] = False  # holes cancel polygons out, and their parity does not count
     if not keep.any():
-        raise InputError(
-            f"no triangle is left: {Option('carve')} and {Option('seeds')} remove all of "
-            f"{counted(len(keep), 'triangle')}, since nothing closes a region around them; give "
-            "closed edges or polygons"
-        )
+        unseeded = seeded[:0]
+        by_seeds = len(seeded) and (carve is None or _kernel.carve(*arrays, carve, unseeded).any())
+        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds))
     return keep
+
+
+def _nothing_left(all_of_them: str, by_seeds: bool) -> InputError:
+    if by_seeds:
+        said = f"{Option('seeds')} remove all of {all_of_them} that there are: leave out those in "
+        said += "regions that stay, or close these regions with edges or polygons"
+    else:
+        said = f"{Option('carve')} removes all of {all_of_them}, since nothing closes a region "
+        said += "around them: give closed edges or polygons"
+    return InputError(f"no triangle is left: {said}")
 
 
 def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
@@ -312,6 +325,9 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     if places.size and (places.shape[-1:] != (2,) or places.ndim > 2):
         raise InputError(f"{Option('seeds')} have the shape {places.shape}: {_SEED}")
     places = places.reshape(-1, 2)
+    is_finite = np.isfinite(places).all(axis=1)
+    if not is_finite.all():
+        raise _misplaced(places, int(is_finite.argmin()), "not finite")
     triangles = np.empty(len(places), dtype=np.int32)
     locator = _kernel.Locator(solution.points, solution.simplices, solution.neighbors)
     locator.find(places, triangles, *as_threads(None, len(places)))
@@ -322,7 +338,8 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     sides[sides] = bounds[piece[sides]] > 0
     corners = solution.points[around]
     turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
-    is_on = ((turns == 0) & sides).any(axis=1)
+    is_end = (corners == places[:, None]).all(axis=2) & np.isin(around, solved.pieces[bounds > 0])
+    is_on = ((turns == 0) & sides | is_end).any(axis=1)
     if is_on.any():
         raise _misplaced(places, int(is_on.argmax()), "on an edge that bounds a region")
     return triangles

@@ -317,12 +317,6 @@ def with_rows(
     tri: ConstrainedTriangulation, points: Reals, names: Rows, duplicates: Rows, hull: Rows
 ) -> ConstrainedTriangulation:
     """Make the same triangles of other rows, of which there are as many."""
-    ends = np.sort(names[tri.constraints], axis=1)
-    order = np.argsort(pair_keys(*ends.T), kind="stable")
-    starts, members = tri.constraint_inputs
-    counts = np.diff(starts)[order]
-    indptr = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    place = np.arange(len(members)) + np.repeat(starts[:-1][order] - indptr[:-1], counts)
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
     return ConstrainedTriangulation(
         points,
@@ -333,9 +327,7 @@ def with_rows(
         tri.skipped,
         tri._constrained,  # noqa: SLF001 - of this module
         Pieces(
-            ends[order],
-            indptr,
-            members[place],
+            *_in_order(np.sort(names[tri.constraints], axis=1), *tri.constraint_inputs),
             tri.input_edges,
             tri.input_polylines,
             tri.input_polygons,
@@ -346,3 +338,50 @@ def with_rows(
         ),
         tri.nsimplex,
     )
+
+
+def with_sides(tri: ConstrainedTriangulation, sides: Mask) -> ConstrainedTriangulation:
+    """Make the same triangles with some sides between them as further input edges."""
+    simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
+    face, k = np.nonzero(sides)
+    ends = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    beyond = neighbors[face, k]
+    constrained = tri._constrained.copy()  # noqa: SLF001 - of this module
+    for each, place in ((face, k), (beyond, (neighbors[beyond] == face[:, None]).argmax(axis=1))):
+        np.bitwise_or.at(constrained, each, (1 << place).astype(np.uint8))
+    (indptr, members), added = tri.constraint_inputs, np.arange(len(ends), dtype=np.int32)
+    pieces = _in_order(
+        np.concatenate([tri.constraints, ends]),
+        np.concatenate([indptr, indptr[-1:] + 1 + added]),
+        np.concatenate([members, len(tri.input_edges) + added]),
+    )
+    none = np.full_like(added, -1)
+    return ConstrainedTriangulation(
+        tri.points,
+        simplices,
+        neighbors,
+        tri.convex_hull,
+        tri.duplicates,
+        tri.skipped,
+        constrained,
+        Pieces(
+            *pieces,
+            np.concatenate([tri.input_edges, ends]),
+            np.concatenate([tri.input_polylines, none]),
+            np.concatenate([tri.input_polygons, none]),
+            tri.zero_length,
+            len(tri.added),
+            len(tri.crossing_rows),
+            tri.displacement,
+        ),
+        tri.nsimplex,
+    )
+
+
+def _in_order(rows: Rows, indptr: Rows, members: Rows) -> tuple[Rows, Rows, Rows]:
+    """Put constraints in ascending order, each with its input edges."""
+    order = np.argsort(pair_keys(*rows.T), kind="stable")
+    counts = np.diff(indptr)[order]
+    starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
+    place = np.arange(len(members)) + np.repeat(indptr[:-1][order] - starts[:-1], counts)
+    return rows[order], starts, members[place]

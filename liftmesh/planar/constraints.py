@@ -60,6 +60,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
     ]
     rings = [ring for area in areas for ring in area]
     corners, added = _as_rows(points, [*lines, *rings])
+    _check_holes(areas, corners[len(lines) :])
     tail, head, line = _sides(corners, len(lines))
     joined = np.concatenate([plain, np.stack([tail, head], axis=1)]).astype(np.int32)
     if len(joined) > _MOST_EDGES or len(points) + len(added) > MOST_ROWS:
@@ -78,7 +79,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
         winding[count:][is_ring] = insides[line[is_ring] - len(lines)]
     bounds = polygon >= 0
     if not areas:
-        is_closed = np.array([line[0] == line[-1] for line in corners], dtype=np.bool_)
+        is_closed = _are_closed(points, corners)
         bounds[:count] = True
         bounds[count:] = False if count else is_closed[line]
     return Constraints(joined, polyline, polygon, winding, bounds, added)
@@ -148,6 +149,21 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
     return array
 
 
+def _check_holes(areas: Sequence[Sequence[Line]], rings: Sequence[Rows]) -> None:
+    """Raise if two holes of a polygon are the same: what is in both would count as inside."""
+    start = 0
+    for polygon, area in enumerate(areas):
+        known: dict[bytes, int] = {}
+        for hole, ring in enumerate(rings[start + 1 : start + len(area)]):
+            first = known.setdefault(np.sort(ring).tobytes(), hole)
+            if first != hole:
+                raise InputError(
+                    f"holes {first} and {hole} of polygon {polygon} have the same corners: give "
+                    "each hole once"
+                )
+        start += len(area)
+
+
 def _without_return(ring: Line) -> Line:
     """Leave out the last corner of a ring if it repeats the first."""
     return ring[:-1] if ring[0].tolist() == ring[-1].tolist() else ring
@@ -163,6 +179,11 @@ def _lines(given: Any) -> list[Any]:
     items = _items("polylines", given)
     if _is_chain(items):
         return [given]
+    if len(items) > 1 and all(_is_pair_of_integers(each) for each in items):
+        raise InputError(
+            f"{Option('polylines')} are {shown(given)}, pairs of integers, which may be rows or "
+            f"corners: give edges between rows as {Option('edges', ...)}, and corners as floats"
+        )
     lines: list[Any] = []
     for each in items:
         shapes = lines_in(each)
@@ -219,6 +240,11 @@ def _is_chain(items: Sequence[Any]) -> bool:
 def _is_corner(given: Any) -> bool:
     is_flat = isinstance(given, list | tuple | np.ndarray) and len(given) in (2, 3)
     return is_flat and all(isinstance(each, Number) for each in given)
+
+
+def _is_pair_of_integers(given: Any) -> bool:
+    is_pair = isinstance(given, list | tuple | np.ndarray) and len(given) == 2
+    return is_pair and all(isinstance(each, int | np.integer) for each in given)
 
 
 def _is_ring(given: Any, polygon: int) -> bool:
@@ -280,6 +306,15 @@ def _sides(lines: Sequence[Rows], open_lines: int) -> tuple[Integers, Integers, 
     has_side = np.ones(len(tail), dtype=np.bool_)
     has_side[ends[:open_lines] - 1] = False
     return tail[has_side], head[has_side], np.repeat(np.arange(len(lines)), lengths)[has_side]
+
+
+def _are_closed(points: Reals, lines: Sequence[Rows]) -> Mask:
+    """Tell which lines end where they begin; each new row has a position of its own."""
+    tail, head = np.array([(line[0], line[-1]) for line in lines], np.int64).reshape(-1, 2).T
+    are_closed: Mask = tail == head
+    old = np.flatnonzero(np.maximum(tail, head) < len(points))
+    are_closed[old] |= (points[tail[old]] == points[head[old]]).all(axis=1)
+    return are_closed
 
 
 def _insides(

@@ -109,8 +109,14 @@ class DynamicTriangulation:
         rows = np.empty((0, 2)) if points is None else as_coordinates(points)
         numbers = self.insert(rows)
         if edges is not None:
-            ends = numbers[gather(rows, edges, None, None).edges]
-            self._insert_constraints(ends[ends[:, 0] != ends[:, 1]])
+            given = gather(rows, edges, None, None)
+            ends = numbers[given.edges]
+            try:
+                self._insert_constraints(ends[ends[:, 0] != ends[:, 1]])
+            except CrossingError:  # of the first of them
+                planar, remedy = rows[:, :2], "leave out some of these edges"
+                *_, pairs = _kernel.constrained(planar, given.edges, False, 1, False, None)
+                raise crossing_error(planar, given, pairs, remedy) from None
 
     def __len__(self) -> int:
         with _Use(self._lock):

@@ -144,12 +144,15 @@ def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
     """What the metadata of a mesh say, which files keep; else its edges are constraints."""
     from liftmesh.io.metadata import Provenance  # noqa: PLC0415 - a first triangulation does without
 
+    known = Provenance(metadata)
     said = {
         kind: value if kind == "metric" else _held(cloud, kind, value)
-        for kind, value in Provenance(metadata).lifted_by.items()
+        for kind, value in known.lifted_by.items()
     }
     edges = getattr(cloud, "edges", None)
-    return said if said or edges is None or not len(edges) else {"constraints": edges}
+    if said or edges is None or not len(edges):
+        return said
+    return {"constraints": edges} | ({"carved": True} if known.carved else {})
 
 
 def _held(cloud: Any, kind: str, name: str) -> Any:

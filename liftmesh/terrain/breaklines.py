@@ -8,27 +8,31 @@ there has the height of that line.
 
 Rings are edges, so a triangle is in a polygon as a whole, and its centroid tells. Where a draped
 ring leaves the hull, its last row is rounded to just beside it: slivers there are left out if a
-triangle beside them is.
+triangle beside them is, and the sides that this leaves open become edges, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.base.options import part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
-from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
+from liftmesh.planar.constrained_triangulation import (
+    ConstrainedTriangulation,
+    with_rows,
+    with_sides,
+)
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
-from liftmesh.terrain.profile import LineCrossings, along_piece, between
+from liftmesh.terrain.profile import LineCrossings, Met, between, is_after
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.vector.polygons import contains
 
@@ -42,14 +46,16 @@ if TYPE_CHECKING:
 BREAKLINE = "breakline"  # the values that say which rows lines have become
 OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's
 _NAMED = 10
+_TAILS, _HEADS = slice(None, -1), slice(1, None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Chain:
-    """A line, or a part of one, in space."""
+    """A line, or parts of one, in space."""
 
     line: Line
     points: Floats  # (c, 3)
+    joined: Mask  # (c,) whether each is joined to the one before
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,11 +83,10 @@ class Network:
         first[order] = order[starts][np.cumsum(starts) - 1]
         own = np.unique(first)
         number = np.searchsorted(own, first)
-        joined = np.ones(max(len(points) - 1, 0), dtype=np.bool_)
-        joined[np.cumsum(counts)[:-1] - 1] = False
-        edges = np.stack([number[:-1], number[1:]], axis=1)[joined].astype(np.int32)
-        line = np.repeat(np.arange(len(lines)), np.maximum(counts - 1, 0))
-        return cls(points[own], holds[own], edges, line, lines, crossing)
+        joined = np.concatenate([[False], *(each.joined for each in chains)])[1:]
+        line = np.repeat(np.arange(len(lines)), counts)[joined]
+        edges = np.stack([number[np.flatnonzero(joined) - 1], number[joined]], axis=1)
+        return cls(points[own], holds[own], edges.astype(np.int32), line, lines, crossing)
 
     def edge_holds(self) -> Mask:
         """Whether the heights of each edge's line hold."""
@@ -100,33 +105,38 @@ def with_lines(
         source = Following(lifting.cloud, frame, network) if has_edges else lifting
         return build(source, is_last=is_last)
 
-    firm = [each for each in lines.all() if each.holds]
-    chains = [Chain(each, each.densified(frame, lines.densify)) for each in firm]
-    surface = None
-    for each in lines.all():
-        if not each.holds:
+    firm, loose = ([each for each in lines.all() if each.holds == is_firm] for is_firm in (1, 0))
+    chains = [_whole(each, each.densified(frame, lines.densify)) for each in firm]
+    if loose:
+        for each in loose:
             each.planar(frame)  # refuses planes that round
-            surface = surface or built(chains, is_last=False)
-            chains += _laid(each, surface, each.densified(frame, lines.densify)[:, :2])
+        corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
+        chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
-    return replace(surface, report=replace(surface.report, lines=_counts(surface)))
+    counts = line_counts(surface, len(lifting.cloud))
+    return replace(surface, report=replace(surface.report, lines=counts))
 
 
-def _laid(line: Line, surface: Surface, corners: Floats) -> Iterator[Chain]:
-    """Give a line the heights of a surface, at its corners or wherever it crosses sides."""
-    frame = surface.frame
-    if line.draped:
-        for part in _Drape(surface).parts(corners):
-            yield Chain(line, in_space(frame, part[:, :2], part[:, 2]))
-        return
-    heights = heights_at(surface, corners)
-    if np.isnan(heights).any():
-        x, y = corners[np.isnan(heights)][0].tolist()
-        raise InputError(
-            f"{line.name} has no heights, and there are none around its corner ({x!r}, {y!r}), "
-            "which is outside of all faces: give heights, or cut the line"
-        )
-    yield Chain(line, in_space(frame, corners, heights))
+def _whole(line: Line, points: Floats) -> Chain:
+    return Chain(line, points, np.arange(len(points)) > 0)
+
+
+def _laid(lines: list[Line], corners: list[Floats], surface: Surface) -> Iterator[Chain]:
+    """Give lines the heights of a surface, at their corners or wherever they cross sides."""
+    draped = [k for k, line in enumerate(lines) if line.draped]
+    parts = dict(zip(draped, _Drape(surface).parts([corners[k] for k in draped]), strict=True))
+    for k, line in enumerate(lines):
+        if line.draped:
+            yield Chain(line, *parts[k])
+            continue
+        heights = heights_at(surface, corners[k])
+        if np.isnan(heights).any():
+            x, y = corners[k][np.isnan(heights)][0].tolist()
+            raise InputError(
+                f"{line.name} has no heights, and there are none around its corner ({x!r}, {y!r}), "
+                "which is outside of all faces: give heights, or cut the line"
+            )
+        yield _whole(line, in_space(surface.frame, corners[k], heights))
 
 
 def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
@@ -154,24 +164,29 @@ class _Drape(LineCrossings):
         at_rim = pair_keys(rim.min(axis=0), rim.max(axis=0))  # where lines would end before it
         self._pieces = np.setdiff1d(pair_keys(*pieces.T), at_rim)
 
-    def parts(self, corners: Floats) -> list[Floats]:
-        """Return what each piece of a line becomes; in both directions it is the same."""
-        ends = np.column_stack([corners, heights_at(self._surface, corners)])
-        pieces = [*pairwise(ends)]
-        faces = np.arange(len(self._surface.faces))
-        parts = []
-        for number, near in self._near(corners, 0, faces):
-            p, q = sorted(pieces[number], key=lambda end: tuple(end[:2]))
-            met = along_piece(self._met(np.stack([p, q]), near), p[:2], q[:2])[:, :3]
-            parts.append(met if p is pieces[number][0] else met[::-1])
-        return [each for each in parts if len(each) > 1]
+    def parts(self, lines: list[Floats]) -> list[tuple[Floats, Mask]]:
+        """Return what lines become, and which points are joined; in both directions the same."""
+        if not lines:
+            return []
+        tails, heads = (np.concatenate([each[part] for each in lines]) for part in (_TAILS, _HEADS))
+        swap = is_after(tails, heads)[:, None]
+        points, piece = self.of(np.where(swap, heads, tails), np.where(swap, tails, heads))
+        number = np.arange(len(points))
+        points = points[np.lexsort([np.where(swap[piece, 0], -number, number), piece])]
+        is_part = (np.bincount(piece) > 1)[piece]
+        points, piece = points[is_part], piece[is_part]
+        places = in_space(self._surface.frame, points[:, :2], points[:, 2])
+        ends = np.searchsorted(piece, np.cumsum([len(each) - 1 for each in lines]))[:-1]
+        joined = np.diff(piece, prepend=-1) == 0
+        return list(zip(np.split(places, ends), np.split(joined, ends), strict=True))
 
-    def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
+    def _crossings(self, sides: Rows, piece: Rows, p: Floats, q: Floats) -> Met:
         if len(self._pieces):
-            keys = pair_keys(*np.sort(sides, axis=1).T)
+            keys = pair_keys(*sides.T)
             place = np.minimum(np.searchsorted(self._pieces, keys), len(self._pieces) - 1)
-            sides = sides[self._pieces[place] != keys]
-        return super()._crossings(sides, p, q)
+            is_free = self._pieces[place] != keys
+            sides, piece = sides[is_free], piece[is_free]
+        return super()._crossings(sides, piece, p, q)
 
 
 @dataclass(slots=True, eq=False)
@@ -194,15 +209,16 @@ class Following:
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
         """Triangulate the planar points."""
         edges = self.network.edges + np.int32(len(self.cloud))
-        run: Any = {name: options[name] for name in ("nonfinite", "threads", "progress")}
-        tri = None
+        run: Any = {name: options[name] for name in ("nonfinite", "threads")}
+        tri, progress = None, options["progress"]
         if self.network.crossing == "error":
+            part, progress = part_of(progress, 0, 0.5), part_of(progress, 0.5, 1)
             try:
-                tri = constrained_delaunay(planar, edges, **run)
+                tri = constrained_delaunay(planar, edges, **run, progress=part)
             except CrossingError as error:
                 self._refuse(error, planar, edges)
         if tri is None:
-            tri = constrained_delaunay(planar, edges, crossing="split", **run)
+            tri = constrained_delaunay(planar, edges, crossing="split", **run, progress=progress)
             if len(tri.crossing_rows):
                 rows = in_space(self.frame, tri.points[tri.crossing_rows], self._at_crossings(tri))
                 self.points = np.concatenate([self.points, rows])
@@ -249,9 +265,12 @@ class Following:
         if not named:
             return
         rest = f"; and {len(firm) - _NAMED:,} more" if len(firm) > _NAMED else ""
-        raise InputError(
+        raise CrossingError(
             f"lines cross where they have no corner: {'; '.join(named)}{rest}. Give both a corner "
-            f"there, or {Option('crossing', 'split')}, which takes the height of the first"
+            f"there, or {Option('crossing', 'split')}, which takes the height of the first",
+            crossings=error.crossings[firm],
+            rows=error.rows[firm],
+            places=error.places[firm[firm < len(error.places)]],
         ) from error
 
     def _along(self, planar: Floats, edges: Rows, places: Floats) -> Floats:
@@ -318,15 +337,19 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def _counts(surface: Surface) -> dict[str, int]:
-    """Count what lines have brought."""
-    flags = surface.attributes.get(BREAKLINE, np.empty(0))
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
-    tri = surface.triangulation
+def line_counts(surface: Surface, first: int) -> dict[str, int]:
+    """Count what lines have brought, whose rows begin with the first."""
+    flags = surface.attributes.get(BREAKLINE, np.empty(0))[first:]
+    heights = surface.frame.heights(surface.vertices)
+    left, used = surface.report.left_out, surface.report.representatives
+    left, used = left[left >= first], used[left >= first]
+    is_beside = (flags[left - first] == OF_LINE) & (heights[left] != heights[used])
+    heights, tri = heights[surface.faces], surface.triangulation
     return {
         "rows": int(np.count_nonzero(flags)),
         "rows_from_around": int(np.count_nonzero(flags == OF_AROUND)),
         "rows_at_crossings": len(getattr(tri, "crossing_rows", ())),
+        "rows_at_other_heights": int(np.count_nonzero(is_beside)),
         "edges": len(getattr(tri, "constraints", ())),
         "flat_triangles": int((heights[:, :1] == heights).all(axis=1).sum()),
     }
@@ -347,12 +370,16 @@ def _bounded(surface: Surface, lines: Lines) -> Surface:
     with np.errstate(all="ignore"):
         (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
         area = ax * by - ay * bx
-    is_open = tri.neighbors >= 0
-    if isinstance(tri, ConstrainedTriangulation):
-        is_open &= ~tri.is_constrained
+    if not isinstance(tri, ConstrainedTriangulation):  # no ring meets a face
+        return masked(surface, ~shown)
+    is_open = (tri.neighbors >= 0) & ~tri.is_constrained
     is_smaller = is_open & (area[:, None] < area[tri.neighbors])
     while True:  # no ring is between such triangles: the smaller one is a sliver
         differs = (shown[:, None] & ~shown[tri.neighbors] & is_smaller).any(axis=1)
         if not differs.any():
-            return masked(surface, ~shown)
+            break
         shown[differs] = False
+    at_sliver = shown[:, None] & ~shown[tri.neighbors] & is_open
+    if at_sliver.any():
+        surface = replace(surface, triangulation=with_sides(tri, at_sliver))
+    return masked(surface, ~shown)

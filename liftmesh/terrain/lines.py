@@ -21,7 +21,7 @@ from liftmesh.base.arrays import MOST_ROWS
 from liftmesh.base.options import Crossing, as_positive, refused, shown
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.terrain.lifting import DIVIDING, Lifting
-from liftmesh.terrain.profile import between
+from liftmesh.terrain.profile import between, is_after
 from liftmesh.vector.files import check_system, read_shapes
 from liftmesh.vector.geojson import coordinates_of, spatial_corners
 
@@ -75,17 +75,11 @@ class Line:
         piece = np.repeat(np.arange(len(counts)), counts)
         number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
         tails, heads = corners[piece], corners[piece + 1]
-        swap = _is_after(tails, heads)[:, None]  # the places do not depend on the direction
+        swap = is_after(tails, heads)[:, None]  # the places do not depend on the direction
         share = np.where(swap[:, 0], counts[piece] - number, number) / counts[piece]
         placed = between(np.where(swap, heads, tails), np.where(swap, tails, heads), share[:, None])
         placed[number == 0] = corners[:-1]
         return np.concatenate([placed, corners[-1:]])
-
-
-def _is_after(tails: Floats, heads: Floats) -> Any:
-    """Whether the first ends come after the second ones, by x, then y."""
-    (x, y), (u, v) = tails.T[:2], heads.T[:2]
-    return (x > u) | ((x == u) & (y > v))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -12,15 +12,15 @@ first: no bit depends on the order of the rows.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import as_pairs, starts_of_runs
 from liftmesh.base.cloud import Cloud
@@ -36,7 +36,9 @@ from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]
+_BATCH = 1 << 16  # pairs of pieces and faces that are looked at together
 Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale them by
+Met: TypeAlias = tuple[Floats, Floats, Rows]  # x, y, height; kinds; pieces
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -193,9 +195,8 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
 
     Notes
     -----
-    The line is halved, again and again, and each half looks only at the faces that are near the
-    one that it is of. So a piece takes time for the faces near it; one piece across the whole
-    surface, for all of them. Corners are draped by `heights_at`. No bit depends on the order of the
+    Each piece goes from face to face across the sides that it touches, so it takes time for the
+    faces that it meets. Corners are draped by `heights_at`. No bit depends on the order of the
     rows.
 
     Examples
@@ -207,9 +208,7 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
     """
     corners = _corners(line)
     before = _distances(corners)
-    pieces = LineCrossings(surface).of(corners)
-    points = np.concatenate(pieces)
-    piece = np.repeat(np.arange(len(pieces)), [*map(len, pieces)])
+    points, piece = LineCrossings(surface).of(corners[:-1], corners[1:])
     points[:, 3] += before[piece]
     return _parts(points, _are_joined(surface, points, piece), plane_system(surface))
 
@@ -272,91 +271,83 @@ def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Profile:
 
 
 class LineCrossings:
-    """What lines meet of a surface."""
+    """What pieces of lines meet of a surface."""
 
     def __init__(self, surface: SurfaceData) -> None:
         self._surface = surface
         self._points = surface.triangulation.points
         self._heights = surface.frame.heights(surface.vertices)
-        a, b, c = (self._points[column] for column in surface.faces.T)
-        self._low = np.minimum(np.minimum(a, b), c)
-        self._high = np.maximum(np.maximum(a, b), c)
 
-    def of(self, corners: Floats) -> list[Floats]:
-        """List x, y, height and distance from its begin of what each piece of a line meets."""
-        ends = np.column_stack([corners, heights_at(self._surface, corners)])
-        pieces = [*pairwise(ends)]
+    def of(self, p: Floats, q: Floats) -> tuple[Floats, Rows]:
+        """List x, y, height and distance from p of what pieces meet, and which piece it is of."""
+        ends = np.concatenate([p, q])
+        heights = heights_at(self._surface, ends)
+        number = np.tile(np.arange(len(p), dtype=np.int32), 2)
+        met = [(np.column_stack([ends, heights]), np.full(len(ends), _AT_VERTEX), number)]
+        piece, face = self.passages(p, q)
+        for some in np.array_split(np.arange(len(piece)), len(piece) // _BATCH + 1):
+            met += self._met(piece[some], face[some], p, q)
+        points, kinds, piece = (np.concatenate(each) for each in zip(*met, strict=True))
+        return _along(points, kinds, piece, p, q)
+
+    def passages(self, p: Floats, q: Floats) -> tuple[Rows, Rows]:
+        """Return which pieces touch which faces."""
+        tri, mask = self._surface.triangulation, self._surface.mask
+        starts = tri.find_simplex(p)
+        starts[starts < 0] = tri.find_simplex(q[starts < 0])
+        simplices, neighbors = map(np.ascontiguousarray, (tri.simplices, tri.neighbors))
+        ends = np.hstack([p, q])
+        piece, face = _kernel.passages(tri.points, simplices, neighbors, ends, starts)
+        shown = slice(None) if mask is None else ~mask[face]
+        return piece[shown], face[shown]
+
+    def _met(self, piece: Rows, face: Rows, p: Floats, q: Floats) -> list[Met]:
+        """Return what pieces meet of faces, in any order, and some of it twice."""
+        faces = self._surface.triangulation.simplices[face]
+        turns = orient2d(p[piece, None], q[piece, None], self._points[faces])
+        apart = turns * turns[:, _NEXT] < 0
+        sides = np.sort(np.stack([faces, faces[:, _NEXT]], axis=-1)[apart], axis=1)
+        pieces = np.repeat(piece[:, None], 3, axis=1)
         return [
-            along_piece(self._met(np.stack(pieces[number]), near), *corners[number : number + 2])
-            for number, near in self._near(corners, 0, np.arange(len(self._surface.faces)))
+            self._vertices(faces[turns == 0], pieces[turns == 0], p, q),
+            self._crossings(sides, pieces[apart], p, q),
         ]
 
-    def _near(self, corners: Floats, first: int, faces: Array) -> Iterator[tuple[int, Array]]:
-        """Yield each piece, and of some faces those whose boxes meet its own."""
-        least, most = corners.min(axis=0), corners.max(axis=0)
-        meets = (self._high[faces] >= least) & (self._low[faces] <= most)
-        faces = faces[meets.all(axis=1)]
-        if len(corners) == 2:
-            yield first, faces
-            return
-        middle = len(corners) // 2
-        yield from self._near(corners[: middle + 1], first, faces)
-        yield from self._near(corners[middle:], first + middle, faces)
-
-    def _met(self, ends: Floats, near: Array) -> Floats:
-        """Return x, y, height and kind of what a piece meets, in any order."""
-        p, q = ends[:, :2]
-        faces = self._surface.faces[near]
-        rows, places = np.unique(faces, return_inverse=True)
-        turns = orient2d(p, q, self._points[rows]) if len(rows) else np.zeros(0, np.int8)
-        sides = _sides_across(faces, turns[places.reshape(-1, 3)])
-        places_met = [
-            (ends, _AT_VERTEX),
-            (self._vertices(rows[turns == 0], p, q), _AT_VERTEX),
-            (self._crossings(sides, p, q), _AT_CROSSING),
-        ]
-        kinds = np.concatenate([np.full(len(each), kind) for each, kind in places_met])
-        return np.column_stack([np.concatenate([each for each, _ in places_met]), kinds])
-
-    def _vertices(self, rows: Rows, p: Floats, q: Floats) -> Floats:
-        """Return the vertices on the line that are between its ends."""
-        at = self._points[rows]
+    def _vertices(self, rows: Rows, piece: Rows, p: Floats, q: Floats) -> Met:
+        """Return vertices on the lines of pieces that are between their ends."""
+        at, p, q = self._points[rows], p[piece], q[piece]
         between = ((at >= np.minimum(p, q)) & (at <= np.maximum(p, q))).all(axis=1)
-        return np.column_stack([at[between], self._heights[rows[between]]])
+        points = np.column_stack([at, self._heights[rows]])[between]
+        return points, np.full(len(points), _AT_VERTEX), piece[between]
 
-    def _crossings(self, sides: Rows, p: Floats, q: Floats) -> Floats:
-        """Return where the piece crosses sides whose ends are apart from its line."""
+    def _crossings(self, sides: Rows, piece: Rows, p: Floats, q: Floats) -> Met:
+        """Return where pieces cross sides whose ends are apart from their lines."""
         tails, heads = self._points[sides[:, 0]], self._points[sides[:, 1]]
-        swap = (heads[:, 0] < tails[:, 0]) | (
-            (heads[:, 0] == tails[:, 0]) & (heads[:, 1] < tails[:, 1])
-        )
+        swap = is_after(tails, heads)
         sides[swap] = sides[swap, ::-1]
         tails, heads = self._points[sides[:, 0]], self._points[sides[:, 1]]
+        p, q = p[piece], q[piece]
         meets = orient2d(tails, heads, p) * orient2d(tails, heads, q) <= 0
-        sides, tails, heads = sides[meets], tails[meets], heads[meets]
+        sides, piece = sides[meets], piece[meets]
+        tails, heads, p, q = tails[meets], heads[meets], p[meets], q[meets]
         share = _share(p, q, tails, heads)
         at = np.clip(between(tails, heads, share[:, None]), np.minimum(p, q), np.maximum(p, q))
         low, high = self._heights[sides.T]
-        return np.column_stack([at, between(low, high, share)])
+        points = np.column_stack([at, between(low, high, share)])
+        return points, np.full(len(points), _AT_CROSSING), piece
 
 
-def along_piece(met: Floats, p: Floats, q: Floats) -> Floats:
-    """Order what a piece meets from p to q, and keep of each position what comes first."""
-    points = met[np.isfinite(met[:, 2])] + 0.0  # -0.0 becomes 0.0
-    far = np.minimum(np.hypot(*(points[:, :2] - p).T), np.hypot(*(q - p)))
-    ahead = points[:, :2] * np.sign(q - p)
-    order = np.lexsort([points[:, 2], points[:, 3], ahead[:, 1], ahead[:, 0], far])
-    met_in_order = np.column_stack([points[:, :3], far])[order]
-    return met_in_order[starts_of_runs(met_in_order[:, :2])]
-
-
-def _sides_across(faces: Rows, turns: Array) -> Rows:
-    """Return the sides, each once, whose ends are on both sides of a line."""
-    across = turns.min(axis=1, initial=1) * turns.max(axis=1, initial=-1) < 0
-    faces, turns = faces[across], turns[across]
-    apart = (turns * turns[:, _NEXT]).ravel() < 0
-    sides = np.stack([faces, faces[:, _NEXT]], axis=-1).reshape(-1, 2)[apart]
-    return np.unique(np.sort(sides, axis=1), axis=0) if len(sides) else sides
+def _along(points: Floats, kinds: Floats, piece: Rows, p: Floats, q: Floats) -> tuple[Floats, Rows]:
+    """Order what pieces meet from p to q, and keep of each position what comes first."""
+    known = np.isfinite(points[:, 2])
+    points, kinds, piece = points[known] + 0.0, kinds[known], piece[known]  # -0.0 becomes 0.0
+    far = np.minimum(np.hypot(*(points[:, :2] - p[piece]).T), np.hypot(*(q - p).T)[piece])
+    ahead = points[:, :2] * np.sign(q - p)[piece]
+    order = np.lexsort([points[:, 2], kinds, ahead[:, 1], ahead[:, 0], far, piece])
+    points = np.column_stack([points, far])[order]
+    piece = piece[order]
+    first = starts_of_runs(np.column_stack([piece, points[:, :2]]))
+    return points[first], piece[first]
 
 
 def _share(p: Floats, q: Floats, tails: Floats, heads: Floats) -> Floats:
@@ -370,18 +361,26 @@ def _share(p: Floats, q: Floats, tails: Floats, heads: Floats) -> Floats:
 
 
 def _distance(p: Floats, q: Floats, points: Floats) -> Wide:
-    """Return how far points are from the line p q, times what is the same for all points."""
-    (dx, dy), _ = _scaled(p, q[None])
+    """Return how far points are from the lines p q, times what is the same for all of a line."""
+    (dx, dy), _ = _scaled(p, q)
     offsets, scale = _scaled(p, points)
     return np.abs(dx * offsets[1] - dy * offsets[0]), scale
 
 
-def _scaled(origin: Floats, points: Floats) -> Wide:
-    """Return x and y of the way from the origin to points, (2, n), each scaled to about 1."""
-    half = 0.5 if max(np.abs(points).max(initial=0), np.abs(origin).max()) > 1 else 1.0
-    offsets = (points * half - origin * half).T
+def _scaled(origins: Floats, points: Floats) -> Wide:
+    """Return x and y of the way from origins to points, (2, n), each scaled to about 1."""
+    far = np.maximum(np.abs(points), np.abs(origins)).max(axis=1)
+    half = np.where(far > 1, 0.5, 1.0)
+    offsets = points.T * half - origins.T * half
     scale = np.frexp(np.abs(offsets).max(axis=0))[1]
     return np.ldexp(offsets, -scale), scale - np.frexp(half)[1]
+
+
+def is_after(tails: Floats, heads: Floats) -> Mask:
+    """Whether the first ends come after the second ones, by x, then y."""
+    (x, y), (u, v) = tails.T[:2], heads.T[:2]
+    after: Mask = (x > u) | ((x == u) & (y > v))
+    return after
 
 
 def between(tails: Floats, heads: Floats, share: Floats) -> Floats:

@@ -22,6 +22,7 @@ from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_positive
 from liftmesh.crs.units import Placed, band_unit, system_of
 from liftmesh.errors import InputError, Option
+from liftmesh.io.metadata import with_carved
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
@@ -117,16 +118,17 @@ def as_cloud(surface: SurfaceData) -> Cloud:
     >>> surface.to_cloud().faces.shape
     (1, 3)
     """
+    edges = getattr(surface.triangulation, "constraints", None)
     return Cloud(
         points=surface.vertices,
         colors=surface.colors,
         normals=surface.normals,
         attributes=surface.attributes,
         faces=surface.faces,
-        metadata=surface.metadata,
+        metadata=with_carved(surface.metadata, edges is not None and surface.mask is not None),
         crs=surface.crs,
         color_depth=kept_depth(surface.colors),
-        edges=getattr(surface.triangulation, "constraints", None),
+        edges=edges,
     )
 
 

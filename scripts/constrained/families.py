@@ -171,6 +171,12 @@ def strip(n: int, rng: Generator) -> Case:
     return shuffled(np.vstack([points, ends]), np.array([[n, n + 1]], dtype=np.int32), rng)
 
 
+def zigzag(n: int, rng: Generator) -> Case:
+    """A polyline from left to right, between points on two sides of a square."""
+    x = np.sort(rng.random(n + 1))
+    return path(np.column_stack([x, np.arange(n + 1) % 2 + 0.01 * x * (1 - x)]), rng)
+
+
 FAMILIES: dict[str, Family] = {
     "tiling": tiling,
     "uniform": flipped,
@@ -182,4 +188,5 @@ FAMILIES: dict[str, Family] = {
     "nested rings": rings,
     "nearly parallel": parallels,
     "strip": strip,
+    "zigzag": zigzag,
 }

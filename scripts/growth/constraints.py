@@ -51,7 +51,7 @@ def overlaps(n: int) -> Case:
 
 CASES: Families = {name: seeded(family) for name, family in FAMILIES.items()}
 RINGS: Families = {name: CASES[name] for name in ("coast", "nested rings")}
-HARD = ("star", "comb", "nested rings", "strip")
+HARD = ("star", "comb", "nested rings", "strip", "zigzag")
 OVERLAPS: Families = {"overlaps": overlaps}
 CROSSING: Families = {"crossing lines": crossing_lines}
 

@@ -10,6 +10,7 @@
 #include "surface/contours.hpp"
 #include "surface/natural.hpp"
 #include "surface/overlay.hpp"
+#include "surface/passage.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
 #include "surface/sample.hpp"
@@ -101,6 +102,11 @@ void add_natural(Terrain& terrain, const std::vector<Point>& asked, Digests& dig
     liftmesh::NaturalWeights shares;
     terrain.locator.find(queries, at.data(), {}, never);
     natural_weights(terrain.mesh, queries, at.data(), shares, {}, never);
+    for (std::size_t i = 0; 2 * i < at.size(); ++i) at[i] = at[2 * i];
+    liftmesh::Passages passages;
+    find_passages(terrain.mesh, {queries.coordinates, at.data(), queries.count / 2}, passages,
+                  never);
+    add(digests.of["passages"], passages.faces);
     add(digests.of["natural weights"], shares.rows);
     add(digests.of["natural weights"], shares.weights);
 }

@@ -16,6 +16,7 @@
 #include "surface/contours.hpp"
 #include "surface/natural.hpp"
 #include "surface/overlay.hpp"
+#include "surface/passage.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
 #include "surface/sample.hpp"
@@ -82,7 +83,12 @@ std::vector<double> answers(Terrain& terrain, const std::vector<Point>& asked, s
     std::vector<std::int32_t> triangles(some.count);
     done = done && terrain.locator.find(some, triangles.data(), threads, interrupt) &&
            natural_weights(terrain.mesh, some, triangles.data(), shares, threads, interrupt);
+    for (std::size_t i = 0; 2 * i < some.count; ++i) triangles[i] = triangles[2 * i];
+    const liftmesh::Segments segments{queries.coordinates, triangles.data(), some.count / 2};
+    liftmesh::Passages passages;
+    done = done && find_passages(terrain.mesh, segments, passages, interrupt);
     if (!done) return {};
+    all.insert(all.end(), passages.faces.begin(), passages.faces.end());
     all.insert(all.end(), shares.rows.begin(), shares.rows.end());
     all.insert(all.end(), shares.weights.begin(), shares.weights.end());
     const Point* const end = lines.points.get() + lines.starts.back();

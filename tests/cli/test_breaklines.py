@@ -49,6 +49,7 @@ def test_a_ditch_and_a_pond(folder) -> None:
     assert told["n_trimmed"] == surface.mask.sum()
     printed = run(*words(folder), "--overwrite").stdout.splitlines()
     assert any(line.split()[:2] == ["of", "lines"] for line in printed)
+    assert run("verify", folder / "tin.ply").returncode == 0
 
 
 def test_a_draped_line_and_a_boundary(folder) -> None:
@@ -67,7 +68,9 @@ def test_a_draped_line_and_a_boundary(folder) -> None:
 def test_lines_that_cross(folder) -> None:
     write(folder, [[50.0, 5, 5], [50, 95, 5]], DITCH)
     place = "breakline 0 and breakline 1 at (50.0, 25.0), at the heights 5.0 and -3.0"
-    failed(run(*words(folder)), 3, place, "or --crossing split")
+    failed(
+        run(*words(folder)), 3, place, "or --crossing split", "error: ", "pond.gpkg: lines cross"
+    )
     done = run(*words(folder), "--crossing", "split")
     assert done.returncode == 0, done.stderr
 

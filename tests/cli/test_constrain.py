@@ -56,10 +56,32 @@ def test_polygons_are_carved(folder: Path) -> None:
     assert (told["n_triangles"], told["n_added"]) == (8, 0)
 
 
+@pytest.mark.parametrize("kind", ["ply", "npz", "obj"])
+def test_a_carved_mesh_says_so_in_its_file(kind: str, folder: Path) -> None:
+    words = ("--polygons", "land.geojson")
+    for target, carve in (("a", ("--carve", "holes")), ("b", ())):
+        name = f"{target}.{kind}"
+        done = command("constrain", "points.xyz", name, *words, *carve, cwd=folder)
+        assert done.returncode == 0, done.stderr
+        mesh = liftmesh.read(folder / name)
+        assert mesh.metadata.get("carved") == (True if carve else None)
+        found = liftmesh.verify(mesh)
+        assert (found.valid, found.carved) == (True, bool(carve))
+        assert command("verify", name, cwd=folder).returncode == 0
+    again = command("constrain", f"a.{kind}", "c.ply", "--overwrite", cwd=folder)
+    assert again.returncode == 0, again.stderr
+    assert "carved" not in liftmesh.read(folder / "c.ply").metadata
+
+
 def test_crossings_are_an_error_or_split(folder: Path) -> None:
     (folder / "cross.txt").write_text("0 6\n4 2\n7 5\n1 3\n")
     words = ("constrain", "points.xyz", "a.ply", "--edges", "cross.txt")
-    failed(command(*words, cwd=folder), 3, "cross where no row is", "--crossing split")
+    error = "error: cross.txt: 4 pairs of edges cross where no row is"
+    failed(command(*words, cwd=folder), 3, error, "--crossing split")
+    crossed = liftmesh.Cloud(np.c_[SQUARE, np.zeros(8)], edges=np.array([[0, 2], [1, 3]], np.int32))
+    liftmesh.write(folder / "crossed.ply", crossed)
+    done = command("constrain", "crossed.ply", "b.ply", cwd=folder)
+    failed(done, 3, "crossed.ply: 1 pair of edges crosses where no row is")
     done = command(*words, "--crossing", "split", cwd=folder)
     assert done.returncode == 0, done.stderr
     assert "displacement" in done.stdout
@@ -124,6 +146,15 @@ def test_a_poly_file_of_triangle(first: int, beside: bool, folder: Path) -> None
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert (told["n_triangles"], told["n_constraints"]) == (8, 8)
+    assert told["dropped"] == []
+    assert liftmesh.read(folder / "a.ply").metadata["carved"]
+    copied = command("constrain", "plate.poly", "b.poly", "--json", cwd=folder)
+    assert json.loads(copied.stdout)["dropped"] == ["faces", "metadata carved"]
+    again = command("constrain", "b.poly", "c.ply", cwd=folder)
+    assert again.returncode == 0, again.stderr
+    assert np.array_equal(
+        liftmesh.read(folder / "c.ply").faces, liftmesh.read(folder / "a.ply").faces
+    )
 
 
 @pytest.mark.parametrize(

@@ -69,7 +69,7 @@ def test_rasters_of_other_quantities(tin, tmp_path) -> None:
     )
     done = run("raster", tin, tmp_path / "s.tif", *words, "--cog", "--compress", "none", "--json")
     found = json.loads(done.stdout)
-    assert (found["rows"], found["columns"], found["quantity"]) == (50, 25, "hillshade")
+    assert (found["n_rows"], found["n_columns"], found["quantity"]) == (50, 25, "hillshade")
     with rasterio.open(tmp_path / "s.tif") as file:
         expected = surface().raster((2, 1), bounds=(0, 0, 50, 50), quantity="hillshade")
         np.testing.assert_array_equal(file.read(1), expected.values.astype(np.float32))
@@ -93,7 +93,7 @@ def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
     assert found == [line.points.tolist() for line in expected]
     assert f"{len(expected):,} lines at " in done.stdout
     said = json.loads(run("contour", tin, tmp_path / "l.geojson", *words, "--json").stdout)
-    assert said["lines"] == len(expected)
+    assert said["n_lines"] == len(expected)
     assert said["length"] == pytest.approx(expected.lengths.sum())
 
 
@@ -125,7 +125,7 @@ def test_a_cloud_is_triangulated_first(tmp_path) -> None:
     source, target = tmp_path / "meadow.csv", tmp_path / "lines.geojson"
     done = run("contour", source, target, "--interval", "2", "--max-edge", "12", "--json")
     expected = liftmesh.triangulate(meadow()).trim(max_edge=12).contours(interval=2)
-    assert json.loads(done.stdout)["lines"] == len(expected)
+    assert json.loads(done.stdout)["n_lines"] == len(expected)
 
 
 def test_points_get_heights_and_keep_their_values(tin, tmp_path) -> None:
@@ -153,7 +153,7 @@ def test_contours_outside_of_the_heights_are_said(tmp_path) -> None:
         assert "o.geojson: 0 lines at 0 levels" in done.stdout
         assert f"{source}: no line: its heights are from 2 to 5.5\n" in done.stderr
         done = run(*words, "--levels", "3", "--min-length", "99", "--json", cwd=tmp_path)
-        assert (json.loads(done.stdout)["lines"], done.stderr) == (0, "")
+        assert (json.loads(done.stdout)["n_lines"], done.stderr) == (0, "")
 
 
 @pytest.mark.parametrize("kind", ["csv", "tsv"])
@@ -161,7 +161,7 @@ def test_stdout_has_the_bytes_of_a_file(kind: str, tin, tmp_path) -> None:
     (tmp_path / "at.csv").write_text("x,y,nan,id\n20,20,1,7\n99,50,,8\n50,50,nan,9\n")
     words = ("--at", "at.csv", "--json")
     done = run("sample", tin, f"out.{kind}", *words, cwd=tmp_path)
-    told = {"path": f"out.{kind}", "interpolation": "linear", "points": 3, "known": 2}
+    told = {"path": f"out.{kind}", "interpolation": "linear", "n_points": 3, "n_known": 2}
     told |= {"classes": {}, "transformation": None}
     assert (json.loads(done.stdout), done.stderr) == (told, "")
     printed = process("sample", tin, "-", "--output-format", kind, *words, cwd=tmp_path, text=False)
@@ -193,7 +193,7 @@ def test_rows_that_are_not_finite_may_be_skipped(tmp_path) -> None:
     assert "2 of 3 points have a height" in done.stderr
     words = ("--resolution", "1", "--nonfinite", "skip", "--json")
     done = run("raster", "nan.csv", "o.tif", *words, cwd=tmp_path)
-    assert json.loads(done.stdout)["columns"] == 4
+    assert json.loads(done.stdout)["n_columns"] == 4
 
 
 def test_what_the_format_of_a_solid_does_not_keep_is_said(tin, tmp_path) -> None:

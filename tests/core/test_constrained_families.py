@@ -87,7 +87,9 @@ def test_any_number_of_threads_gives_the_same_bits() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("family", ["tiling", "uniform", "star", "nearly parallel", "strip"])
+@pytest.mark.parametrize(
+    "family", ["tiling", "uniform", "star", "nearly parallel", "strip", "zigzag"]
+)
 def test_same_triangles_as_cgal(family: str, tmp_path: Path) -> None:
     points, edges = FAMILIES[family](5000, np.random.default_rng(43))
     expected = Constrained_Delaunay_triangulation_2()

@@ -205,6 +205,11 @@ def test_positions_are_matched_exactly(seed: int) -> None:
     ("options", "said"),
     [
         ({"polylines": 5}, "polylines are 5: give a list of polylines"),
+        (
+            {"polylines": [[0, 0], [3, 3], [4, 4]]},
+            "pairs of integers, .* as edges=, and corners as",
+        ),
+        ({"polylines": np.array([[0, 1], [2, 3]])}, "polylines are .*, pairs of integers"),
         ({"polylines": "missing"}, None),
         ({"polylines": [0, 1, 7]}, "polyline 0 has the row 7, where 0 to 3 are possible"),
         ({"polylines": [[0, 1], [0]]}, r"polyline 1 is \[0\]: give 2 rows or more"),
@@ -222,6 +227,15 @@ def test_positions_are_matched_exactly(seed: int) -> None:
         ({"polygons": [[SQUARE, [0, -2, 1]]]}, "a ring of polygon 0 has the row -2"),
         ({"polygons": [LINE]}, "there is no polygon in what is given"),
         ({"polygons": 1.5}, "polygons are 1.5"),
+        (
+            {
+                "polygons": [
+                    SQUARE,
+                    [SQUARE, HOLE, [[1, 1], [2, 1], [2, 3]], [*HOLE[::-1], HOLE[3]]],
+                ]
+            },
+            "holes 0 and 2 of polygon 1 have the same corners: give each hole once",
+        ),
     ],
 )
 def test_wrong_lines_are_named(options: dict[str, Any], said: str | None) -> None:
@@ -249,6 +263,14 @@ def test_empty_lists_are_no_constraints() -> None:
     found = gathered(edges=[], polylines=[], polygons=[])
     assert len(found.edges) == len(found.bounds) == len(found.added) == 0
     assert gathered(edges=np.empty((0, 2))).edges.shape == (0, 2)
+
+
+def test_corners_of_lines_are_points_enough() -> None:
+    tri = constrained_delaunay([], polygons=[SQUARE], carve="holes")
+    assert tri.points.tolist() == SQUARE
+    assert tri.added.tolist() == [0, 1, 2, 3]
+    with pytest.raises(liftmesh.DegenerateInputError, match="0 rows"):
+        constrained_delaunay([])
 
 
 def test_added_rows_follow() -> None:

@@ -259,6 +259,15 @@ def test_errors_name_constraints() -> None:
     assert tri.constraints.tolist() == [[0, 2]]
 
 
+def test_all_edges_that_cross_are_named_to_begin_with() -> None:
+    points = [[0, 0, 7], [3, 3, 7], [0, 3, 7], [3, 0, 7], [1, 3, 7], [2, 0, 7]]
+    with pytest.raises(liftmesh.CrossingError, match=r"^3 pairs .* or leave out some") as caught:
+        DynamicTriangulation(points, [[0, 1], [2, 3], [2, 2], [5, 4]])
+    with pytest.raises(liftmesh.CrossingError) as other:
+        liftmesh.constrained_delaunay(points, [[0, 1], [2, 3], [2, 2], [5, 4]])
+    assert caught.value.crossings.tolist() == other.value.crossings.tolist()
+
+
 def test_copies_have_the_same_constraints() -> None:
     tri = DynamicTriangulation([[9, 9], [0, 0], [2, -1], [4, 0], [2, 1]])
     tri.remove(0)

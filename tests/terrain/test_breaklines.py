@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import pickle
 from pathlib import Path
 
 import ezdxf
@@ -64,6 +65,7 @@ def test_cross_sections_of_a_road_are_straight(threads: int) -> None:
         "rows": 4,
         "rows_from_around": 0,
         "rows_at_crossings": 0,
+        "rows_at_other_heights": 0,
         "edges": 2,
         "flat_triangles": 0,
     }
@@ -96,6 +98,13 @@ def test_two_lines_at_one_corner_follow_the_policy() -> None:
     for policy, height in (("first", 3), ("highest", 5), ("mean", 4)):
         surface = liftmesh.triangulate(points, breaklines=lines, on_duplicate=policy)
         assert surface.sample([4, 4]) == height
+        assert surface.report.lines["rows_at_other_heights"] == 1
+        assert "1 left out, as lines meet there at other heights" in str(surface.report)
+    again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
+    assert again.report.lines["rows"] == 3
+    assert again.report.lines["rows_at_other_heights"] == 1
+    level = [[[1, 1, 3], [4, 4, 3]], [[4, 4, 3], [7, 2, 5]]]
+    assert not liftmesh.triangulate(points, breaklines=level).report.lines["rows_at_other_heights"]
     with pytest.raises(liftmesh.DuplicateHeightError, match=r"rows 5 and 6 .* heights 3.0 and 5.0"):
         liftmesh.triangulate(points, breaklines=lines, on_duplicate="error")
 
@@ -220,6 +229,31 @@ def test_a_boundary_may_leave_the_cloud() -> None:
         liftmesh.triangulate(points, holes=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
 
 
+def assert_bounded_by_constraints(surface: liftmesh.Surface) -> None:
+    """What is left verifies as a carved triangulation, and so does the whole."""
+    tri = surface.triangulation
+    left = liftmesh.verify(tri.points, surface.faces, constraints=tri.constraints, carved=True)
+    assert left.canonical, left.flaws
+    assert surface.verify().canonical
+    starts, members = tri.constraint_inputs
+    assert (np.diff(starts) > 0).all()
+    ends = tri.input_edges[members]
+    assert len(ends) == starts[-1]
+    marked = np.sort(tri.simplices[:, [[1, 2], [2, 0], [0, 1]]][tri.is_constrained], axis=1)
+    assert {*map(tuple, marked.tolist())} == {*map(tuple, tri.constraints.tolist())}
+
+
+def test_a_ring_that_cuts_a_corner_of_the_hull_leaves_no_open_side() -> None:
+    for seed in range(6):
+        points = np.random.default_rng(seed).random((60, 3)) * [10, 10, 1]
+        surface = liftmesh.triangulate(points, boundary=[[-3, 4], [4, -3], [13, 6], [6, 13]])
+        assert_bounded_by_constraints(surface)
+        copy = pickle.loads(pickle.dumps(surface))
+        np.testing.assert_array_equal(
+            copy.triangulation.constraints, surface.triangulation.constraints
+        )
+
+
 @pytest.mark.slow
 def test_rings_that_leave_the_hull_cut_exactly() -> None:
     """Also where a breakline is a side of the hull, or a ring crosses one side twice."""
@@ -235,6 +269,7 @@ def test_rings_that_leave_the_hull_cut_exactly() -> None:
             continue
         surface = liftmesh.triangulate(points, breaklines=line, holes=ring)
         assert plane_area(surface) == pytest.approx(hull.difference(hidden).area, rel=1e-9)
+        assert_bounded_by_constraints(surface)
 
 
 def test_contour_lines_leave_flat_triangles() -> None:

@@ -169,24 +169,38 @@ def test_a_line_of_many_corners_meets_what_its_pieces_meet() -> None:
     assert (np.diff(found.distances) >= 0).all()
 
 
-class Counted(LineCrossings):
-    """Counts the faces that are looked at, for all halves of the line."""
+def faces_touched(surface: liftmesh.Surface, p, q) -> set[int]:
+    """Which closed faces a closed segment touches, in rationals."""
+    exact, found = exactly(surface), set()
+    for number, face in enumerate(exact.faces):
+        corners = [exact.points[row] for row in face]
+        contains = True
+        for tail, head in zip(corners, corners[1:] + corners[:1], strict=True):
+            contains &= turn(tail, head, p) >= 0
+            across = turn(p, q, tail) * turn(p, q, head), turn(tail, head, p) * turn(tail, head, q)
+            boxes = [
+                (sorted([u, v]), sorted([a, b]))
+                for u, v, a, b in zip(tail, head, p, q, strict=True)
+            ]
+            if max(across) <= 0 and all(u[1] >= a[0] and a[1] >= u[0] for u, a in boxes):
+                found.add(number)
+        if contains:
+            found.add(number)
+    return found
 
-    looked = 0
 
-    def _near(self, corners, first, faces):
-        self.looked += len(faces)
-        return super()._near(corners, first, faces)
-
-
-def test_a_piece_looks_at_the_faces_near_it() -> None:
-    points = np.random.default_rng(4).random((3000, 3))
-    surface = liftmesh.triangulate(points)
-    turns = np.linspace(0, 2 * np.pi, 201)
-    line = 0.5 + 0.3 * np.column_stack([np.cos(turns), np.sin(turns)])
-    crossings = Counted(surface)
-    assert len(crossings.of(line)) == 200
-    assert len(surface.faces) < crossings.looked < 10 * len(surface.faces)
+@settings(max_examples=60, deadline=None)
+@given(LATTICE, st.lists(PLACE, min_size=2, max_size=4))
+def test_a_piece_passes_the_faces_that_it_touches(points, places) -> None:
+    surface = drawn(points)
+    if surface is None:
+        return
+    line = np.array(places)
+    pieces, faces = LineCrossings(surface).passages(line[:-1], line[1:])
+    for number, ends in enumerate(pairwise(places)):
+        found = faces[pieces == number].tolist()
+        assert len(found) == len(set(found))
+        assert set(found) == faces_touched(surface, *(tuple(map(Fraction, p)) for p in ends))
 
 
 def test_profiles_are_written_as_lines_or_points(tmp_path: Path) -> None:

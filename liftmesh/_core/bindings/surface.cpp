@@ -4,6 +4,7 @@
 #include "bindings/python.hpp"
 #include "surface/contours.hpp"
 #include "surface/overlay.hpp"
+#include "surface/passage.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
 #include "surface/sample.hpp"
@@ -197,11 +198,29 @@ nb::tuple rings(const PlanarRows& points, const Triples& simplices, const Triple
     return nb::make_tuple(as_array(found.rows), as_array(found.starts));
 }
 
+// Which segments touch which triangles, from one that contains an end.
+nb::tuple passages(const PlanarRows& points, const Triples& simplices, const Triples& neighbors,
+                   const Array<const double, 4>& ends, const Ids& starts) {
+    const liftmesh::Triangulated mesh{read(points), simplices.data(), neighbors.data(),
+                                      simplices.shape(0)};
+    const std::size_t count = starts.shape(0);
+    if (ends.shape(0) != count) throw std::invalid_argument("lengths differ");
+    for (std::size_t i = 0; i < count; ++i)
+        if (starts.data()[i] >= 0 && static_cast<std::size_t>(starts.data()[i]) >= mesh.count)
+            throw std::invalid_argument("there is no such face");
+    liftmesh::Passages found;
+    run_unlocked([&](auto& interrupt) {
+        return liftmesh::find_passages(mesh, {ends.data(), starts.data(), count}, found, interrupt);
+    });
+    return nb::make_tuple(as_array(found.segments), as_array(found.faces));
+}
+
 }  // namespace
 
 void bind_surface(nb::module_& m) {
     m.def("leave_out_from_rim", &leave_out_from_rim, "neighbors"_a, "is_long"_a, "left_out"_a);
     m.def("rings", &rings, "points"_a, "simplices"_a, "neighbors"_a, "left_out"_a.none());
+    m.def("passages", &passages, "points"_a, "simplices"_a, "neighbors"_a, "ends"_a, "starts"_a);
     nb::class_<PyRelief>(m, "Relief")
         .def(nb::init<PlanarRows, Triples, Triples, HeightColumn, std::optional<Flags>>(),
              "points"_a, "simplices"_a, "neighbors"_a, "heights"_a, "left_out"_a.none())

@@ -5,6 +5,7 @@
 #include "delaunay/divide_conquer.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
@@ -107,18 +108,44 @@ class Constraints {
         return sort(placed_, mesh_.count, pool_, [](const Placed& each) { return each.a; });
     }
 
+    // Where edges cross many triangles, each crosses what those before have left behind, if they go
+    // from one end of the plane to the other. Then the rest follows in random rounds, each about
+    // twice as large as the one before (Amenta, Choi, Rote 2003).
     bool insert(Insertion& insertion) {
+        constexpr std::size_t many = 16, least = 256;
         memberships_.reserve(placed_.size());
-        for (const Placed& each : placed_) {
-            bool crosses = false;
-            insertion.insert(each.a, each.b, [&](Span span, const std::vector<Edge>& crossed) {
-                crosses |= !crossed.empty();
-                memberships_.push_back({piece(span), each.edge});
-            });
-            if (crosses) crossing_.push_back(each);
+        std::size_t done = 0, met = 0;
+        for (; done < placed_.size() && met <= many * (done + least); ++done) {
+            met += insert(placed_[done], insertion);
             if (patience_.ends()) return false;
         }
+        const std::span<const Placed> rest = std::span(placed_).subspan(done);
+        const int first = std::bit_width(rest.size());
+        for (int round = first; round >= 0; --round) {
+            for (const Placed& each : rest) {
+                if (std::min(round_of(each), first) != round) continue;
+                insert(each, insertion);
+                if (patience_.ends()) return false;
+            }
+        }
         return true;
+    }
+
+    static int round_of(const Placed& edge) {
+        return std::countl_zero(hash(std::uint64_t{edge.a} << 32 | edge.b));
+    }
+
+    // Returns how many triangles it met.
+    std::size_t insert(const Placed& edge, Insertion& insertion) {
+        std::size_t met = 0;
+        bool crosses = false;
+        insertion.insert(edge.a, edge.b, [&](Span span, const std::vector<Edge>& crossed) {
+            met += insertion.met();
+            crosses |= !crossed.empty();
+            memberships_.push_back({piece(span), edge.edge});
+        });
+        if (crosses) crossing_.push_back(edge);
+        return met;
     }
 
     Piece piece(Span span) const {
@@ -153,14 +180,15 @@ class Constraints {
                 });
             if (patience_.ends(1 + visits.size() / 64)) return false;
         }
-        std::sort(visits.begin(), visits.end(), [](const Visit& one, const Visit& other) {
+        const auto is_less = [](const Visit& one, const Visit& other) {
             return std::tie(one.triangle, one.edge) < std::tie(other.triangle, other.edge);
-        });
+        };
+        if (!patient_sort(visits, is_less, pool_.interrupt())) return false;
         for (std::size_t i = 0, last = 0; i < visits.size(); i = last) {
             while (last < visits.size() && visits[last].triangle == visits[i].triangle) ++last;
             if (!compare({&visits[i], last - i}, crossings)) return false;
         }
-        std::sort(crossings.begin(), crossings.end());
+        if (!patient_sort(crossings, std::less<>(), pool_.interrupt())) return false;
         crossings.erase(std::unique(crossings.begin(), crossings.end()), crossings.end());
         return true;
     }

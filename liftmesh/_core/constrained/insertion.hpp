@@ -47,6 +47,8 @@ class Insertion {
         }
     }
 
+    // How many triangles the last span crossed.
+    std::size_t met() const { return cavity_.size(); }
     // The last span, if it is an edge of the mesh.
     Edge along() const { return along_; }
     // The ends of an edge of the mesh.

@@ -1,14 +1,18 @@
 // A surface and, by the same points in another order, the same surface: both are asked, and what
 // they answer is compared, and judged by integers of any length.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "checks.hpp"
 #include "demand.hpp"
+#include "exact.hpp"
 #include "ground.hpp"
 #include "surface/natural.hpp"
+#include "surface/passage.hpp"
 #include "surface/sample.hpp"
 #include "targets.hpp"
 
@@ -213,6 +217,47 @@ void check_weights(const Ground& ground, const std::vector<Point>& asked) {
     }
 }
 
+// Whether a segment has a point in a closed triangle.
+bool is_passed(const Ground& ground, std::int32_t face, Point p, Point q) {
+    bool contains = true;
+    for (int k = 0; k < 3; ++k) {
+        const Point a = ground.mesh.corner(face, k), b = ground.mesh.corner(face, (k + 1) % 3);
+        contains &= fuzzing::turn(a, b, p) >= 0;
+        const auto [left, right] = std::minmax(p.x, q.x);
+        const auto [low, high] = std::minmax(p.y, q.y);
+        if (fuzzing::turn(p, q, a) * fuzzing::turn(p, q, b) <= 0 &&
+            fuzzing::turn(a, b, p) * fuzzing::turn(a, b, q) <= 0 && std::max(a.x, b.x) >= left &&
+            std::min(a.x, b.x) <= right && std::max(a.y, b.y) >= low && std::min(a.y, b.y) <= high)
+            return true;
+    }
+    return contains;
+}
+
+// Each point with the one before.
+void check_passages(const Ground& ground, const std::vector<Point>& asked) {
+    std::vector<double> ends;
+    std::vector<std::int32_t> starts(asked.size());
+    Impatient interrupt;
+    ground.locator.find(queries_of(asked), starts.data(), {}, interrupt);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        const Point p = asked[i], q = asked[(i + asked.size() - 1) % asked.size()];
+        ends.insert(ends.end(), {p.x, p.y, q.x, q.y});
+    }
+    liftmesh::Passages found;
+    demand(find_passages(ground.mesh, {ends.data(), starts.data(), asked.size()}, found, interrupt),
+           "passages end early");
+    std::vector<std::pair<std::int32_t, std::int32_t>> sorted, expected;
+    for (std::size_t i = 0; i < found.faces.size(); ++i)
+        sorted.push_back({found.segments[i], found.faces[i]});
+    for (std::size_t i = 0; i < asked.size(); ++i)
+        for (std::int32_t face = 0; face < ground.count(); ++face)
+            if (is_passed(ground, face, {ends[4 * i], ends[4 * i + 1]},
+                          {ends[4 * i + 2], ends[4 * i + 3]}))
+                expected.push_back({static_cast<std::int32_t>(i), face});
+    std::sort(sorted.begin(), sorted.end());
+    demand(sorted == expected, "a segment passes other faces");
+}
+
 }  // namespace
 
 void check_heights(const Ground& ground, const Ground& other, Bytes& asked) {
@@ -228,6 +273,7 @@ void check_heights(const Ground& ground, const Ground& other, Bytes& asked) {
     std::erase_if(few, [](Point p) { return !liftmesh::is_finite(p); });
     check_natural(ground, other, few, sampled(ground, few));
     check_weights(ground, few);
+    if (!few.empty()) check_passages(ground, few);
 }
 
 void check_surface(Bytes bytes) {
