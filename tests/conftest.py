@@ -105,7 +105,7 @@ def _draws(item: pytest.Item) -> bool:
 
 
 def _draw_a_share(function: Any) -> None:
-    """Let a test draw fewer examples; hypothesis has no option for it beside a test's own number."""
+    """Draw fewer examples: hypothesis has no option for it beside a test's own number."""
     name = "_hypothesis_internal_use_settings"
     own = getattr(function, name)
     setattr(function, name, settings(own, max_examples=-(-own.max_examples // SHARE)))
