@@ -96,7 +96,7 @@ def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
     return np.column_stack([planar, heights])
 
 
-def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
+def family_surface(family: str, n: int = 16) -> tuple[liftmesh.Surface, np.ndarray]:
     rng = np.random.default_rng(43)
     surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), on_duplicate="lowest")
     return surface, hard_queries(surface.triangulation, rng)

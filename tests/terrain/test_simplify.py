@@ -101,7 +101,7 @@ def test_grids_exact_or_rounded_full_or_not(
     points = np.delete(lattice(columns, rows, z), rng.permutation(240)[:missing], axis=0)
     for prune in (False, True):
         found = liftmesh.simplify(points, max_error=1.5, prune=prune)
-        assert max(distances(found, points[::12])) <= 1.5
+        assert max(distances(found, points[::30])) <= 1.5
         assert found.metadata["simplification"]["within"]  # of all, by the check of simplify
         again = liftmesh.simplify(rng.permutation(points), max_error=1.5, prune=prune)
         assert {*map(tuple, again.vertices)} == {*map(tuple, found.vertices)}
