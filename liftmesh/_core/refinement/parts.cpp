@@ -1,6 +1,5 @@
 // Constraints that are split, as points come too near to them.
 
-#include "predicates/orient2d.hpp"
 #include "refinement/refinement.hpp"
 
 namespace liftmesh::refinement {

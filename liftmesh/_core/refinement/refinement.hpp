@@ -3,6 +3,7 @@
 
 #include <unordered_set>
 
+#include "predicates/orient2d.hpp"
 #include "refinement/measures.hpp"
 #include "refinement/queues.hpp"
 #include "refinement/refine.hpp"

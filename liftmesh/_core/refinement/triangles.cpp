@@ -1,6 +1,5 @@
 // Triangles that are sharp or large, and the points that go into them.
 
-#include "predicates/orient2d.hpp"
 #include "refinement/refinement.hpp"
 
 namespace liftmesh::refinement {
