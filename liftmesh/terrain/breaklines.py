@@ -98,6 +98,7 @@ def with_lines(
 ) -> Surface:
     """Make the surface that follows lines."""
     check_plain(lifting, algorithm)
+    lines.check(frame, frame.planar(lifting.cloud.points))
 
     def built(chains: list[Chain], *, is_last: bool) -> Surface:
         network = Network.of(chains, lines.crossing)
@@ -114,6 +115,11 @@ def with_lines(
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
     counts = _counts(surface, len(lifting.cloud))
+    enclosing = {id(each) for rings in lines.boundary for each in rings}
+    counts["lines_beyond"] = sum(
+        each.line.draped and not each.joined.any() and id(each.line) not in enclosing
+        for each in chains
+    )
     return replace(surface, report=replace(surface.report, lines=counts))
 
 

@@ -341,8 +341,9 @@ def _along(points: Floats, kinds: Floats, piece: Rows, p: Floats, q: Floats) -> 
     """Order what pieces meet from p to q, and keep of each position what comes first."""
     known = np.isfinite(points[:, 2])
     points, kinds, piece = points[known] + 0.0, kinds[known], piece[known]  # -0.0 becomes 0.0
-    far = np.minimum(np.hypot(*(points[:, :2] - p[piece]).T), np.hypot(*(q - p).T)[piece])
-    ahead = points[:, :2] * np.sign(q - p)[piece]
+    with np.errstate(over="ignore"):
+        far = np.minimum(np.hypot(*(points[:, :2] - p[piece]).T), np.hypot(*(q - p).T)[piece])
+        ahead = points[:, :2] * np.sign(q - p)[piece]
     order = np.lexsort([points[:, 2], kinds, ahead[:, 1], ahead[:, 0], far, piece])
     points = np.column_stack([points, far])[order]
     piece = piece[order]
