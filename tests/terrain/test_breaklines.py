@@ -255,6 +255,22 @@ def test_a_ring_that_cuts_a_corner_of_the_hull_leaves_no_open_side() -> None:
         )
 
 
+def test_slivers_beside_the_hull_do_not_depend_on_the_order_of_the_rows() -> None:
+    rng = np.random.default_rng(121)
+    planar = np.unique(rng.integers(0, 17, (40, 2)), axis=0)
+    points = np.column_stack([planar, np.zeros(len(planar))])
+    angles = np.sort(rng.random(5)) * 2 * np.pi
+    ring = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(2, 12)
+    ring += rng.random(2) * 16
+    found = []
+    for seed in range(8):
+        mixed = np.random.default_rng(seed).permutation(points)
+        surface = liftmesh.triangulate(mixed, holes=ring)
+        corners = surface.triangulation.points[surface.faces].tolist()
+        found.append({tuple(sorted(map(tuple, each))) for each in corners})
+    assert all(each == found[0] for each in found)
+
+
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the lines of .* lie beyond")
 def test_rings_that_leave_the_hull_cut_exactly() -> None:
