@@ -79,7 +79,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
         winding[count:][is_ring] = insides[line[is_ring] - len(lines)]
     bounds = polygon >= 0
     if not areas:
-        is_closed = np.array([line[0] == line[-1] for line in corners], dtype=np.bool_)
+        is_closed = _are_closed(points, corners)
         bounds[:count] = True
         bounds[count:] = False if count else is_closed[line]
     return Constraints(joined, polyline, polygon, winding, bounds, added)
@@ -306,6 +306,15 @@ def _sides(lines: Sequence[Rows], open_lines: int) -> tuple[Integers, Integers, 
     has_side = np.ones(len(tail), dtype=np.bool_)
     has_side[ends[:open_lines] - 1] = False
     return tail[has_side], head[has_side], np.repeat(np.arange(len(lines)), lengths)[has_side]
+
+
+def _are_closed(points: Reals, lines: Sequence[Rows]) -> Mask:
+    """Tell which lines end where they begin; each new row has a position of its own."""
+    tail, head = np.array([(line[0], line[-1]) for line in lines], np.int64).reshape(-1, 2).T
+    are_closed: Mask = tail == head
+    old = np.flatnonzero(np.maximum(tail, head) < len(points))
+    are_closed[old] |= (points[tail[old]] == points[head[old]]).all(axis=1)
+    return are_closed
 
 
 def _insides(
