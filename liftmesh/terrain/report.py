@@ -144,7 +144,7 @@ class Report(FrozenResult):
             said.append(f"{others:,} left out, as lines meet there at other heights")
         if flat := self.lines["flat_triangles"]:
             said.append(counted(flat, "flat triangle"))
-        if beyond := self.lines.get("lines_beyond"):
+        if beyond := self.lines["lines_beyond"]:
             said.append(f"{counted(beyond, 'line')} beyond all faces")
         return f"Lines: {', '.join(said)}. "
 
