@@ -141,7 +141,7 @@ def test_edges_of_skipped_rows_are_errors() -> None:
     with pytest.raises(liftmesh.NonFiniteError, match="row 4 is not finite"):
         constrained_delaunay(points, [[0, 1]])
     with pytest.raises(
-        liftmesh.InputError, match=r"1 edge ends .*edge 1, \[4, 2\], at row 4 \(nan"
+        liftmesh.InputError, match=r"1 edge ends .*edge 1, \[4, 2\], at row 4 \(nan, 1.0\): leave"
     ):
         constrained_delaunay(points, [[0, 1], [4, 2]], nonfinite="skip")
     many = [[0, 4]] * 7 + [[5, 0]] * 8
