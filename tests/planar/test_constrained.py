@@ -194,6 +194,7 @@ def test_copies(again: Callable[[Any], Any]) -> None:
     [
         ("_whole", 0, 99), ("_whole", 1, 99), ("constraints", None, 99), ("input_edges", None, -1),
         ("constraint_inputs", 0, 9), ("constraint_inputs", 1, 99), ("simplices", None, 99),
+        ("simplices", None, -1),
     ],
 )  # fmt: skip
 def test_damaged_pickles_are_refused(name: str, place: int | None, number: int) -> None:
