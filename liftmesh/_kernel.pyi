@@ -290,6 +290,7 @@ def simplify(
     points: NDArray[np.float64],
     heights: NDArray[np.float64],
     hull: NDArray[np.int32],
+    edges: NDArray[np.int32],
     tolerance: float,
     most: int,
     prunes: bool,

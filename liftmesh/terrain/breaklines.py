@@ -113,7 +113,7 @@ def with_lines(
         corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
-    counts = _counts(surface, len(lifting.cloud))
+    counts = line_counts(surface, len(lifting.cloud))
     return replace(surface, report=replace(surface.report, lines=counts))
 
 
@@ -337,7 +337,7 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def _counts(surface: Surface, first: int) -> dict[str, int]:
+def line_counts(surface: Surface, first: int) -> dict[str, int]:
     """Count what lines have brought, whose rows begin with the first."""
     flags = surface.attributes.get(BREAKLINE, np.empty(0))[first:]
     heights = surface.frame.heights(surface.vertices)

@@ -39,7 +39,7 @@ liftmesh::constrained::Marked marked(const Triples& neighbors, const Bytes& mark
     return {neighbors.data(), marks.data(), marks.shape(0)};
 }
 
-nb::object regions(const Triples& neighbors, const Bytes& marks) {
+nb::object label_regions(const Triples& neighbors, const Bytes& marks) {
     const auto mesh = marked(neighbors, marks);
     return as_array(
         unlocked(nb::none(), [&](auto&) { return liftmesh::constrained::label(mesh); }));
@@ -84,7 +84,7 @@ void bind_constrained(nb::module_& m) {
           "winding"_a, "carving"_a, "seeds"_a);
     m.def("crossing_places", &crossing_places, "pairs"_a, "places"_a);
     m.def("distances", &distances, "edges_and_points"_a, "found"_a);
-    m.def("label_regions", &regions, "neighbors"_a, "constrained"_a);
+    m.def("label_regions", &label_regions, "neighbors"_a, "constrained"_a);
 }
 
 }  // namespace bindings
