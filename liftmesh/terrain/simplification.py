@@ -44,7 +44,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.arrays import pair_keys
+from liftmesh.base.arrays import pair_keys, used_rows
 from liftmesh.base.options import (
     NonFinite,
     OnDuplicate,
@@ -266,7 +266,7 @@ def _problem(whole: Surface, threads: int | None) -> tuple[Rows, Floats, Rows, R
     used, positions, hull = positions_of(whole)
     edges = _edges(whole)
     if whole.mask is not None:
-        used = np.union1d(whole.faces, edges)
+        used = used_rows(len(whole.vertices), np.concatenate([whole.faces.ravel(), edges.ravel()]))
         positions = np.ascontiguousarray(whole.triangulation.points[used], np.float64) + 0.0
         hull = solve(positions, threads=threads).hull
     return used, positions, hull, np.searchsorted(used, edges).astype(np.int32)
@@ -289,11 +289,12 @@ def _sides(simplices: Rows) -> Rows:
 
 def _left_out(whole: Surface, tri: ConstrainedTriangulation, kept: Rows) -> Array:
     """Tell which triangles are left out: in regions at whose edges the whole has no faces."""
+    triangles, k = np.nonzero(tri.is_constrained)
     known = pair_keys(*_sides(whole.faces).reshape(-1, 2).T)
-    found = pair_keys(*_sides(kept[tri.simplices]).reshape(-1, 2).T).reshape(-1, 3)
-    is_of_face = np.any(tri.is_constrained & np.isin(found, known), axis=1)
+    found = pair_keys(*kept[_sides(tri.simplices)[triangles, k]].T)
+    is_of_face = np.isin(found, known, assume_unique=True)  # no side is of two faces
     is_shown = np.zeros(tri.nsimplex, np.bool_)  # of regions
-    is_shown[tri.regions[is_of_face]] = True
+    is_shown[tri.regions[triangles[is_of_face]]] = True
     return ~is_shown[tri.regions]
 
 

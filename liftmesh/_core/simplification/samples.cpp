@@ -44,7 +44,10 @@ Skeleton skeleton_of(const Terrain& terrain) {
     for (std::size_t i = 0; i < terrain.edge_count; ++i)
         found.edges.push_back(std::minmax(place[static_cast<Row>(terrain.edges[2 * i])],
                                           place[static_cast<Row>(terrain.edges[2 * i + 1])]));
-    std::sort(found.edges.begin(), found.edges.end());  // slots do not depend on their order
+    std::sort(found.edges.begin(), found.edges.end(), [](const auto& one, const auto& other) {
+        const auto drawn = [](const auto& edge) { return hash(edge.first << 32 | edge.second); };
+        return std::pair(drawn(one), one) < std::pair(drawn(other), other);
+    });
     return found;
 }
 

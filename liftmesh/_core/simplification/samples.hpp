@@ -32,7 +32,9 @@ struct Terrain {
 std::vector<Row> corners_of(const Terrain& terrain);
 
 // What every approximation has: the corners, then the other ends of edges in the order of their
-// coordinates; and edges, between places among these.
+// coordinates; and edges, between places among these, in an order that is random, lest each crosses
+// what those before have left behind (constrained/constrained.cpp), and the same for any of the
+// caller's.
 struct Skeleton {
     std::vector<Row> rows;
     std::vector<std::pair<std::size_t, std::size_t>> edges;
