@@ -318,6 +318,29 @@ def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
         liftmesh.triangulate(points, attributes=named, breaklines=KERB)
 
 
+@pytest.mark.parametrize("seed", [41, 47, 53, 57])
+def test_no_sliver_is_left_where_a_boundary_leaves_the_hull(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cloud = rng.random((30, 3)) * 10
+    turn = np.sort(rng.random(5)) * 2 * np.pi
+    ring = 5 + np.stack([np.cos(turn), np.sin(turn)], axis=1) * rng.uniform(3, 8)
+    surface = liftmesh.triangulate(cloud, boundary=ring)
+    a, b, c = surface.vertices[surface.faces][..., :2].transpose(1, 0, 2)
+    u, v = b - a, c - a
+    assert (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).min() > 1e-9
+    tri = surface.triangulation
+    for k, piece in enumerate(tri.constraints):
+        tail, head = tri.points[tri.input_edges[tri.inputs_of(k)]].transpose(1, 0, 2)
+        assert not liftmesh.orient2d(tail[:, None], head[:, None], tri.points[piece]).any()
+
+
+def test_heights_of_crossings_are_those_along_the_first_line() -> None:
+    lines = [[[2, 2, 10], [10, 10, 18]], [[2, 10, 0], [10, 2, 0]], [[4, 1, 3], [4, 11, 8]]]
+    surface = liftmesh.triangulate(hills(), breaklines=lines, crossing="split")
+    heights = {tuple(row[:2].tolist()): row[2] for row in surface.vertices[-3:]}
+    assert heights == {(4, 4): 12, (6, 6): 14, (4, 8): 0}
+
+
 def test_other_planes() -> None:
     wall = hills()[:, [0, 2, 1]] * [1, -1, 1]  # seen against y
     line = KERB[:, [0, 2, 1]] * [1, -1, 1]
