@@ -144,7 +144,7 @@ def test_cells_are_those_of_shapely(offset: float) -> None:
 
 @pytest.mark.slow
 def test_a_large_set_tiles_its_domain() -> None:
-    points = RNG.random((20_000, 2))
+    points = RNG.random((8_000, 2))
     turns = np.sort(RNG.random(2000)) * 2 * np.pi
     radius = 0.45 + 0.05 * RNG.random(2000)
     coast = np.c_[np.cos(turns), np.sin(turns)] * radius[:, None] + 0.5
