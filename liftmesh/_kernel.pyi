@@ -95,6 +95,8 @@ def refine(
     most: int,
     progress: Callable[[float], None] | None,
 ) -> Refined: ...
+def crossing_places(pairs: NDArray[np.float64], places: NDArray[np.float64]) -> None: ...
+def distances(edges_and_points: NDArray[np.float64], found: NDArray[np.float64]) -> None: ...
 def label_regions(
     neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]
 ) -> NDArray[np.int32]: ...
@@ -314,6 +316,7 @@ def simplify(
     points: NDArray[np.float64],
     heights: NDArray[np.float64],
     hull: NDArray[np.int32],
+    edges: NDArray[np.int32],
     tolerance: float,
     most: int,
     prunes: bool,

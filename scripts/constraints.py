@@ -13,19 +13,23 @@ may cross. Triangles, marks, pieces with their edges, and crossings must be thos
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 from campaign import run_kinds
 from distributions import Points
 from numpy.random import Generator
 from numpy.typing import NDArray
+from oracles.carving import Given, check_carved
 from oracles.constrained import Constrained, check
 from oracles.planar import exact
 from small_sets import KINDS, small_set
 
+import liftmesh
 from liftmesh import _kernel
 
 MOST = (6, 12, 12, 60)  # rows
+MOST_CARVED = 14
 Edges = NDArray[np.int32]
 
 
@@ -37,11 +41,66 @@ def holds(kind: str, rng: Generator) -> None:
     """Check one set of points and edges; ends the program at a difference."""
     points = small_set(SETS[kind], rng, most=int(rng.choice(MOST)))
     edges = random_edges(points, rng)
+    given: Any = edges.tolist()
     try:
         check(_kernel.constrained(points, edges, False, 1, False, None), points, edges)
+        given = random_bounds(points[:MOST_CARVED], rng)
+        carve_randomly(points[:MOST_CARVED], given, rng)
     except Exception as error:
-        print(f"{kind}: {points.tolist()}\nedges {edges.tolist()}", file=sys.stderr)
+        print(f"{kind}: {points.tolist()}\nedges {given}", file=sys.stderr)
         raise SystemExit(1) from error
+
+
+def carve_randomly(points: Points, given: Given, rng: Generator) -> None:
+    """Carve in one way, with some seeds, and check what is left."""
+    options: dict[str, Any] = {
+        "edges": given.edges,
+        "polylines": [np.array(line) for line in given.polylines],
+        "polygons": [[np.array(ring) for ring in polygon] for polygon in given.polygons],
+        "crossing": "split",
+    }
+    try:
+        whole = liftmesh.constrained_delaunay(points, **options)
+    except liftmesh.InputError:  # all on a line, crossings without end, a hole twice
+        return
+    carve = rng.choice(np.array([None, "outside", "holes"], dtype=object))
+    corners = rng.integers(0, len(points), (rng.choice([0, 0, 1, 2]), 2))
+    seeds = points[corners].mean(axis=1) if rng.random() < 0.8 else points[corners[:, 0]]
+    try:
+        carved = liftmesh.constrained_delaunay(points, **options, carve=carve, seeds=seeds)
+    except liftmesh.InputError:
+        carved = None
+    check_carved(whole, given, carve, seeds.tolist(), carved)
+
+
+def random_bounds(points: Points, rng: Generator) -> Given:
+    """Draw edges, polylines, of which some are closed, and polygons with holes."""
+    triangles = _kernel.delaunay(points, False, 1, False, None)[3]
+    edges = [edge for edge in random_edges(points, rng).tolist() if rng.random() < 0.5]
+    if rng.random() < 0.4:
+        edges = border_of(triangles[rng.random(len(triangles)) < 0.6])
+
+    def ring() -> list[int]:
+        if len(triangles) and rng.random() < 0.3:
+            return list(rng.choice(triangles).tolist())
+        rows = rng.integers(0, len(points), rng.integers(3, 8))
+        if rng.random() < 0.6:
+            x, y = (points[rows] / 2 - points[rows].mean(axis=0) / 2).T
+            rows = rows[np.argsort(np.arctan2(y, x))]
+        return [*map(int, rows)]
+
+    def some(most: int) -> range:
+        return range(int(rng.integers(0, most)) * int(rng.random() < 0.6))
+
+    lines = [line if rng.random() < 0.5 else [*line, line[0]] for line in (ring() for _ in some(4))]
+    polygons = [[ring(), *(ring() for _ in some(3))] for _ in some(4)]
+    return Given([] if rng.random() < 0.3 else edges, lines, polygons)
+
+
+def border_of(triangles: NDArray[np.int32]) -> list[tuple[int, int]]:
+    """Return the sides that one of some triangles has."""
+    sides = {(a, b) for t in triangles.tolist() for a, b in zip(t, [*t[1:], t[0]], strict=True)}
+    return sorted((a, b) for a, b in sides if (b, a) not in sides)
 
 
 def random_edges(points: Points, rng: Generator) -> Edges:

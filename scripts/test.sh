@@ -58,9 +58,19 @@ kilobytes_of_room() {
     df -Pk "$1" 2>/dev/null | awk 'NR == 2 { found = $4 } END { print found + 0 }'
 }
 
+# Assertions as they are written: to rewrite those of all tests takes each worker as long as to import them. What fails
+# is run once more to show the values in its assertions.
+tests() {
+    local pytest=(.venv-test/bin/python -m pytest "${folders[@]}" --doctest-modules)
+    "${pytest[@]}" -n auto --maxprocesses 4 --dist worksteal --assert=plain --whole liftmesh tests && return
+    say "Once more what failed:"
+    "${pytest[@]}" --last-failed --last-failed-no-failures=none liftmesh tests || true
+    return 1
+}
+
 make_test_environment
 # As pip does for what it installs: the tests start hundreds of processes, also where Python writes no bytecode.
-.venv-test/bin/python -m compileall -q liftmesh tests
+.venv-test/bin/python -m compileall -q -j 2 liftmesh scripts tests
 
 # The wheel takes one processor, mostly to wait for pip, and what only reads the sources takes another.
 wheel_log=$(mktemp)
@@ -79,6 +89,6 @@ check "clang-format" format_cpp
 check "mypy" .venv-test/bin/mypy
 check "import-linter" .venv-test/bin/lint-imports
 check "the wheel, outside the repository" wheel_is_done
-check "pytest" .venv-test/bin/python -m pytest -n auto --maxprocesses 4 --dist worksteal "${folders[@]}" --whole --doctest-modules liftmesh tests
+check "pytest" tests
 say
 say "All checks passed in $SECONDS s."

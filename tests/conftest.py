@@ -27,6 +27,7 @@ os.environ.pop("PYTHONUNBUFFERED", None)
 
 settings.register_profile("liftmesh", derandomize=True, deadline=None, database=None)
 settings.register_profile("new", deadline=None, database=None, print_blob=True)
+SHARE = 3  # one in so many of a test's examples is drawn, and all of them where they are new
 settings.load_profile("liftmesh")
 
 # It also draws what the modules of a project have as constants. Which of them are loaded depends on
@@ -91,8 +92,23 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     if config.option.whole:
         items[:] = [item for item in items if item.get_closest_marker("campaign") is None]
     items.sort(key=lambda item: item.get_closest_marker("slow") is None)
+    if config.getoption("--hypothesis-profile") is None:
+        for function in {getattr(item.obj, "__func__", item.obj) for item in items if _draws(item)}:
+            _draw_a_share(function)
     for generator in (each for item in items for each in generators(item)):
         _states.setdefault(generator, generator.bit_generator.state)
+
+
+def _draws(item: pytest.Item) -> bool:
+    drawn, campaign = map(item.get_closest_marker, ("hypothesis", "campaign"))
+    return drawn is not None and campaign is None
+
+
+def _draw_a_share(function: Any) -> None:
+    """Draw fewer examples: hypothesis has no option for it beside a test's own number."""
+    name = "_hypothesis_internal_use_settings"
+    own = getattr(function, name)
+    setattr(function, name, settings(own, max_examples=-(-own.max_examples // SHARE)))
 
 
 def generators(item: pytest.Item) -> list[np.random.Generator]:

@@ -341,6 +341,25 @@ def used_rows(length: int, triangles: Rows) -> Rows:
     return np.flatnonzero(used).astype(np.int32)
 
 
+def triangles_of_faces(simplices: Rows, faces: Rows, rows: int) -> Integers:
+    """Return the triangle that each face of the mesh is; -1 if it is none."""
+    pairs, lasts = _named_triangles(simplices, rows)
+    order = np.lexsort((lasts, pairs))
+    pairs, lasts = pairs[order], lasts[order]
+    their_pairs, their_lasts = _named_triangles(faces, rows)
+    end = len(order) - 1
+    place = np.minimum(np.searchsorted(pairs, their_pairs), end)
+    place = np.minimum(place + (lasts[place] != their_lasts), end)  # two share a side at most
+    is_there = (pairs[place] == their_pairs) & (lasts[place] == their_lasts)
+    return np.where(is_there, order[place], -1)
+
+
+def _named_triangles(triangles: Rows, rows: int) -> tuple[Integers, Integers]:
+    """Name triangles by their corners, whatever the first: by the lower two, and by the last."""
+    corners = np.sort(triangles, axis=1).astype(np.int64)
+    return corners[:, 0] * rows + corners[:, 1], corners[:, 2]
+
+
 def wrong_shape(shape: tuple[int, ...]) -> InputError:
     """Return the exception for an array whose shape is neither (n, 2) nor (n, 3)."""
     return InputError(f"points need the shape (n, 2) or (n, 3), not {shape}: {_remedy(shape)}")

@@ -79,7 +79,8 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    cloud, seeds = _points(source, reading)
+    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
+    cloud = inputs.read(source, {**planar, **reading})
     files = {**lines}
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
@@ -88,7 +89,9 @@ def run(
             raise click.BadParameter(
                 f"{source} has no edges: give --edges, --polylines or --polygons"
             )
-        lines |= {"edges": cloud.edges, "seeds": seeds}
+        entries = {**cloud.metadata}
+        lines |= {"edges": cloud.edges, "seeds": entries.pop("holes", None)}
+        cloud = replace(cloud, metadata=entries)  # without the holes, which are made
         files["edges"] = source
     with inputs.about(source):
         target.check_content(cloud)
@@ -98,17 +101,6 @@ def run(
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, tri, as_json=json)
-
-
-def _points(source: Path, reading: dict[str, Any]) -> tuple[Cloud, Any]:
-    """Read the points, with edges if they have some, and a point in each hole."""
-    if source.suffix.lower() == ".poly" and not reading:
-        from liftmesh.io.formats.triangle_files import read_poly
-
-        cloud, holes = read_poly(source)
-        return cloud, holes if len(holes) else None
-    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
-    return inputs.read(source, {**planar, **reading}), None
 
 
 def _edges(path: Path) -> Rows:

@@ -17,15 +17,17 @@ if TYPE_CHECKING:
 
 SHORT_HELP = "Approximate a raster or a cloud by a mesh of few triangles."
 HELP = (
-    "No point is further away from the mesh, along z, than --max-error: exactly. The mesh covers "
-    "the hull of the points: simplify first, then trim with liftmesh triangulate. Where heights "
-    "are whole numbers, a bound of 1.000001 in place of 1 needs fewer triangles: centers of pixels "
-    "are rounded, and a distance of 1 is a little more."
+    "No point is further away from the mesh, along z, than --max-error: exactly. A mesh with "
+    "edges, as liftmesh triangulate --breaklines writes it, keeps them with their vertices; where "
+    "faces are left out, the sides around these stay. Where heights are whole numbers, a bound of "
+    "1.000001 in place of 1 needs fewer triangles: centers of pixels are rounded, and a distance "
+    "of 1 is a little more."
 )
 EXAMPLES = [
     "liftmesh simplify dem.tif tin.ply --max-error 1",
     "liftmesh simplify dem.tif tin.xml --max-error 0.5 --max-points 100000",
     "liftmesh simplify ground.laz tin.ply --max-error 0.2",
+    "liftmesh simplify road.ply few.ply --max-error 0.2",
 ]
 
 Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]

@@ -12,6 +12,7 @@ What is computed from them is computed in runs of few rows and values, for the s
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -51,6 +52,38 @@ def taken_points(columns: dict[str, Array], rows: int) -> Floats:
         if name in columns:
             points[:, position] = columns.pop(name)
     return points
+
+
+def attribute_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
+    """Return the attributes as columns of numbers; those of several columns are numbered."""
+    columns: dict[str, Array] = {}
+    for name, values in attributes.items():
+        width = math.prod(values.shape[1:])
+        if values.dtype.kind not in "biuf" or not width:
+            raise FormatError(
+                f"attribute {name!r} of type {values.dtype} and shape {values.shape} cannot be "
+                "written as text: it has no numbers"
+            )
+        flat = exact_doubles(values).reshape(len(values), width)
+        names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(width)]
+        taken = columns.keys() & {*names}
+        if taken:
+            raise FormatError(f"two attributes are named {min(taken)!r}: rename one")
+        columns |= zip(names, flat.T, strict=True)
+    return columns
+
+
+def exact_doubles(values: Array) -> Array:
+    """Floats as doubles, which text is read as: so their digits are those of the same number."""
+    if values.dtype.kind != "f":
+        return values
+    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs in single precision
+        doubles = values.astype(np.float64, copy=False)
+    if values.dtype.itemsize > doubles.itemsize and not np.array_equal(
+        doubles, values, equal_nan=True
+    ):
+        raise FormatError(f"values of type {values.dtype} cannot be written as text: convert them")
+    return doubles
 
 
 class CloudBuilder:

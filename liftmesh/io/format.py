@@ -124,6 +124,9 @@ class Format:
     selects : bool
         Whether ``read`` takes ``selection=``, and leaves out rows as it reads them; of other
         formats they are left out afterwards.
+    entries : tuple of str
+        Entries of the metadata that the file holds in its own way, also if it keeps no others; its
+        writer raises for what it cannot hold.
     suffix_options : mapping, optional
         Options for ``write`` that a suffix stands for, by suffix; those of the caller come first.
 
@@ -163,6 +166,7 @@ class Format:
     check: Callable[[Cloud], None] | None = None
     gzip: bool = False
     selects: bool = False
+    entries: tuple[str, ...] = ()
     suffix_options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -287,6 +291,7 @@ def dropped(
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
+    names = [name for name in names if name not in metadata.named(file_format.entries)]
     named = (each for each in losses if each not in CONTENT)
     return (*names, *named, *metadata.Provenance(cloud.metadata).lost)
 

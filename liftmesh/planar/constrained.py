@@ -84,17 +84,18 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
         and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
         OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
-        turn. What is in two holes of one polygon counts as inside, as an island: give holes once.
+        turn. What is in two holes of one polygon counts as inside, as an island; a hole that is
+        given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
         insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
         the rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
-        What is removed. With "outside", the triangles outside of all polygons; with "holes", those
-        in their holes, too. Without polygons, `edges` bound regions, and without these polylines
-        that end where they begin: "outside" removes what can be reached from the hull without
-        crossing them, and "holes" also what is an even number of crossings away. Other edges never
-        count: they divide no region.
+        What is removed. With "outside", what can be reached from the hull without crossing the
+        sides of polygons; with "holes", all that is inside of none: also in their holes, or
+        enclosed between them. Without polygons, `edges` bound regions, and without these polylines
+        that end at the position where they begin: "holes" then also removes what is an even number
+        of crossings away. Other edges never count: they divide no region.
     seeds : array_like of shape (s, 2), optional
         A point in each region to be removed besides; regions are bounded as for `carve`.
     nonfinite : {"error", "skip"}, default "error"
@@ -169,15 +170,15 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
 
-    def build(points: Reals, edges: Rows) -> tuple[Any, ...]:
-        run = nonfinite == "skip", *as_threads(threads, len(points)), progress
+    def build(points: Reals, edges: Rows, part: Progress | None) -> tuple[Any, ...]:
+        run = nonfinite == "skip", *as_threads(threads, len(points)), part
         return _kernel.constrained(points, edges, *run)
 
     if crossing == "split":
-        split = split_crossings(planar, given, build)
+        split = split_crossings(planar, given, build, progress)
     else:
         split = Split(planar, given.edges, np.arange(len(given.edges), dtype=np.int32))
-        split.built = build(planar, given.edges)
+        split.built = build(planar, given.edges, progress)
     solved = _solved(rows, split, given, order, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)
@@ -339,7 +340,8 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     sides[sides] = bounds[piece[sides]] > 0
     corners = solution.points[around]
     turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
-    is_on = ((turns == 0) & sides).any(axis=1)
+    is_end = (corners == places[:, None]).all(axis=2) & np.isin(around, solved.pieces[bounds > 0])
+    is_on = ((turns == 0) & sides | is_end).any(axis=1)
     if is_on.any():
         raise _misplaced(places, int(is_on.argmax()), "on an edge that bounds a region")
     return triangles

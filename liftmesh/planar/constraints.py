@@ -60,6 +60,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
     ]
     rings = [ring for area in areas for ring in area]
     corners, added = _as_rows(points, [*lines, *rings])
+    _check_holes(areas, corners[len(lines) :])
     tail, head, line = _sides(corners, len(lines))
     joined = np.concatenate([plain, np.stack([tail, head], axis=1)]).astype(np.int32)
     if len(joined) > _MOST_EDGES or len(points) + len(added) > MOST_ROWS:
@@ -78,7 +79,7 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
         winding[count:][is_ring] = insides[line[is_ring] - len(lines)]
     bounds = polygon >= 0
     if not areas:
-        is_closed = np.array([line[0] == line[-1] for line in corners], dtype=np.bool_)
+        is_closed = _are_closed(points, corners)
         bounds[:count] = True
         bounds[count:] = False if count else is_closed[line]
     return Constraints(joined, polyline, polygon, winding, bounds, added)
@@ -146,6 +147,21 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
         raise InputError(f"{name} is {shown(given)}: give {fewest} rows or more")
     _check_rows(array, rows, name)
     return array
+
+
+def _check_holes(areas: Sequence[Sequence[Line]], rings: Sequence[Rows]) -> None:
+    """Raise if two holes of a polygon are the same: what is in both would count as inside."""
+    start = 0
+    for polygon, area in enumerate(areas):
+        known: dict[bytes, int] = {}
+        for hole, ring in enumerate(rings[start + 1 : start + len(area)]):
+            first = known.setdefault(np.sort(ring).tobytes(), hole)
+            if first != hole:
+                raise InputError(
+                    f"holes {first} and {hole} of polygon {polygon} have the same corners: give "
+                    "each hole once"
+                )
+        start += len(area)
 
 
 def _without_return(ring: Line) -> Line:
@@ -290,6 +306,15 @@ def _sides(lines: Sequence[Rows], open_lines: int) -> tuple[Integers, Integers, 
     has_side = np.ones(len(tail), dtype=np.bool_)
     has_side[ends[:open_lines] - 1] = False
     return tail[has_side], head[has_side], np.repeat(np.arange(len(lines)), lengths)[has_side]
+
+
+def _are_closed(points: Reals, lines: Sequence[Rows]) -> Mask:
+    """Tell which lines end where they begin; each new row has a position of its own."""
+    tail, head = np.array([(line[0], line[-1]) for line in lines], np.int64).reshape(-1, 2).T
+    are_closed: Mask = tail == head
+    old = np.flatnonzero(np.maximum(tail, head) < len(points))
+    are_closed[old] |= (points[tail[old]] == points[head[old]]).all(axis=1)
+    return are_closed
 
 
 def _insides(

@@ -10,22 +10,20 @@ rounds together.
 
 from __future__ import annotations
 
-import math
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Array, Integers, Reals, Rows
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Progress, Reals, Rows
 from liftmesh.base.arrays import pair_keys, widened
-from liftmesh.base.options import counted
+from liftmesh.base.options import Part, counted, part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constraints import Constraints, match_rows
 
-Build: TypeAlias = Callable[[Reals, Rows], Any]  # of the kernel: its last item are the crossings
+Build: TypeAlias = Callable[[Reals, Rows, Part | None], Any]  # its last item are the crossings
 
 _MOST_ROUNDS = 64
 _GROWTH, _ALLOWANCE = 4, 200  # crossings of a round, by those of the first
@@ -43,12 +41,15 @@ def crossing_error(
     rows = np.where(is_later[:, None, None], ends[:, ::-1], ends).reshape(-1, 4)
     order = np.lexsort((*pairs.T[::-1], *rows.T[::-1]))
     pairs, rows = pairs[order], rows[order]
-    places = [_crossing(each) for each in _ends(points, rows[:_MOST_PLACES])]
+    places = _places(points, rows[:_MOST_PLACES])
     named = [
         f"{given.named(e)} from {_named(points, a)} to {_named(points, b)} and {given.named(f)} "
         f"from {_named(points, c)} to {_named(points, d)}, at {place}"
         for (e, f), (a, b, c, d), place in zip(
-            pairs[:_NAMED].tolist(), rows[:_NAMED].tolist(), places[:_NAMED], strict=True
+            pairs[:_NAMED].tolist(),
+            rows[:_NAMED].tolist(),
+            map(tuple, places[:_NAMED].tolist()),
+            strict=True,
         )
     ]
     rest = f"; and {len(pairs) - _NAMED:,} more" if len(pairs) > _NAMED else ""
@@ -58,7 +59,7 @@ def crossing_error(
         f"Add their crossings as points, or {remedy}",
         crossings=pairs,
         rows=rows,
-        places=np.array(places).reshape(-1, 2),
+        places=places,
     )
 
 
@@ -78,13 +79,16 @@ class Split:
         self.own = len(self.points)
 
 
-def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
+def split_crossings(
+    points: Reals, given: Constraints, build: Build, progress: Progress | None
+) -> Split:
     """Build, insert what crosses, and build again until nothing does."""
     edges = given.edges
     split = Split(points, edges, np.arange(len(edges), dtype=np.int32))
     number = most = 0
     while True:
-        split.built = build(split.points, split.edges)
+        part = part_of(progress, 1 - 0.5**number, 1 - 0.5 ** (number + 1))  # half of what is left
+        split.built = build(split.points, split.edges, part)
         *_, zero_length, _, crossings = split.built
         if not len(crossings):
             return split
@@ -93,6 +97,8 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
         if number == _MOST_ROUNDS or len(crossings) > most:
             raise _unending(split, given, crossings[0], number)
         _insert(split, crossings, points, edges)
+        if part is not None:
+            part(1.0)
         if number == 0:  # later, ends of parts may be at one position
             split.zero_length = zero_length
         number += 1
@@ -101,79 +107,70 @@ def split_crossings(points: Reals, given: Constraints, build: Build) -> Split:
 def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> InputError:
     """Name a place where edges still cross."""
     e, f = split.origins[pair].tolist()
-    (ends,) = _ends(split.points, split.edges[pair].reshape(1, 4))
-    place = _crossing(ends)
+    (place,) = _places(split.points, split.edges[pair].reshape(1, 4)).tolist()
     return InputError(
         f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}, as "
-        f"{given.named(e)} and {given.named(f)} do at {place}: too many edges are nearer to each "
-        "other than float64 can tell apart; move them, or leave some out"
+        f"{given.named(e)} and {given.named(f)} do at {tuple(place)}: too many edges are nearer to "
+        "each other than float64 can tell apart; move them, or leave some out"
     )
 
 
 def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     """Put a row at each crossing, and split both edges there."""
-    ends = _ends(split.points, split.edges[crossings].reshape(-1, 4))
-    places = np.array([_crossing(each) for each in ends])
+    places = _places(split.points, split.edges[crossings].reshape(-1, 4))
     rows, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
-    at: dict[int, list[int]] = defaultdict(list)
-    for pair, row in zip(crossings.tolist(), rows.tolist(), strict=True):
-        for edge in pair:
-            at[edge].append(row)
-    parts, origins = [], []
-    for edge, several in at.items():
-        tail, head = split.edges[edge].tolist()
-        # Rounding keeps the order of crossings along both axes, or makes them equal.
-        toward = np.where(split.points[tail] <= split.points[head], 1, -1)
-        x, y = (split.points[several] * toward).T
-        chain = [tail, *np.array(several)[np.lexsort((y, x))].tolist(), head]
-        chain = [row for k, row in enumerate(chain) if k == 0 or row != chain[k - 1]]
-        parts += list(pairwise(chain))
-        origins += [split.origins[edge]] * (len(chain) - 1)
-        line = points[edges[split.origins[edge]]].ravel().tolist()
-        far = max(_distance([*line, *each]) for each in split.points[several].tolist())
-        split.displacement = max(split.displacement, far)
+    edge, row = crossings.ravel(), np.repeat(rows, 2)
+    far = distances(points[edges[split.origins[edge]]], split.points[row]).max()
+    split.displacement = max(split.displacement, float(far))
+    cut = np.unique(edge)
+    tail, head = split.edges[cut].T
+    edge, row = np.concatenate([cut, edge, cut]), np.concatenate([tail, row, head])
+    # Rounding keeps the order of crossings along both axes, or makes them equal.
+    (from_x, from_y), (to_x, to_y) = (split.points[each[edge]].T for each in split.edges.T)
+    x, y = split.points[row].T
+    order = np.lexsort([np.where(from_y <= to_y, y, -y), np.where(from_x <= to_x, x, -x), edge])
+    edge, row = edge[order], row[order]
+    is_part = (edge[1:] == edge[:-1]) & (row[1:] != row[:-1])
+    parts = np.stack([row[:-1], row[1:]], axis=1)[is_part]
     kept = np.ones(len(split.edges), dtype=np.bool_)
-    kept[list(at)] = False
-    split.edges = np.concatenate([split.edges[kept], np.array(parts, dtype=np.int32)])
-    split.origins = np.concatenate([split.origins[kept], np.array(origins, dtype=np.int32)])
+    kept[cut] = False
+    split.edges = np.concatenate([split.edges[kept], parts.astype(np.int32)])
+    split.origins = np.concatenate([split.origins[kept], split.origins[edge[:-1][is_part]]])
 
 
-def _ends(points: Array, rows: Rows) -> list[list[float]]:
-    """Return the coordinates of the ends of pairs of edges."""
-    ends: list[list[float]] = points[rows].reshape(len(rows), 8).tolist()
-    return ends
+def _places(points: Array, rows: Rows) -> Floats:
+    """Return where pairs of edges cross, rounded once."""
+    ends = points[rows].reshape(len(rows), 8).astype(np.float64)
+    places = np.empty((len(rows), 2))
+    _kernel.crossing_places(ends, places)
+    open_ones = np.isnan(places[:, 0])
+    if open_ones.any():
+        places[open_ones] = [_crossing(each) for each in ends[open_ones].tolist()]
+    return places
+
+
+def distances(lines: Reals, places: Reals) -> Floats:
+    """Return the distances of points, (k, 2), from lines through two points each, (k, 2, 2)."""
+    found = np.empty(len(places))
+    _kernel.distances(np.hstack([lines.reshape(-1, 4), places]).astype(np.float64), found)
+    return found
 
 
 def _named(points: Array, row: int) -> str:
     return f"row {row} {tuple(points[row].tolist())}"
 
 
-def _integers(coordinates: list[float]) -> tuple[list[int], int]:
-    """Return coordinates times a power of two that makes integers of all, and that power."""
-    ratios = [each.as_integer_ratio() for each in coordinates]
-    scale = max(under for _, under in ratios)
-    return [over * (scale // under) for over, under in ratios], scale
-
-
 def _crossing(ends: list[float]) -> tuple[float, float]:
     """Return where two edges cross: Python rounds the quotient of integers once."""
-    (ax, ay, bx, by, cx, cy, dx, dy), scale = _integers(ends)
+    ratios = [each.as_integer_ratio() for each in ends]
+    scale = max(under for _, under in ratios)  # powers of two
+    ax, ay, bx, by, cx, cy, dx, dy = (over * (scale // under) for over, under in ratios)
     above = (dx - cx) * (ay - cy) - (dy - cy) * (ax - cx)
     below = (dx - cx) * (by - cy) - (dy - cy) * (bx - cx)
     whole = above - below
     x, y = ax * whole + above * (bx - ax), ay * whole + above * (by - ay)
     return x / (whole * scale), y / (whole * scale)
-
-
-def _distance(line_and_point: list[float]) -> float:
-    """Return the distance of a point from a line, rounded."""
-    (ax, ay, bx, by, px, py), scale = _integers(line_and_point)
-    turn = (bx - ax) * (py - ay) - (by - ay) * (px - ax)
-    over, under = turn * turn, ((bx - ax) ** 2 + (by - ay) ** 2) * scale * scale
-    shift = (over.bit_length() - under.bit_length()) // 2  # the square may be out of range
-    over, under = over << max(-2 * shift, 0), under << max(2 * shift, 0)
-    return math.ldexp(math.sqrt(over / under), shift)
 
 
 def origins_of(indptr: Rows, members: Rows, origins: Rows) -> tuple[Rows, Rows]:

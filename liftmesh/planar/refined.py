@@ -22,6 +22,7 @@ from liftmesh.base.arrays import pair_keys
 from liftmesh.base.frozen import FrozenResult, check_numbers
 from liftmesh.base.options import as_count, counted
 from liftmesh.planar.certificate import Certificate, Flaw, Violation
+from liftmesh.planar.crossing_edges import distances
 
 if TYPE_CHECKING:
     from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
@@ -176,7 +177,7 @@ class RefineResult(FrozenResult):
         tri = self.triangulation
         certificate = tri.verify(threads=threads, progress=progress)
         small = np.setdiff1d(below_angle(tri, cosine_of(self.asked_angle)), self.below)
-        far = max(self.displacement, tri.displacement * (1 + _DOUBT))  # which are rounded otherwise
+        far = max(self.displacement, tri.displacement)
         said = f"an angle under {self.asked_angle:g} degrees and {{verb}} not listed"
         found = (
             *self._flaw("small_angles", small, "triangle", tri.simplices, said),
@@ -270,44 +271,9 @@ def uncovered_edges(tri: ConstrainedTriangulation, displacement: float) -> Integ
     (x, y), (u, v) = (points[parts[:, 0]] * toward).T, (points[parts[:, 1]] * toward).T
     is_back = (x > u) | ((x == u) & (y > v))
     tail, head = (np.where(is_back, parts[:, 1 - k], parts[:, k]) for k in (0, 1))
-    far = distances(points[head], line) > displacement
+    far = distances(line, points[head]) > displacement
     needed = np.flatnonzero(ends[:, 0] != ends[:, 1])
     leaves = np.sort(np.concatenate([pair_keys(edge, tail), pair_keys(needed, ends[needed, 1])]))
     enters = np.sort(np.concatenate([pair_keys(edge, head), pair_keys(needed, ends[needed, 0])]))
     wrong = np.setxor1d(leaves, enters), leaves[1:][leaves[1:] == leaves[:-1]]
     return np.unique(np.concatenate([*wrong, edge[far].astype(np.int64) << 32]) >> 32)
-
-
-def distances(places: Floats, lines: Floats) -> Floats:
-    """Return the distances of points, (k, 2), from lines through two points each, (k, 2, 2)."""
-    # The cross product has twice the digits of a double: a distance is of the size of a rounding.
-    corners = np.concatenate([lines, places[:, None]], axis=1)
-    exponents = np.frexp(np.abs(corners).max(axis=(1, 2)))[1]
-    start, end, place = np.moveaxis(np.ldexp(corners, -exponents[:, None, None]), 1, 0)
-    (along, along_rest), (to, to_rest) = _difference(end, start), _difference(place, start)
-    (ux, uy), (vx, vy), (fx, fy), (gx, gy) = along.T, to.T, along_rest.T, to_rest.T
-    (one, one_rest), (other, other_rest) = _product(ux, vy), _product(uy, vx)
-    rest = (fx * vy - uy * gx) + (ux * gy - fy * vx)
-    cross = np.abs((one - other) + ((one_rest - other_rest) + rest))
-    length = np.hypot(ux, uy)
-    with np.errstate(invalid="ignore"):
-        return np.ldexp(np.where(length > 0, cross / length, 0.0), exponents)
-
-
-def _difference(a: Floats, b: Floats) -> tuple[Floats, Floats]:
-    """Return a - b as a double and the rest (D. E. Knuth, 1969)."""
-    difference = a - b
-    back = difference - a
-    return difference, (a - (difference - back)) - (b + back)
-
-
-def _product(a: Floats, b: Floats) -> tuple[Floats, Floats]:
-    """Return the product as a double and the rest (T. J. Dekker, 1971)."""
-    product, (a1, a2), (b1, b2) = a * b, _halves(a), _halves(b)
-    return product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2
-
-
-def _halves(a: Floats) -> tuple[Floats, Floats]:
-    high = a * (2.0**27 + 1)
-    upper = high - (high - a)
-    return upper, a - upper

@@ -37,8 +37,9 @@ from liftmesh.planar.constrained_triangulation import (
     members_of,
     with_sides,
 )
+from liftmesh.planar.crossing_edges import distances
 from liftmesh.planar.kinds import options_of
-from liftmesh.planar.refined import RefineResult, below_angle, cosine_of, distances
+from liftmesh.planar.refined import RefineResult, below_angle, cosine_of
 from liftmesh.planar.triangulation import Triangulation
 
 Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regions
@@ -294,7 +295,7 @@ def _result(
         below,
         _CAUSES[cause],
         angle,
-        float(distances(added[is_on], lines).max(initial=0.0)),
+        float(distances(lines, added[is_on]).max(initial=0.0)),
         capped,
     )
     return result, regions[:left]

@@ -21,6 +21,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.base.options import part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -112,7 +113,8 @@ def with_lines(
         corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
-    return replace(surface, report=replace(surface.report, lines=_counts(surface)))
+    counts = line_counts(surface, len(lifting.cloud))
+    return replace(surface, report=replace(surface.report, lines=counts))
 
 
 def _whole(line: Line, points: Floats) -> Chain:
@@ -207,15 +209,16 @@ class Following:
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
         """Triangulate the planar points."""
         edges = self.network.edges + np.int32(len(self.cloud))
-        run: Any = {name: options[name] for name in ("nonfinite", "threads", "progress")}
-        tri = None
+        run: Any = {name: options[name] for name in ("nonfinite", "threads")}
+        tri, progress = None, options["progress"]
         if self.network.crossing == "error":
+            part, progress = part_of(progress, 0, 0.5), part_of(progress, 0.5, 1)
             try:
-                tri = constrained_delaunay(planar, edges, **run)
+                tri = constrained_delaunay(planar, edges, **run, progress=part)
             except CrossingError as error:
                 self._refuse(error, planar, edges)
         if tri is None:
-            tri = constrained_delaunay(planar, edges, crossing="split", **run)
+            tri = constrained_delaunay(planar, edges, crossing="split", **run, progress=progress)
             if len(tri.crossing_rows):
                 rows = in_space(self.frame, tri.points[tri.crossing_rows], self._at_crossings(tri))
                 self.points = np.concatenate([self.points, rows])
@@ -334,15 +337,19 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def _counts(surface: Surface) -> dict[str, int]:
-    """Count what lines have brought."""
-    flags = surface.attributes.get(BREAKLINE, np.empty(0))
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
-    tri = surface.triangulation
+def line_counts(surface: Surface, first: int) -> dict[str, int]:
+    """Count what lines have brought, whose rows begin with the first."""
+    flags = surface.attributes.get(BREAKLINE, np.empty(0))[first:]
+    heights = surface.frame.heights(surface.vertices)
+    left, used = surface.report.left_out, surface.report.representatives
+    left, used = left[left >= first], used[left >= first]
+    is_beside = (flags[left - first] == OF_LINE) & (heights[left] != heights[used])
+    heights, tri = heights[surface.faces], surface.triangulation
     return {
         "rows": int(np.count_nonzero(flags)),
         "rows_from_around": int(np.count_nonzero(flags == OF_AROUND)),
         "rows_at_crossings": len(getattr(tri, "crossing_rows", ())),
+        "rows_at_other_heights": int(np.count_nonzero(is_beside)),
         "edges": len(getattr(tri, "constraints", ())),
         "flat_triangles": int((heights[:, :1] == heights).all(axis=1).sum()),
     }

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import pair_keys, pairs_of_keys, used_rows
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, triangles_of_faces, used_rows
 from liftmesh.errors import CrossingError, InputError
 from liftmesh.io.columns import checked_edges, checked_faces, edges_of
 from liftmesh.io.metadata import Provenance
@@ -98,12 +98,12 @@ def as_surface(
     _check(cloud, planar, used)
     planar[np.setdiff1d(np.arange(len(cloud)), used)] = np.nan
     solved = _solved(cloud, planar, threads)
-    place = _places(solved.simplices, faces, len(cloud))
+    place = triangles_of_faces(solved.simplices, faces, len(cloud))
     edges = checked_edges(edges_of(cloud), len(cloud), "the mesh")
     if ((place < 0).any() or len(edges)) and not Provenance(cloud.metadata).lifted_by:
         for asked in _sides(solved, faces, edges):
             solved = _with_edges(solved, asked, planar, threads)
-            place = _places(solved.simplices, faces, len(cloud))
+            place = triangles_of_faces(solved.simplices, faces, len(cloud))
             if (place >= 0).all():
                 break
     if len(solved.duplicates):
@@ -185,19 +185,6 @@ def _absent(place: Integers, simplices: Rows, faces: Rows, cloud: Cloud) -> Arra
     return absent if absent.any() else None
 
 
-def _places(simplices: Rows, faces: Rows, rows: int) -> Integers:
-    """Return the triangle that each face of the mesh is; -1 if it is none."""
-    pairs, lasts = _names(simplices, rows)
-    order = np.lexsort((lasts, pairs))
-    pairs, lasts = pairs[order], lasts[order]
-    their_pairs, their_lasts = _names(faces, rows)
-    end = len(order) - 1
-    place = np.minimum(np.searchsorted(pairs, their_pairs), end)
-    place = np.minimum(place + (lasts[place] != their_lasts), end)  # two share a side at most
-    is_there = (pairs[place] == their_pairs) & (lasts[place] == their_lasts)
-    return np.where(is_there, order[place], -1)
-
-
 def _remedy(cloud: Cloud, points: str) -> str:
     """Say what to do about faces; of a format that rounds, why they are not those written."""
     is_read = Provenance(cloud.metadata).is_read
@@ -208,12 +195,6 @@ def _remedy(cloud: Cloud, points: str) -> str:
         f"triangulate the {points}; the file holds single precision, which has moved them: write "
         "PLY for faces that are found again"
     )
-
-
-def _names(triangles: Rows, rows: int) -> tuple[Integers, Integers]:
-    """Name triangles by their corners, whatever the first: by the lower two, and by the last."""
-    corners = np.sort(triangles, axis=1).astype(np.int64)
-    return corners[:, 0] * rows + corners[:, 1], corners[:, 2]
 
 
 def _report(solved: Any, used: int, triangles: int, cloud: Cloud) -> Report:

@@ -69,8 +69,9 @@ class Report(FrozenResult):
     lines : mapping of str to int
         Of a surface that was made with lines: the "rows" that these have become, which are the
         last ones; the "rows_from_around", whose heights are those of the surface without them, and
-        the "rows_at_crossings" among them; the "edges" that lines are; and the "flat_triangles"
-        whose corners are at one height, as between contour lines. Else empty.
+        the "rows_at_crossings" among them; the "rows_at_other_heights", left out since another
+        line has a corner there at another height, by the policy; the "edges" that lines are; and
+        the "flat_triangles" whose corners are at one height, as between contour lines. Else empty.
 
     See Also
     --------
@@ -138,6 +139,8 @@ class Report(FrozenResult):
             said.append(f"{around:,} with the height of the surface around")
         if crossings := self.lines["rows_at_crossings"]:
             said.append(f"{crossings:,} where lines cross")
+        if others := self.lines["rows_at_other_heights"]:
+            said.append(f"{others:,} left out, as lines meet there at other heights")
         if flat := self.lines["flat_triangles"]:
             said.append(counted(flat, "flat triangle"))
         return f"Lines: {', '.join(said)}. "

@@ -4,6 +4,10 @@ The kernel chooses the vertices. The surface is triangulated of these alone, so 
 one of its points, and `deviation` checks how far every position is from it along its normal, by
 arithmetic of its own.
 
+What lines have become stays: their edges are constraints of the kernel's triangulation, whose ends
+are never removed, and of the simplified one. So are the sides between faces and what is left out,
+which keep both apart: what is left out has no positions that count, but for the ends of edges.
+
 The height of the surface at a point is that of the plane of the triangle that contains it, found
 exactly. The distance is computed in doubles by barycentric coordinates, with a bound on its error.
 Where that leaves open whether it exceeds the bound that is asked for, integers of 64 bits decide,
@@ -40,6 +44,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
+from liftmesh.base.arrays import pair_keys, used_rows
 from liftmesh.base.options import (
     NonFinite,
     OnDuplicate,
@@ -51,11 +56,14 @@ from liftmesh.base.options import (
     refused,
 )
 from liftmesh.errors import InputError, Option
+from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
+from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
+from liftmesh.terrain.boundary import masked
 from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
 from liftmesh.terrain.surface import Surface
@@ -69,7 +77,6 @@ if TYPE_CHECKING:
     from liftmesh.io.options import ReadOptions
     from liftmesh.planar.triangulation import Triangulation
 
-_WHOLE = "and a simplified surface covers their hull: simplify first, then trim"
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
 _E = 2.0**-53
 _PIECE = 2**17  # points that are located in one call: their order makes the way to each short
@@ -96,9 +103,11 @@ def simplify(  # noqa: PLR0913 - options are keywords
     Parameters
     ----------
     cloud : path, Cloud, Surface or object
-        Anything that `triangulate` takes, as a raster of heights; or a `Surface`. Neither may be
-        trimmed, since the triangles of a simplified surface fill its hull: simplify first, then
-        trim.
+        Anything that `triangulate` takes, as a raster of heights; or a `Surface`. One that follows
+        lines keeps them: their edges, and with these all their vertices, since how far a line may
+        be moved has no bound. So does a mesh that states edges, as `Surface.save` writes them.
+        Where faces are left out, as in holes or of a surface that was trimmed, the sides around
+        them stay in the same way: simplify first, then trim, if that are too many.
     max_error : float, optional
         The vertical distance, in the units of the heights, that no position exceeds: exactly, not
         within rounding. 0 leaves out what lies on the planes of the others.
@@ -108,7 +117,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
     plane, on_duplicate, nonfinite
-        As for `triangulate`; not for a `Surface`, which has them already.
+        As for `triangulate`; not for a `Surface`, or faces with edges, which have them already.
     threads : int, optional
         Of the triangulations, as for `triangulate`; vertices are chosen on one. The surface is the
         same for any number.
@@ -121,8 +130,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     -------
     Surface
         The rows that are left, in their order, with their colours, normals and named values, and
-        the canonical Delaunay triangles of these. ``metadata["simplification"]`` counts
-        "n_rows" of the cloud, "n_positions", which are distinct, and "n_kept" of these; it has
+        the canonical Delaunay triangles of these, or with edges the constrained ones, without those
+        that were left out. ``metadata["simplification"]`` counts "n_rows" of the cloud,
+        "n_positions", which are distinct and of faces or edges, and "n_kept" of these; it has
         "max_error" as asked for, "error", which no distance of a position exceeds, whether it is
         "within" `max_error`, and "merged": the largest distance of a row from the one that stands
         for its position.
@@ -131,8 +141,8 @@ def simplify(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         Neither `max_error` nor `max_points` is given, or one is invalid; there are fewer
-        `max_points` than corners of the hull; the surface has weights, radii or a metric; or its
-        faces, or those of a mesh, are only a part of the triangulation.
+        `max_points` than corners of the hull and vertices of lines; the surface has weights, radii
+        or a metric; or a mesh with edges is refused by `as_surface`.
     NonFiniteError, DuplicateHeightError, DegenerateInputError, UnsupportedTypeError, FormatError
         As for `triangulate`.
 
@@ -144,14 +154,14 @@ def simplify(  # noqa: PLR0913 - options are keywords
     Notes
     -----
     Greedy insertion: M. Garland and P. S. Heckbert, "Fast polygonal approximation of terrains and
-    height fields", 1995. From the corners of the hull on, the position with the largest distance,
-    of several the lexicographically least, becomes a vertex, until none is beyond `max_error`. Then
-    vertices are removed, one after the other the one without which distances grow least, as long as
-    none is beyond it. What is left is exchanged, vertex by vertex, for the worst of the other
-    positions that the removal of the vertex leaves, if none is beyond it then, and neighbours are
-    removed that are not needed any longer. The worst position of each triangle becomes a vertex if
-    then others can go, one by one or two at once; all this again, as long as it removes one in
-    twenty. The result depends on the positions alone, not on the order of rows.
+    height fields", 1995. From the corners of the hull, and the edges, on, the position with the
+    largest distance, of several the lexicographically least, becomes a vertex, until none is beyond
+    `max_error`. Then vertices are removed, one after the other the one without which distances grow
+    least, as long as none is beyond it. What is left is exchanged, vertex by vertex, for the worst
+    of the other positions that the removal of the vertex leaves, if none is beyond it then, and
+    neighbours are removed that are not needed any longer. The worst position of each triangle
+    becomes a vertex if then others can go, one by one or two at once; all this again, as long as it
+    removes one in twenty. The result depends on the positions alone, not on the order of rows.
 
     Where heights and `max_error` are multiples of one step, as whole numbers, many positions of a
     raster may be at the bound exactly but for the rounding of the centres of its pixels to
@@ -165,6 +175,13 @@ def simplify(  # noqa: PLR0913 - options are keywords
     >>> ridge = simplify(np.column_stack([x, y, -abs(x - 4)]), max_error=0.0)
     >>> len(ridge.vertices), ridge.metadata["simplification"]["error"]
     (6, 0.0)
+
+    A surface keeps its lines:
+
+    >>> import liftmesh
+    >>> road = liftmesh.triangulate(ridge.vertices, breaklines=[[0, 2, 0], [5, 3, 0], [8, 7, 0]])
+    >>> simplify(road, max_error=9.0).triangulation.constraints.shape
+    (2, 2)
     """
     bound, most = _limits(max_error, max_points)
     prunes = as_switch("prune", prune)
@@ -175,13 +192,13 @@ def simplify(  # noqa: PLR0913 - options are keywords
     whole = _whole(cloud, options, given, part_of(progress, 0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     heights = whole.frame.heights(whole.vertices)
-    used, positions, hull = positions_of(whole)
+    used, positions, hull, edges = _problem(whole, threads)
     between = part_of(progress, _DONE_AFTER["triangulate"], _DONE_AFTER["choose"])
     altitudes = np.ascontiguousarray(heights[used], np.float64) + 0.0
-    chosen = _kernel.simplify(positions, altitudes, hull, bound, most, prunes, between)
+    chosen = _kernel.simplify(positions, altitudes, hull, edges, bound, most, prunes, between)
     kept, is_within = np.sort(used[chosen[0]]), chosen[1]
-    _check_count(len(kept), most)
-    simplified = _surface(whole, kept, start, threads)
+    _check_count(len(kept), most, has_edges=len(edges) > 0)
+    simplified = _surface(whole, kept, used[edges], start, threads)
     rest = part_of(progress, _DONE_AFTER["choose"], _DONE_AFTER["check"])
     checked = deviation(simplified.triangulation, heights[kept], positions, altitudes, bound, rest)
     _check_bound(checked, bound, is_within)
@@ -213,30 +230,26 @@ def _limits(max_error: object, max_points: object) -> tuple[float, int]:
 def _whole(
     cloud: object, options: ReadOptions, given: dict[str, Any], progress: Progress | None
 ) -> Surface:
-    """Return the surface that is to be simplified; raise if it does not cover its hull."""
+    """Return the surface that is to be simplified."""
     if isinstance(cloud, Surface) and all(each is None for each in options.values()):
-        if cloud.mask is not None:
-            raise InputError(f"the faces are only a part of the triangulation, {_WHOLE}")
         return cloud
     source = read_rows(cloud, **options)
+    as_it_is: Any = {"plane": given["plane"], "threads": given["threads"]}
+    faces = 0 if source.faces is None else len(source.faces)
+    if faces and len(edges_of(source)):
+        return as_surface(source, **as_it_is)
     whole = triangulate(source, **given, progress=progress)
-    if source.faces is not None and 0 < len(source.faces) < len(whole.faces):
-        _check_faces(source, given["plane"])
-    return whole
+    return (_part(source, as_it_is) if 0 < faces < len(whole.faces) else None) or whole
 
 
-def _check_faces(mesh: Cloud, plane: Any) -> None:
-    """Raise for a mesh of fewer faces than its points have, if it may have been trimmed."""
+def _part(mesh: Cloud, options: dict[str, Any]) -> Surface | None:
+    """Return the surface of a mesh that may have been trimmed; None if its faces are others."""
     try:
-        found = as_surface(mesh, plane=plane)
-    except InputError:  # the faces are others: the points count alone, as those of a cloud
-        return
-    if isinstance(found.triangulation, ConstrainedTriangulation):
-        return
-    if not Provenance(mesh.metadata).lifted_by:
-        raise InputError(
-            f"the faces of the mesh are not the whole triangulation of its points, {_WHOLE}"
-        )
+        found = as_surface(mesh, **options)
+    except InputError:
+        return None
+    is_other = isinstance(found.triangulation, ConstrainedTriangulation)
+    return None if is_other or Provenance(mesh.metadata).lifted_by else found
 
 
 def _check_member(surface: Surface) -> None:
@@ -246,11 +259,43 @@ def _check_member(surface: Surface) -> None:
             "the surface has weights, radii or a metric: a simplified one is a Delaunay "
             "triangulation; triangulate its vertices without them"
         )
-    if isinstance(tri, ConstrainedTriangulation):
-        raise InputError(
-            "the surface follows lines, which a simplified one would not: simplify the cloud by "
-            f"itself, and triangulate its vertices with {Option('breaklines', ...)}"
-        )
+
+
+def _problem(whole: Surface, threads: int | None) -> tuple[Rows, Floats, Rows, Rows]:
+    """Return the rows that count, their positions, and the hull and the edges that they have."""
+    used, positions, hull = positions_of(whole)
+    edges = _edges(whole)
+    if whole.mask is not None:
+        used = used_rows(len(whole.vertices), np.concatenate([whole.faces.ravel(), edges.ravel()]))
+        positions = np.ascontiguousarray(whole.triangulation.points[used], np.float64) + 0.0
+        hull = solve(positions, threads=threads).hull
+    return used, positions, hull, np.searchsorted(used, edges).astype(np.int32)
+
+
+def _edges(surface: Surface) -> Rows:
+    """Return the edges that lines are, and the sides between faces and what is left out."""
+    tri, mask = surface.triangulation, surface.mask
+    edges: Rows = getattr(tri, "constraints", np.empty((0, 2), np.int32))
+    if mask is None:
+        return edges
+    is_rim = ~mask[:, None] & mask[tri.neighbors] & (tri.neighbors >= 0)
+    return np.unique(np.concatenate([edges, np.sort(_sides(tri.simplices)[is_rim])]), axis=0)
+
+
+def _sides(simplices: Rows) -> Rows:
+    """Return the side opposite each corner, (m, 3, 2), from one end to the other."""
+    return np.stack([np.roll(simplices, -1, axis=1), np.roll(simplices, 1, axis=1)], axis=-1)
+
+
+def _left_out(whole: Surface, tri: ConstrainedTriangulation, kept: Rows) -> Array:
+    """Tell which triangles are left out: in regions at whose edges the whole has no faces."""
+    triangles, k = np.nonzero(tri.is_constrained)
+    known = pair_keys(*_sides(whole.faces).reshape(-1, 2).T)
+    found = pair_keys(*kept[_sides(tri.simplices)[triangles, k]].T)
+    is_of_face = np.isin(found, known, assume_unique=True)  # no side is of two faces
+    is_shown = np.zeros(tri.nsimplex, np.bool_)  # of regions
+    is_shown[tri.regions[triangles[is_of_face]]] = True
+    return ~is_shown[tri.regions]
 
 
 def _check_bound(checked: Deviation, bound: float, is_within: bool) -> None:
@@ -258,16 +303,23 @@ def _check_bound(checked: Deviation, bound: float, is_within: bool) -> None:
         raise AssertionError(f"{checked.beyond} positions are beyond {bound}: a bug of liftmesh")
 
 
-def _check_count(corners: int, most: int) -> None:
-    if most and corners > most:
-        reason = f"and the hull has {corners} corners: give more"
+def _check_count(least: int, most: int, *, has_edges: bool) -> None:
+    if most and least > most:
+        reason = f"and the hull has {least} corners: give more"
+        if has_edges:
+            reason = f"and the hull and edges have {least} vertices, which stay: give more"
         raise refused("max_points", most, reason, mark=", ")
 
 
-def _surface(whole: Surface, kept: Rows, start: float, threads: int | None) -> Surface:
+def _surface(whole: Surface, kept: Rows, edges: Rows, start: float, threads: int | None) -> Surface:
     """Triangulate the rows that stay; their order and their coordinates are those of the whole."""
     cloud = whole.to_cloud().select(kept)
-    triangulation = triangulation_of(solve(whole.triangulation.points[kept], threads=threads))
+    points = whole.triangulation.points[kept]
+    triangulation = (
+        constrained_delaunay(points, np.searchsorted(kept, edges), threads=threads)
+        if len(edges)
+        else triangulation_of(solve(points, threads=threads))
+    )
     nothing = np.empty(0, np.int32)
     report = report_on(
         cloud,
@@ -283,7 +335,7 @@ def _surface(whole: Surface, kept: Rows, start: float, threads: int | None) -> S
         columns=whole.report.columns,
         color_depth=whole.report.color_depth,
     )
-    return Surface(
+    simplified = Surface(
         vertices=cloud.points,
         faces=triangulation.simplices,
         triangulation=triangulation,
@@ -295,6 +347,25 @@ def _surface(whole: Surface, kept: Rows, start: float, threads: int | None) -> S
         metadata=whole.metadata,
         crs=whole.crs,
     )
+    if isinstance(triangulation, ConstrainedTriangulation):
+        return _with_lines(simplified, whole, kept)
+    return simplified
+
+
+def _with_lines(simplified: Surface, whole: Surface, kept: Rows) -> Surface:
+    """Leave out the triangles that are no faces of the whole, and count what lines are."""
+    tri: Any = simplified.triangulation
+    if whole.mask is not None:
+        simplified = masked(simplified, _left_out(whole, tri, kept))
+    lines = whole.report.lines
+    if lines:
+        from liftmesh.terrain.breaklines import line_counts  # noqa: PLC0415 - for lines only
+
+        first = np.searchsorted(kept, len(whole.vertices) - lines["rows"])
+        unchanged = {key: lines[key] for key in ("edges", "rows_at_crossings")}
+        lines = {**line_counts(simplified, int(first)), **unchanged}
+    report = replace(simplified.report, n_triangles=len(simplified.faces), lines=lines)
+    return replace(simplified, report=report)
 
 
 @dataclass(frozen=True, slots=True)

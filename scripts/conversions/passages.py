@@ -28,8 +28,8 @@ _DELIMITERS = (" ", ",", ";", "\t")
 OF_LAS = frozenset(each for k in range(11) for each in laspy.PointFormat(k).dimension_names)
 """The values that every point of a LAS file has, of one format or another."""
 
-OF_FILES = ("las", "las_records", "raster", "e57")
-"""Entries of metadata that say how a file holds its points."""
+OF_FILES = ("las", "las_records", "raster", "e57", "holes")
+"""Entries of metadata that say how a file holds its points, or which faces are missing."""
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ def _through_file(found: Format, options: Mapping[str, Any], cloud: Cloud) -> Ar
 
 
 def without_others(back: Cloud, cloud: Cloud) -> Cloud:
-    """Leave out what every LAS file or raster has: its layout, and the values of every point."""
+    """Leave out what such files have besides: layout, values of every point, and holes."""
     added = OF_LAS - cloud.attributes.keys() if "las" in back.metadata else frozenset()
     kept = {name: each for name, each in back.attributes.items() if name not in added}
     entries = {key: each for key, each in back.metadata.items() if key not in OF_FILES}
@@ -114,7 +114,8 @@ def _through_gzip(found: Format, cloud: Cloud) -> Arrival:
     stream = io.BytesIO()
     written = write(stream, cloud, format=found.name)
     data = gzip.compress(stream.getvalue(), 1)
-    return Arrival(_read(data, f"{found.name}.gz"), cloud, written.dropped, data)
+    back = without_others(_read(data, f"{found.name}.gz"), cloud)
+    return Arrival(back, cloud, written.dropped, data)
 
 
 def _read(data: bytes, kind: str) -> Cloud:

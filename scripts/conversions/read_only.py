@@ -67,16 +67,11 @@ def xyzn(cloud: Cloud, path: Path) -> None:
     path.write_text(_lines([cloud.points, cloud.normals.astype(np.float64)]))
 
 
-def node(cloud: Cloud, path: Path) -> None:
-    """A .node file of Triangle's, in space as TetGen's."""
+def ele(cloud: Cloud, path: Path) -> None:
+    """The triangles in an .ele file, beside their points, in space as TetGen's."""
     values = _column(cloud, "attribute_1")
     rows = _lines([np.arange(len(cloud))[:, None], cloud.points, *values])
     path.with_suffix(".node").write_text(f"{len(cloud)} 3 {len(values)} 0\n{rows}")
-
-
-def ele(cloud: Cloud, path: Path) -> None:
-    """The triangles in an .ele file, beside their points."""
-    node(cloud, path)
     faces = np.zeros((0, 3), np.int32) if cloud.faces is None else cloud.faces
     rows = _lines([np.arange(len(faces))[:, None], faces])
     path.write_text(f"{len(faces)} 3 0\n{rows}")
@@ -123,7 +118,7 @@ _STORED = {"bool": "u1", "float16": "f4"} | dict.fromkeys(
 )
 
 MAKERS: dict[str, Callable[[Cloud, Path], None]] = {
-    "npy": npy, "pcd": pcd, "pts": pts, "xyzrgb": xyzrgb, "xyzn": xyzn, "node": node, "ele": ele,
+    "npy": npy, "pcd": pcd, "pts": pts, "xyzrgb": xyzrgb, "xyzn": xyzn, "ele": ele,
     "raster": raster, "e57": scan,
 }  # fmt: skip
 

@@ -1,6 +1,6 @@
-"""Files in memory, as streams that readers take: an .ele file needs a .node file beside it.
+"""Files in memory, as streams that readers take: .ele and .poly may need a .node file beside them.
 
-A stream of triangles has the name of a file in this folder, where the points are.
+A stream of these has the name of a file in this folder, where the points are.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ import io
 from pathlib import Path
 
 PLACE = Path(__file__).with_name("points.ele")
+BESIDE = ("ele", "poly")  # formats
 
 
 class _Named(io.BytesIO):
@@ -17,4 +18,4 @@ class _Named(io.BytesIO):
 
 def stream_of(data: bytes, kind: str) -> io.BytesIO:
     """Make the stream of a file of a format."""
-    return _Named(data) if kind == "ele" else io.BytesIO(data)
+    return _Named(data) if kind in BESIDE else io.BytesIO(data)

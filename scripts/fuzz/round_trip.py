@@ -12,7 +12,7 @@ import io
 from typing import Any
 
 import numpy as np
-from files import PLACE, stream_of
+from files import BESIDE, PLACE, stream_of
 from numpy.typing import NDArray
 
 from liftmesh import Cloud, FormatError, InputError, read, read_chunks, write
@@ -30,7 +30,7 @@ def outcome(data: bytes, kind: str) -> Cloud | str:
         cloud = read(stream_of(data, kind), format=kind)
     except FormatError as error:
         message = str(error)
-        name = PLACE if kind == "ele" else "<stream>"
+        name = PLACE if kind in BESIDE else "<stream>"
         demand(message.startswith(f"{name}: "), f"the message names no file: {message}")
         return message
     _check_consistent(cloud)

@@ -97,6 +97,14 @@ def simplified(points: Points) -> Work:
     return Work(lambda: liftmesh.simplify(points, max_error=bound), len(points))
 
 
+def simplified_along(points: Points) -> Work:
+    """Prepare one of a surface that follows every tenth point, from left to right."""
+    _, rows = np.unique(points[::10, :2], axis=0, return_index=True)
+    surface = liftmesh.triangulate(points, breaklines=points[10 * rows], threads=1)
+    bound = float(np.ptp(points[:, 2] / 2)) / 2.5
+    return Work(lambda: liftmesh.simplify(surface, max_error=bound), len(points))
+
+
 def thinned(points: Points) -> Work:
     """Prepare adaptive thinning to a fiftieth of the rows."""
     most = len(liftmesh.delaunay(points[:, :2]).convex_hull)
@@ -144,6 +152,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "DynamicTriangulation.to_triangulation", PLANAR, whole, ()
     hard = named(all_corners, saw)
     yield "simplify", {**SPATIAL, **hard}, simplified, (*TERRAIN, *hard)
+    yield "simplify with lines", SPATIAL, simplified_along, ("random heights",)
     yield "thin adaptively", {**SPATIAL, **named(hub)}, thinned, (*TERRAIN, "hub")
     yield "simplify a surface", SPATIAL, on_surface(few_vertices), ("random heights",)
 

@@ -82,6 +82,13 @@ void add_simplified(const std::vector<Point>& points, Digest& digest) {
     add_rows(liftmesh::simplification::simplify(terrain, 1, points.size() / 4, false, never),
              digest);
     add_rows(liftmesh::simplification::thin(terrain, points.size() / 3, never), digest);
+    std::vector<std::int32_t> edges;  // of the triangulation: none cross
+    for (std::size_t i = 0; i < 3 * whole.result.triangle_count; i += 21)
+        edges.insert(edges.end(), {whole.result.simplices[i], whole.result.simplices[i + 1]});
+    Terrain followed = terrain;
+    followed.edges = edges.data();
+    followed.edge_count = edges.size() / 2;
+    add_rows(liftmesh::simplification::simplify(followed, 2, 0, true, never), digest);
 }
 
 // On lattices, rasters; elsewhere clouds.

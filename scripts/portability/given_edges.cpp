@@ -1,5 +1,8 @@
+#include <cmath>
+#include <limits>
 #include <vector>
 
+#include "constrained/places.hpp"
 #include "constrained/regions.hpp"
 #include "kinds.hpp"
 #include "rows.hpp"
@@ -66,7 +69,18 @@ void add_constraints(const double* coordinates, std::size_t rows, Digests& diges
     add_regions(digests.of["regions"], found);
     for (std::int32_t i = 0; i < 8; ++i)  // some that cross
         edges.push_back(i * 7 % static_cast<std::int32_t>(rows));
-    add(digests.of["constrained"], run());
+    const Constrained crossed = run();
+    add(digests.of["constrained"], crossed);
+    std::vector<double> pairs, places(2 * crossed.crossings.size());
+    for (const auto [one, other] : crossed.crossings)
+        for (const std::size_t end : {2 * one, 2 * one + 1, 2 * other, 2 * other + 1}) {
+            const liftmesh::Point p = input[static_cast<std::size_t>(edges[end])];
+            pairs.insert(pairs.end(), {p.x, p.y});
+        }
+    liftmesh::constrained::find_crossings(pairs.data(), places.size() / 2, places.data());
+    for (double& place : places)
+        if (std::isnan(place)) place = std::numeric_limits<double>::quiet_NaN();
+    add_all(digests.of["crossings"], places);
 }
 
 }  // namespace portability

@@ -56,6 +56,14 @@ void simplified(const Cloud& cloud, const std::vector<Point>& points) {
         const auto within = liftmesh::simplification::simplify(terrain, tolerance, 0, true, never);
         demand(within.is_within && within.rows.size() <= points.size(), cloud, "not within");
     }
+    std::vector<std::int32_t> edges;  // of the triangulation: none cross
+    for (std::size_t i = 0; i < 3 * whole.result.triangle_count; i += 21)
+        edges.insert(edges.end(), {whole.result.simplices[i], whole.result.simplices[i + 1]});
+    auto followed = terrain;
+    followed.edges = edges.data();
+    followed.edge_count = edges.size() / 2;
+    const auto along = liftmesh::simplification::simplify(followed, 0.1, 0, true, never);
+    demand(along.is_within && along.rows.size() <= points.size(), cloud, "not within along edges");
     const auto few = liftmesh::simplification::simplify(terrain, 0, 40, false, never);
     const auto thinned = liftmesh::simplification::thin(terrain, points.size() / 2, never);
     demand(few.rows.size() <= std::max<std::size_t>(40, whole.result.hull_count), cloud,

@@ -3,6 +3,7 @@
 #include "checks.hpp"
 #include "constrained/regions.hpp"
 #include "patient.hpp"
+#include "verify/verify.hpp"
 
 namespace parallel {
 
@@ -10,18 +11,19 @@ namespace {
 
 using liftmesh::Constrained;
 using liftmesh::Status;
+using Rows = std::vector<std::int32_t>;
 
 // Sides of a triangulation in a metric: they cross nowhere, and many are not Delaunay.
-std::vector<std::int32_t> stretched(const Cloud& cloud) {
+Rows stretched(const Cloud& cloud) {
     liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay({2, 0.5, 1.25}, cloud.input(), true, {}, never);
-    std::vector<std::int32_t> edges;
+    Rows edges;
     for (std::size_t i = 0; i + 1 < 3 * found.result.triangle_count; i += 6)
         edges.insert(edges.end(), {found.result.simplices[i], found.result.simplices[i + 1]});
     return edges;
 }
 
-Constrained run(const Cloud& cloud, const std::vector<std::int32_t>& edges, unsigned threads,
+Constrained run(const Cloud& cloud, const Rows& edges, unsigned threads,
                 std::size_t patience = ~std::size_t{0}) {
     Patient interrupt(patience);
     return liftmesh::constrained_delaunay(cloud.input(), edges.data(), edges.size() / 2, true,
@@ -38,21 +40,46 @@ bool same(const Constrained& a, const Constrained& b) {
            a.marks == b.marks && a.pieces == b.pieces && a.members == b.members;
 }
 
-void carved(const Cloud& cloud, const Constrained& found) {
+void verified(const Cloud& cloud, const Rows& edges, const Rows& corners, bool are_carved) {
+    const liftmesh::Member member{liftmesh::Member::Kind::constrained,
+                                  nullptr,
+                                  {},
+                                  {edges.data(), edges.size() / 2, are_carved}};
+    const auto verdict = [&](unsigned threads, std::size_t patience) {
+        Patient interrupt(patience);
+        return liftmesh::verify(cloud.input(), corners.data(), corners.size() / 3, true, member, {},
+                                {threads, false}, interrupt);
+    };
+    const liftmesh::Verdict alone = verdict(1, ~std::size_t{0}), many = verdict(4, ~std::size_t{0});
+    demand(many.status == Status::ok && !many.flaws.any(), cloud,
+           "the verifier finds flaws in triangles with constraints");
+    demand(many.vertices == alone.vertices && many.outside == alone.outside &&
+               many.interior_edges == alone.interior_edges,
+           cloud, "threads change the verdict on constraints");
+    for (const std::size_t patience : {1u, 3u, 8u, 20u}) verdict(3, patience);
+}
+
+void carved(const Cloud& cloud, const Rows& edges, const Constrained& found) {
     using namespace liftmesh::constrained;
     const Marked mesh{found.result.neighbors.get(), found.marks.data(),
                       found.result.triangle_count};
     const std::vector<std::uint8_t> all(found.pieces.size(), 1);
-    const std::vector<std::int32_t> none(found.pieces.size());
-    const auto kept = carve(mesh, found.result.simplices.get(),
-                            {found.pieces, all.data(), none.data()}, Carving::holes, {});
+    const Rows none(found.pieces.size());
+    const std::int32_t* const simplices = found.result.simplices.get();
+    const auto kept =
+        carve(mesh, simplices, {found.pieces, all.data(), none.data()}, Carving::holes, {});
     demand(kept.size() == label(mesh).size(), cloud, "triangles are lost");
+    Rows left;
+    for (std::size_t t = 0; t < kept.size(); ++t)
+        if (kept[t]) left.insert(left.end(), simplices + 3 * t, simplices + 3 * t + 3);
+    verified(cloud, edges, {simplices, simplices + 3 * mesh.count}, false);
+    if (!left.empty()) verified(cloud, edges, left, true);
 }
 
 }  // namespace
 
 void check_constraints(const Cloud& cloud) {
-    const std::vector<std::int32_t> edges = stretched(cloud);
+    const Rows edges = stretched(cloud);
     const Constrained alone = run(cloud, edges, 1);
     demand(alone.crossings.empty() && alone.pieces.size() <= edges.size() / 2, cloud,
            "edges cross, or are split");
@@ -63,7 +90,7 @@ void check_constraints(const Cloud& cloud) {
         demand(found.status == Status::interrupted || same(found, alone), cloud,
                "a run that could be interrupted puts edges in otherwise");
     }
-    if (alone.status == Status::ok) carved(cloud, alone);
+    if (alone.status == Status::ok) carved(cloud, edges, alone);
 }
 
 }  // namespace parallel

@@ -157,7 +157,7 @@ def test_slivers_whose_area_is_no_double() -> None:
 @pytest.mark.parametrize("kind", campaign.KINDS)
 def test_weights_are_right_in_hard_places(kind: str) -> None:
     rng = np.random.default_rng(33)
-    for _ in range(40):
+    for _ in range(15):
         campaign.holds(kind, rng)
 
 

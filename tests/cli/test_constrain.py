@@ -146,6 +146,15 @@ def test_a_poly_file_of_triangle(first: int, beside: bool, folder: Path) -> None
     assert done.returncode == 0, done.stderr
     told = json.loads(done.stdout)
     assert (told["n_triangles"], told["n_constraints"]) == (8, 8)
+    assert told["dropped"] == []
+    assert liftmesh.read(folder / "a.ply").metadata["carved"]
+    copied = command("constrain", "plate.poly", "b.poly", "--json", cwd=folder)
+    assert json.loads(copied.stdout)["dropped"] == ["faces", "metadata carved"]
+    again = command("constrain", "b.poly", "c.ply", cwd=folder)
+    assert again.returncode == 0, again.stderr
+    assert np.array_equal(
+        liftmesh.read(folder / "c.ply").faces, liftmesh.read(folder / "a.ply").faces
+    )
 
 
 @pytest.mark.parametrize(

@@ -332,7 +332,8 @@ def test_a_terminal_shows_a_bar_and_the_table_on_one_line(tmp_path):
 
 
 @pytest.mark.slow
-def test_figures_are_drawn_beside_the_tables(tmp_path):
+def test_figures_are_drawn_beside_the_tables(tmp_path, monkeypatch):
+    monkeypatch.setattr("liftmesh.paper.figures.DOTS_PER_INCH", 20)  # which takes less time
     done = paper(tmp_path, "--n", 20, "--n", 30, "--seeds", 1)
     assert (done.returncode, done.stderr) == (0, "")
     figures = names_in(tmp_path / "figures")

@@ -66,11 +66,26 @@ def test_points_on_a_line(tmp_path: Path) -> None:
     assert [each.name for each in tmp_path.iterdir()] == ["a.xyz"]
 
 
-def test_what_is_left_of_a_trimmed_mesh(tmp_path: Path) -> None:
-    points = np.random.default_rng(1).random((60, 3)) * (9, 9, 1)
-    lm.write(tmp_path / "part.ply", lm.triangulate(points).trim(max_edge=2))
-    done = liftmesh("simplify", "part.ply", "b.ply", "--max-error", "1", cwd=tmp_path)
-    assert done.returncode == 3
-    assert "simplify first, then trim" in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert [each.name for each in tmp_path.iterdir()] == ["part.ply"]
+def test_a_mesh_keeps_its_edges_and_holes(tmp_path: Path) -> None:
+    rng = np.random.default_rng(1)
+    np.savetxt(tmp_path / "a.xyz", rng.random((300, 3)) * (9, 9, 0.5))
+    pond = [[[2, 2], [4, 2], [4, 4], [2, 4], [2, 2]]]
+    lines = {
+        "road.json": {"type": "LineString", "coordinates": [[1, 6, 3], [5, 7, 3], [8, 6, 3]]},
+        "pond.json": {"type": "Polygon", "coordinates": pond},
+    }
+    for name, shape in lines.items():
+        (tmp_path / name).write_text(json.dumps(shape))
+    words = "triangulate a.xyz tin.ply --breaklines road.json --holes pond.json"
+    assert liftmesh(*words.split(), cwd=tmp_path).returncode == 0
+    done = liftmesh("simplify", "tin.ply", "few.ply", "--max-error", "0.5", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    few, whole = (lm.as_surface(tmp_path / name) for name in ("few.ply", "tin.ply"))
+    assert told["n_kept"] == len(few.vertices) < told["n_positions"] / 2
+    assert told["n_triangles"] == len(few.faces)
+    ends = {(1.0, 6.0), (5.0, 7.0), (8.0, 6.0)}
+    assert {*map(tuple, few.vertices[few.triangulation.constraints].reshape(-1, 3)[:, :2])} >= ends
+    assert few.area(planar=True) == pytest.approx(whole.area(planar=True))
+    assert whole.mask is not None
+    assert lm.verify(tmp_path / "few.ply").canonical

@@ -61,23 +61,24 @@ def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        "raster IN new.tif --resolution 300",
-        "contour IN new.geojson --interval 1",
-        "contour IN new.gpkg --interval 1",
+        "raster IN new.tif --resolution 0.01",
+        "contour IN new.geojson --interval 0.1",
+        "contour IN new.gpkg --interval 0.1",
         "solid IN new.3mf --thickness 1",
         "sample IN new.csv --at IN",
     ],
 )
 def test_no_room_for_what_a_surface_is_asked(words: str, tmp_path: Path) -> None:
-    target = tmp_path / words.split()[2]
+    surface, target = tmp_path / "tin.ply", tmp_path / words.split()[2]
+    liftmesh.write(surface, liftmesh.triangulate(np.random.default_rng(0).random((400, 3))))
     target.write_bytes(b"old")
-    named = words.replace("IN", str(TERRAIN)).split()
+    named = words.replace("IN", surface.name).split()
     done = run(*named, "--overwrite", cwd=tmp_path, most_bytes=3_000)
     assert (done.returncode, done.stdout) == (exit_codes.BAD_INPUT, "")
     assert str(target) in done.stderr
     assert done.stderr.count("liftmesh: error: ") == done.stderr.count("\n") == 1
     assert target.read_bytes() == b"old"
-    assert list(tmp_path.iterdir()) == [target]
+    assert {*tmp_path.iterdir()} == {surface, target}
 
 
 @pytest.mark.slow

@@ -254,15 +254,15 @@ def test_no_signal_ends_a_command_with_shapes(
 ) -> None:
     import geopandas
 
-    points = np.random.default_rng(0).random((60_000, 3))
+    points = np.random.default_rng(0).random((30_000, 3))
     np.save(tmp_path / "cloud.npy", points)
     np.save(tmp_path / "few.npy", points[:1000])
-    places = geopandas.points_from_xy(*points[:20_000, :2].T, crs="EPSG:25832")
+    places = geopandas.points_from_xy(*points[:10_000, :2].T, crs="EPSG:25832")
     geopandas.GeoDataFrame(geometry=places).to_file(tmp_path / "pts.gpkg")
     lot = {"type": "Polygon", "coordinates": [[[0.2, 0.2], [0.8, 0.2], [0.5, 0.8], [0.2, 0.2]]]}
     (tmp_path / "lot.geojson").write_text(json.dumps(lot))
     monkeypatch.chdir(tmp_path)
-    ends = json.loads(output(SHAPES, words, 64 * MEGA, 8))
+    ends = json.loads(output(SHAPES, words, 32 * MEGA, 8))
     # The C library ends a process whose new thread has no room for its own data.
     others = [each for each in ends if "thread-local data" not in each[1]]
     assert {end for end, _ in others} <= {exit_codes.DONE, exit_codes.BAD_INPUT}, ends

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings, strategies as st
+from oracles.carving import Given, check_carved
 
 import liftmesh
 from liftmesh import ConstrainedTriangulation, constrained_delaunay
@@ -15,6 +17,10 @@ Points = np.ndarray[Any, Any]
 
 def box(low: float, high: float) -> list[list[float]]:
     return [[low, low], [high, low], [high, high], [low, high]]
+
+
+CORNERS = st.tuples(st.integers(0, 4), st.integers(0, 4))
+HALVES = st.tuples(st.integers(0, 8), st.integers(0, 8))
 
 
 def area(tri: ConstrainedTriangulation) -> float:
@@ -84,6 +90,43 @@ def test_open_lines_neither_leak_nor_count() -> None:
     assert area(tri) == 64
 
 
+@pytest.mark.slow
+@settings(max_examples=200)
+@given(st.data())
+def test_what_is_left_is_what_the_definition_leaves(data: st.DataObject) -> None:
+    """Open lines, rings that share corners and sides or cross, islands, holes and seeds."""
+    points = data.draw(st.lists(CORNERS, min_size=3, max_size=12))
+    row = st.integers(0, len(points) - 1)
+    edges = data.draw(st.lists(st.tuples(row, row), max_size=8))
+    lines = data.draw(st.lists(st.lists(row, min_size=2, max_size=6), max_size=3))
+    ring = st.lists(row, min_size=3, max_size=6)
+    polygons = data.draw(st.lists(st.lists(ring, min_size=1, max_size=2), max_size=3))
+    carve = data.draw(st.sampled_from([None, "outside", "holes"]))
+    seeds = [(x / 2, y / 2) for x, y in data.draw(st.lists(HALVES, max_size=2))]
+    options: dict[str, Any] = {
+        "polylines": [np.array(line) for line in lines],
+        "polygons": [[np.array(ring) for ring in polygon] for polygon in polygons],
+        "crossing": "split",
+    }
+    try:
+        whole = constrained_delaunay(points, edges, **options)
+    except liftmesh.InputError:  # all on a line, or a hole that is given twice
+        return
+    try:
+        carved = constrained_delaunay(points, edges, carve=carve, seeds=seeds, **options)
+    except liftmesh.InputError:
+        carved = None
+    check_carved(whole, Given(edges, lines, polygons), carve, seeds, carved)
+
+
+def test_a_line_that_ends_at_the_position_where_it_begins_is_a_ring() -> None:
+    points = np.array([*FRAME, *box(0, 8), [0.0, 0.0]])
+    assert area(constrained_delaunay(points, polylines=[[4, 5, 6, 7, 8]], carve="outside")) == 64
+    points[8] = [-0.5, -0.5]
+    with pytest.raises(liftmesh.InputError, match="no triangle is left"):
+        constrained_delaunay(points, polylines=[[4, 5, 6, 7, 8]], carve="outside")
+
+
 @pytest.mark.parametrize("rows", [[[2, 1]], []])
 def test_both_loops_of_a_ring_that_crosses_itself_are_inside(rows: list[list[float]]) -> None:
     ring = [[0, 0], [4, 2], [4, 0], [0, 2]]
@@ -140,6 +183,16 @@ def test_seeds_remove_their_regions() -> None:
 def test_wrong_seeds_are_named(seeds: Any, said: str) -> None:
     with pytest.raises(liftmesh.InputError, match=said):
         constrained_delaunay(box(0, 3), [[0, 2]], seeds=seeds)
+
+
+@pytest.mark.parametrize("order", [[0, 1, 2, 3, 4, 5], [5, 4, 3, 2, 1, 0]])
+def test_a_seed_at_a_corner_of_a_boundary_is_on_it(order: list[int]) -> None:
+    """Also where the triangle that is found there has no side on the boundary."""
+    points = np.array([[0, 0], [2, -1], [4, 0], [1, 3], [3, 3], [2, 9]], dtype=float)[order]
+    ring = np.argsort(order)[[0, 1, 2, 4, 5, 3]]
+    for row in ring:
+        with pytest.raises(liftmesh.InputError, match=r"seed 0, .* is on an edge that bounds"):
+            constrained_delaunay(points, polygons=[ring], seeds=points[row])
 
 
 def test_whether_carving_or_seeds_remove_all_is_told() -> None:

@@ -227,6 +227,15 @@ def test_positions_are_matched_exactly(seed: int) -> None:
         ({"polygons": [[SQUARE, [0, -2, 1]]]}, "a ring of polygon 0 has the row -2"),
         ({"polygons": [LINE]}, "there is no polygon in what is given"),
         ({"polygons": 1.5}, "polygons are 1.5"),
+        (
+            {
+                "polygons": [
+                    SQUARE,
+                    [SQUARE, HOLE, [[1, 1], [2, 1], [2, 3]], [*HOLE[::-1], HOLE[3]]],
+                ]
+            },
+            "holes 0 and 2 of polygon 1 have the same corners: give each hole once",
+        ),
     ],
 )
 def test_wrong_lines_are_named(options: dict[str, Any], said: str | None) -> None:

@@ -119,6 +119,35 @@ def test_displacement_is_the_largest_distance(scale: float) -> None:
     assert len(tri.constraints) == 4
 
 
+def exact_place(ends: list[float]) -> tuple[float, float]:
+    a, b, c, d, p, q, r, s = map(Fraction, ends)
+    along, across = (r - p) * (b - q) - (s - q) * (a - p), (r - p) * (d - b) - (s - q) * (c - a)
+    return float(a - along / across * (c - a)), float(b - along / across * (d - b))
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    st.integers(0, 2**32 - 1),
+    st.sampled_from(["unit", "lattice", "far", "thin", "mixed", "tiny", "huge"]),
+)
+def test_places_of_crossings_are_rounded_once(seed: int, kind: str) -> None:
+    rng = np.random.default_rng(seed)
+    ends = rng.random((40, 8))
+    if kind == "lattice":
+        ends = rng.integers(-9, 10, (40, 8)) / 8
+    ends *= {"thin": np.tile([1, 1e-14], 4), "tiny": 1e-310, "huge": 1e307}.get(kind, 1)
+    ends += {"far": 5e6}.get(kind, 0)
+    if kind == "mixed":
+        ends = np.ldexp(ends, rng.integers(-80, 80, ends.shape))
+    points = ends.reshape(-1, 2)
+    turn = liftmesh.orient2d
+    a, b, c, d = np.moveaxis(ends.reshape(-1, 4, 2), 1, 0)
+    crosses = (turn(a, b, c) * turn(a, b, d) < 0) & (turn(c, d, a) * turn(c, d, b) < 0)
+    rows = np.arange(160, dtype=np.int32).reshape(-1, 4)[crosses]
+    found = crossing_edges._places(points, rows)
+    assert found.tolist() == [[*exact_place(each)] for each in ends[crosses].tolist()]
+
+
 @settings(deadline=None, max_examples=60)
 @given(st.integers(0, 2**32 - 1), st.sampled_from(["unit", "thin", "lattice", "far"]))
 def test_edges_are_chains_from_end_to_end(seed: int, kind: str) -> None:

@@ -269,3 +269,21 @@ def test_the_surface_is_the_same_with_and_without():
     assert surface.faces.tobytes() == silent.faces.tobytes()
     assert heard.getvalue().endswith("\n1.0\n")
     assert list(surface.report.seconds) == list(silent.report.seconds)
+
+
+@pytest.mark.parametrize("crossing", ["error", "split"])
+def test_splitting_edges_tells_of_all_rounds(crossing, listener) -> None:
+    ends = np.random.default_rng(4).random((60, 2, 2)) * 64
+    if crossing == "split":
+        rows = np.arange(120).reshape(-1, 2)
+        liftmesh.constrained_delaunay(
+            ends.reshape(-1, 2), rows, crossing=crossing, progress=listener
+        )
+        listener.check(at_least=2)
+        listener.told.clear()
+    cloud = np.random.default_rng(5).random((500, 3)) * 64
+    found = liftmesh.triangulate(
+        cloud, soft_breaklines=list(ends), crossing=crossing, progress=listener
+    )
+    assert found.report.lines["rows_at_crossings"] > 100
+    listener.check(at_least=6)

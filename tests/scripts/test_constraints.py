@@ -48,6 +48,17 @@ def test_what_is_wrong_is_noticed(
     assert "edges [[" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("name", ["carve", "label_regions"])
+def test_wrong_regions_are_noticed(
+    name: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    right = getattr(_kernel, name)
+    monkeypatch.setattr(constraints._kernel, name, lambda *given: 1 - right(*given))
+    with pytest.raises(SystemExit):
+        some_sets("lattice")
+    assert "edges Given(edges=" in capsys.readouterr().err
+
+
 def test_crossings_are_left_out() -> None:
     points = np.array([(0, 0), (2, 2), (0, 2), (2, 0), (1, 3)], dtype=float)
     edges = np.array([(0, 1), (2, 3), (3, 4), (0, 4)], dtype=np.int32)

@@ -24,7 +24,7 @@ import liftmesh
 Points = NDArray[np.float64]
 
 METHODS = ["auto", "lf"]
-SEEDS = 20
+SEEDS = 10
 SIZES = {
     "any_magnitude": 60,
     "extremes": 200,

@@ -65,7 +65,7 @@ Sites = tuple[Reals, Reals]  # points and weights
 Generator = np.random.Generator
 
 
-SETS = 150
+SETS = 60
 
 
 def integers(rng: Generator, n: int, top: int) -> Floats:

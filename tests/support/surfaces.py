@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import hypothesis.strategies as st
 import numpy as np
 from clouds import FAMILIES
@@ -54,6 +56,32 @@ def assert_accounted(surface):
     assert report.n_skipped == np.count_nonzero(report.representatives < 0)
 
 
+def distances(surface: liftmesh.Surface, points: np.ndarray) -> list[Fraction]:
+    """Vertical distances in rational numbers; a point is in the triangle that its signs choose."""
+    corners = surface.vertices[surface.faces]
+    low, high = corners[..., :2].min(axis=1), corners[..., :2].max(axis=1)
+    exact = [[[*map(Fraction, row)] for row in each] for each in corners.tolist()]
+
+    def distance(p: np.ndarray) -> Fraction:
+        near = np.flatnonzero(((low <= p[:2]) & (p[:2] <= high)).all(axis=1))
+        place = [*map(Fraction, p.tolist())]
+        return min((_above(exact[k], place) for k in near.tolist()), default=Fraction(10**30))
+
+    return [*map(distance, points)]
+
+
+def _above(triangle: list[list[Fraction]], p: list[Fraction]) -> Fraction:
+    def turn(a: list[Fraction], b: list[Fraction], c: list[Fraction]) -> Fraction:
+        return (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0])
+
+    a, b, c = triangle
+    parts = turn(b, c, p), turn(c, a, p), turn(a, b, p)
+    if min(parts) < 0:
+        return Fraction(10**30)
+    height = sum(w * q[2] for w, q in zip(parts, triangle, strict=True)) / sum(parts)
+    return abs(p[2] - height)
+
+
 SMALL = st.integers(0, 5).map(float)
 LATTICE = st.lists(st.tuples(SMALL, SMALL, st.integers(-9, 9).map(float)), min_size=3, max_size=18)
 
@@ -68,7 +96,7 @@ def with_heights(planar: np.ndarray, seed: int = 5) -> np.ndarray:
     return np.column_stack([planar, heights])
 
 
-def family_surface(family: str, n: int = 24) -> tuple[liftmesh.Surface, np.ndarray]:
+def family_surface(family: str, n: int = 16) -> tuple[liftmesh.Surface, np.ndarray]:
     rng = np.random.default_rng(43)
     surface = liftmesh.triangulate(with_heights(FAMILIES[family](n, rng)), on_duplicate="lowest")
     return surface, hard_queries(surface.triangulation, rng)

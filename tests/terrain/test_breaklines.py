@@ -65,6 +65,7 @@ def test_cross_sections_of_a_road_are_straight(threads: int) -> None:
         "rows": 4,
         "rows_from_around": 0,
         "rows_at_crossings": 0,
+        "rows_at_other_heights": 0,
         "edges": 2,
         "flat_triangles": 0,
     }
@@ -97,6 +98,13 @@ def test_two_lines_at_one_corner_follow_the_policy() -> None:
     for policy, height in (("first", 3), ("highest", 5), ("mean", 4)):
         surface = liftmesh.triangulate(points, breaklines=lines, on_duplicate=policy)
         assert surface.sample([4, 4]) == height
+        assert surface.report.lines["rows_at_other_heights"] == 1
+        assert "1 left out, as lines meet there at other heights" in str(surface.report)
+    again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
+    assert again.report.lines["rows"] == 3
+    assert again.report.lines["rows_at_other_heights"] == 1
+    level = [[[1, 1, 3], [4, 4, 3]], [[4, 4, 3], [7, 2, 5]]]
+    assert not liftmesh.triangulate(points, breaklines=level).report.lines["rows_at_other_heights"]
     with pytest.raises(liftmesh.DuplicateHeightError, match=r"rows 5 and 6 .* heights 3.0 and 5.0"):
         liftmesh.triangulate(points, breaklines=lines, on_duplicate="error")
 

@@ -81,9 +81,6 @@ def test_what_needs_a_delaunay_triangulation_is_refused(surface) -> None:
             surface.raster(1, interpolation=name)
     with pytest.raises(InputError, match="natural neighbours are those of a Delaunay"):
         liftmesh.natural_neighbors(surface.triangulation, [[1, 1]])
-    whole = liftmesh.triangulate(points(), breaklines=WALL)
-    with pytest.raises(InputError, match="the surface follows lines, which a simplified one would"):
-        liftmesh.simplify(whole, max_error=0.1)
     with pytest.raises(InputError, match="breaklines is for surfaces in one call"):
         liftmesh.tile_surface(points(), "unused", breaklines=WALL)
 

@@ -9,29 +9,12 @@ from random import Random
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, reject, settings, strategies as st
+from surfaces import distances
 
 import liftmesh
 from liftmesh._typing import Floats
 
 Generator = np.random.Generator
-
-
-def distances(surface: liftmesh.Surface, points: Floats) -> list[Fraction]:
-    """Vertical distances in rational numbers; a point is in the triangle that its signs choose."""
-    corners = [[[*map(Fraction, row)] for row in each] for each in surface.vertices[surface.faces]]
-    return [min(_above(triangle, [*map(Fraction, p)]) for triangle in corners) for p in points]
-
-
-def _above(triangle: list[list[Fraction]], p: list[Fraction]) -> Fraction:
-    def turn(a: list[Fraction], b: list[Fraction], c: list[Fraction]) -> Fraction:
-        return (a[0] - c[0]) * (b[1] - c[1]) - (a[1] - c[1]) * (b[0] - c[0])
-
-    a, b, c = triangle
-    parts = turn(b, c, p), turn(c, a, p), turn(a, b, p)
-    if min(parts) < 0:
-        return Fraction(10**30)
-    height = sum(w * q[2] for w, q in zip(parts, triangle, strict=True)) / sum(parts)
-    return abs(p[2] - height)
 
 
 def grid(rng: Generator) -> Floats:
@@ -118,7 +101,7 @@ def test_grids_exact_or_rounded_full_or_not(
     points = np.delete(lattice(columns, rows, z), rng.permutation(240)[:missing], axis=0)
     for prune in (False, True):
         found = liftmesh.simplify(points, max_error=1.5, prune=prune)
-        assert max(distances(found, points[::12])) <= 1.5
+        assert max(distances(found, points[::30])) <= 1.5
         assert found.metadata["simplification"]["within"]  # of all, by the check of simplify
         again = liftmesh.simplify(rng.permutation(points), max_error=1.5, prune=prune)
         assert {*map(tuple, again.vertices)} == {*map(tuple, found.vertices)}
@@ -236,23 +219,6 @@ def test_what_is_asked_wrongly() -> None:
     weighted = liftmesh.triangulate(points, weights=np.ones(len(points)))
     with pytest.raises(liftmesh.InputError, match="weights"):
         liftmesh.simplify(weighted, max_error=1)
-
-
-def test_a_part_of_a_triangulation_is_refused(tmp_path: Path) -> None:
-    points = np.vstack([grid(np.random.default_rng(2)), [[30, 2, 1], [30, 4, 1]]])
-    trimmed = liftmesh.triangulate(points).trim(max_edge=5)
-    assert 0 < len(trimmed.faces) < len(trimmed.triangulation.simplices)
-    path = tmp_path / "part.ply"
-    liftmesh.write(path, trimmed)
-    for part in (trimmed, trimmed.to_cloud(), path):
-        with pytest.raises(liftmesh.InputError, match="simplify first, then trim"):
-            liftmesh.simplify(part, max_error=1)
-    whole = liftmesh.simplify(points, max_error=1)
-    np.testing.assert_array_equal(
-        liftmesh.simplify(trimmed.vertices, max_error=1).faces, whole.faces
-    )
-    left = whole.trim(max_edge=12)
-    assert 0 < left.area(planar=True) < whole.area(planar=True)
 
 
 def test_faces_that_are_whole_or_of_another_kind_do_not_count() -> None:

@@ -36,7 +36,7 @@ nb::object first_of_each(const std::vector<std::array<Row, 2>>& pairs) {
     });
 }
 
-nb::tuple as_tuple(const liftmesh::apollonius::Outcome& outcome) {
+nb::tuple graph_tuple(const liftmesh::apollonius::Outcome& outcome) {
     using liftmesh::apollonius::Triangle;
     const auto& triangles = outcome.triangles;
     return nb::make_tuple(parts<std::int32_t>(triangles, 3,
@@ -63,7 +63,7 @@ nb::tuple apollonius(const Disks& rows, nb::handle progress) {
         return liftmesh::apollonius::apollonius(std::move(disks), new_secret(), interrupt);
     });
     raise_if(outcome.status == liftmesh::Status::interrupted);
-    return as_tuple(outcome);
+    return graph_tuple(outcome);
 }
 
 template <class Values>

@@ -3,6 +3,7 @@
 #include "constrained/constrained.hpp"
 
 #include "bindings/python.hpp"
+#include "constrained/places.hpp"
 #include "constrained/regions.hpp"
 
 namespace bindings {
@@ -38,7 +39,7 @@ liftmesh::constrained::Marked marked(const Triples& neighbors, const Bytes& mark
     return {neighbors.data(), marks.data(), marks.shape(0)};
 }
 
-nb::object regions(const Triples& neighbors, const Bytes& marks) {
+nb::object label_regions(const Triples& neighbors, const Bytes& marks) {
     const auto mesh = marked(neighbors, marks);
     return as_array(
         unlocked(nb::none(), [&](auto&) { return liftmesh::constrained::label(mesh); }));
@@ -64,6 +65,16 @@ nb::object carve(const Triples& simplices, const Triples& neighbors, const Bytes
     }));
 }
 
+void crossing_places(const Array<const double, 8>& pairs, const Array<double, 2>& places) {
+    if (pairs.shape(0) != places.shape(0)) throw std::invalid_argument("lengths differ");
+    liftmesh::constrained::find_crossings(pairs.data(), pairs.shape(0), places.data());
+}
+
+void distances(const Array<const double, 6>& edges_and_points, const Array<double>& found) {
+    if (edges_and_points.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
+    liftmesh::constrained::find_distances(edges_and_points.data(), found.shape(0), found.data());
+}
+
 }  // namespace
 
 void bind_constrained(nb::module_& m) {
@@ -71,7 +82,9 @@ void bind_constrained(nb::module_& m) {
           "shared"_a, "progress"_a.none());
     m.def("carve", &carve, "simplices"_a, "neighbors"_a, "constrained"_a, "pieces"_a, "bounds"_a,
           "winding"_a, "carving"_a, "seeds"_a);
-    m.def("label_regions", &regions, "neighbors"_a, "constrained"_a);
+    m.def("crossing_places", &crossing_places, "pairs"_a, "places"_a);
+    m.def("distances", &distances, "edges_and_points"_a, "found"_a);
+    m.def("label_regions", &label_regions, "neighbors"_a, "constrained"_a);
 }
 
 }  // namespace bindings

@@ -150,35 +150,44 @@ class DynamicMesh {
 // before the last pass.
 template <class Run>
 nb::tuple simplified(const Pairs& points, const Numbers& heights, const Ids& hull,
-                     nb::handle progress, Run run) {
+                     const std::int32_t* edges, std::size_t edge_count, nb::handle progress,
+                     Run run) {
     if (points.shape(0) != heights.shape(0)) throw std::invalid_argument("lengths differ");
-    const liftmesh::simplification::Terrain terrain{reinterpret_cast<const Point*>(points.data()),
-                                                    heights.data(), heights.shape(0), hull.data(),
-                                                    hull.shape(0)};
+    const liftmesh::simplification::Terrain terrain{
+        reinterpret_cast<const Point*>(points.data()),
+        heights.data(),
+        heights.shape(0),
+        hull.data(),
+        hull.shape(0),
+        edges,
+        edge_count,
+    };
     auto found = unlocked(progress, [&](auto& interrupt) { return run(terrain, interrupt); });
     raise_if(found.status == liftmesh::Status::interrupted);
     return nb::make_tuple(skipped(found.rows), found.is_within, found.inserted);
 }
 
-nb::tuple simplify(const Pairs& points, const Numbers& heights, const Ids& hull, double tolerance,
-                   std::size_t most, bool prunes, nb::handle progress) {
-    return simplified(points, heights, hull, progress, [&](const auto& terrain, auto& interrupt) {
+nb::tuple simplify(const Pairs& points, const Numbers& heights, const Ids& hull, const Edges& edges,
+                   double tolerance, std::size_t most, bool prunes, nb::handle progress) {
+    const auto run = [&](const auto& terrain, auto& interrupt) {
         return liftmesh::simplification::simplify(terrain, tolerance, most, prunes, interrupt);
-    });
+    };
+    return simplified(points, heights, hull, edges.data(), edges.shape(0), progress, run);
 }
 
 nb::tuple thin(const Pairs& points, const Numbers& heights, const Ids& hull, std::size_t most,
                nb::handle progress) {
-    return simplified(points, heights, hull, progress, [&](const auto& terrain, auto& interrupt) {
+    const auto run = [&](const auto& terrain, auto& interrupt) {
         return liftmesh::simplification::thin(terrain, most, interrupt);
-    });
+    };
+    return simplified(points, heights, hull, nullptr, 0, progress, run);
 }
 
 }  // namespace
 
 void bind_dynamic(nb::module_& m) {
-    m.def("simplify", &simplify, "points"_a, "heights"_a, "hull"_a, "tolerance"_a, "most"_a,
-          "prunes"_a, "progress"_a.none());
+    m.def("simplify", &simplify, "points"_a, "heights"_a, "hull"_a, "edges"_a, "tolerance"_a,
+          "most"_a, "prunes"_a, "progress"_a.none());
     m.def("thin", &thin, "points"_a, "heights"_a, "hull"_a, "most"_a, "progress"_a.none());
     nb::class_<DynamicMesh>(m, "DynamicMesh")
         .def(nb::init<>())

@@ -5,6 +5,7 @@
 #include "delaunay/divide_conquer.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
@@ -179,14 +180,15 @@ class Constraints {
                 });
             if (patience_.ends(1 + visits.size() / 64)) return false;
         }
-        std::sort(visits.begin(), visits.end(), [](const Visit& one, const Visit& other) {
+        const auto is_less = [](const Visit& one, const Visit& other) {
             return std::tie(one.triangle, one.edge) < std::tie(other.triangle, other.edge);
-        });
+        };
+        if (!patient_sort(visits, is_less, pool_.interrupt())) return false;
         for (std::size_t i = 0, last = 0; i < visits.size(); i = last) {
             while (last < visits.size() && visits[last].triangle == visits[i].triangle) ++last;
             if (!compare({&visits[i], last - i}, crossings)) return false;
         }
-        std::sort(crossings.begin(), crossings.end());
+        if (!patient_sort(crossings, std::less<>(), pool_.interrupt())) return false;
         crossings.erase(std::unique(crossings.begin(), crossings.end()), crossings.end());
         return true;
     }

@@ -67,4 +67,13 @@ inline Point middle(Point a, Point b) {
     return {std::midpoint(a.x, b.x), std::midpoint(a.y, b.y)};
 }
 
+// A point itself, or one of the eight whose coordinates are the next doubles.
+inline Point beside(Point p, std::size_t which) {
+    constexpr double far = std::numeric_limits<double>::max();
+    const auto next = [](double x, std::size_t side) {
+        return side == 0 ? x : std::nextafter(x, side == 1 ? far : -far);
+    };
+    return {next(p.x, which % 3), next(p.y, which / 3)};
+}
+
 }  // namespace liftmesh::refinement

@@ -7,12 +7,11 @@
 
 namespace liftmesh::refinement {
 
-// A triangle over the base between its first two corners, its shortest side. It is gone if its
-// slot has other corners.
+// A triangle over its shortest side. It is gone if its slot is free, or has been filled since.
 struct Waiting {
     double base2;  // the square of the length of the base
-    std::array<Vertex, 3> corners;
     Edge base;
+    std::uint32_t stamp;
 };
 
 // A part of a piece between neighbours, the first of which comes first in the plane.
@@ -27,7 +26,7 @@ class Order {
 
     bool operator()(const Waiting& a, const Waiting& b) const {
         if (a.base2 != b.base2) return a.base2 > b.base2;
-        return is_later(a.corners, b.corners);
+        return is_later(corners(a.base), corners(b.base));
     }
     // Long parts are first.
     bool operator()(const Part& a, const Part& b) const {
@@ -36,6 +35,10 @@ class Order {
     }
 
  private:
+    std::array<Vertex, 3> corners(Edge base) const {
+        const dynamic::Slots& slots = mesh_->slots();
+        return {slots.tail(base), slots.head(base), slots.apex(base)};
+    }
     template <std::size_t count>
     bool is_later(const std::array<Vertex, count>& a, const std::array<Vertex, count>& b) const {
         for (std::size_t i = 0; i < count; ++i) {
@@ -56,6 +59,7 @@ class Buckets {
  public:
     Buckets() : buckets_(std::size_t{1} << (64 - shift)) {}
     bool empty() const { return count_ == 0; }
+    std::size_t size() const { return count_; }
     void push(const Waiting& each) {
         const std::size_t i = std::bit_cast<std::uint64_t>(each.base2) >> shift;
         buckets_[i].push_back(each);

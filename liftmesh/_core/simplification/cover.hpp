@@ -1,5 +1,6 @@
 // An approximation under construction: a triangulation of some of the points, the others being
-// samples of its triangles, which `Samples` (grid.hpp, lists.hpp) finds.
+// samples of its triangles, which `Samples` (grid.hpp, lists.hpp) finds. Edges of the terrain are
+// constraints of it from the beginning, and their ends stay, so no sample is ever on one.
 #pragma once
 
 #include "base/status.hpp"
@@ -12,16 +13,16 @@ namespace liftmesh::simplification {
 template <class Samples>
 class Cover {
  public:
-    Cover(Samples samples, std::vector<Row> corners, Tolerance tolerance)
-        : samples_(std::move(samples)), corners_(std::move(corners)), tolerance_(tolerance) {}
+    Cover(Samples samples, Skeleton skeleton, Tolerance tolerance)
+        : samples_(std::move(samples)), skeleton_(std::move(skeleton)), tolerance_(tolerance) {}
 
-    // Begins with the corners of the hull, or with all points.
-    Status begin_with_corners(Interrupt& interrupt);
+    // Begins with what stays, or with all points, without edges.
+    Status begin_with_skeleton(Interrupt& interrupt);
     Status begin_with_all(Interrupt& interrupt);
 
     const dynamic::Triangulation& mesh() const { return mesh_; }
     std::size_t vertices() const { return mesh_.size(); }
-    bool is_corner(Vertex v) const { return vertices_[v].is_corner; }
+    bool is_fixed(Vertex v) const { return vertices_[v].is_fixed; }
     Sample sample(std::uint32_t s) const { return samples_.at(s); }
     std::uint32_t number(Vertex v) const { return vertices_[v].sample; }
     Sample sample_at(Vertex v) const { return {mesh_.point(v), vertices_[v].height}; }
@@ -89,7 +90,7 @@ class Cover {
     struct Kept {
         double height;
         std::uint32_t sample;
-        bool is_corner;
+        bool is_fixed;
     };
     struct Corners {
         Vertex vertices[3];
@@ -106,15 +107,15 @@ class Cover {
         return {{vertices_[corners[0]].sample, vertices_[corners[1]].sample,
                  vertices_[corners[2]].sample}};
     }
-    Status begin_with(const std::vector<std::uint32_t>& chosen, bool are_corners,
-                      Interrupt& interrupt);
-    void note(Vertex v, std::uint32_t s, bool is_corner) {
+    Status begin_with(const std::vector<std::uint32_t>& chosen, bool are_fixed,
+                      std::vector<Vertex>& found, Interrupt& interrupt);
+    void note(Vertex v, std::uint32_t s, bool is_fixed) {
         if (v >= vertices_.size()) vertices_.resize(v + std::size_t{1});
-        vertices_[v] = {samples_.at(s).height, s, is_corner};
+        vertices_[v] = {samples_.at(s).height, s, is_fixed};
     }
 
     Samples samples_;
-    std::vector<Row> corners_;
+    Skeleton skeleton_;
     Tolerance tolerance_;
     dynamic::Triangulation mesh_;
     std::vector<Kept> vertices_;
@@ -123,9 +124,15 @@ class Cover {
 };
 
 template <class Samples>
-Status Cover<Samples>::begin_with_corners(Interrupt& interrupt) {
-    const Status begun = begin_with(samples_.of_rows(corners_), true, interrupt);
+Status Cover<Samples>::begin_with_skeleton(Interrupt& interrupt) {
+    std::vector<Vertex> found;
+    const Status begun = begin_with(samples_.of_rows(skeleton_.rows), true, found, interrupt);
     if (begun != Status::ok) return begun;
+    Patience patience(interrupt);
+    for (const auto& [a, b] : skeleton_.edges) {
+        if (patience.ends(256)) return Status::interrupted;
+        mesh_.insert_constraint(found[a], found[b]);
+    }
     return samples_.deal(mesh_, interrupt) ? Status::ok : Status::interrupted;
 }
 
@@ -133,24 +140,24 @@ template <class Samples>
 Status Cover<Samples>::begin_with_all(Interrupt& interrupt) {
     std::vector<std::uint32_t> all(samples_.count());
     std::iota(all.begin(), all.end(), std::uint32_t{0});
-    const Status begun = begin_with(all, false, interrupt);
+    std::vector<Vertex> found;
+    const Status begun = begin_with(all, false, found, interrupt);
     if (begun != Status::ok) return begun;
-    std::vector<bool> is_corner(all.size());
-    for (const std::uint32_t s : samples_.of_rows(corners_)) is_corner[s] = true;
-    for (Kept& each : vertices_) each.is_corner = is_corner[each.sample];
+    for (const std::uint32_t s : samples_.of_rows(skeleton_.rows))
+        vertices_[found[s]].is_fixed = true;
     samples_.clear(mesh_);
     return Status::ok;
 }
 
 template <class Samples>
-Status Cover<Samples>::begin_with(const std::vector<std::uint32_t>& chosen, bool are_corners,
-                                  Interrupt& interrupt) {
+Status Cover<Samples>::begin_with(const std::vector<std::uint32_t>& chosen, bool are_fixed,
+                                  std::vector<Vertex>& found, Interrupt& interrupt) {
     std::vector<Point> points(chosen.size());
     for (std::size_t i = 0; i < chosen.size(); ++i) points[i] = samples_.at(chosen[i]).point;
-    std::vector<Vertex> found(points.size());
+    found.resize(points.size());
     const Status status = mesh_.insert(dynamic::input_of(points), found.data(), interrupt);
     if (status != Status::ok) return status;
-    for (std::size_t i = 0; i < chosen.size(); ++i) note(found[i], chosen[i], are_corners);
+    for (std::size_t i = 0; i < chosen.size(); ++i) note(found[i], chosen[i], are_fixed);
     return Status::ok;
 }
 

@@ -120,7 +120,7 @@ void Greedy<Samples>::tell(double distance) {
 
 template <class Samples>
 Status Greedy<Samples>::run() {
-    const Status begun = cover_.begin_with_corners(interrupt_);
+    const Status begun = cover_.begin_with_skeleton(interrupt_);
     if (begun != Status::ok) return begun;
     const dynamic::Slots& slots = cover_.mesh().slots();
     Patience patience(interrupt_);
@@ -146,7 +146,7 @@ template <class Samples>
 Simplified simplify(Samples samples, const Terrain& terrain, double tolerance, std::size_t most,
                     bool prunes, Interrupt& interrupt) {
     const Tolerance limit(terrain, samples.turns(), tolerance);
-    Cover cover(std::move(samples), corners_of(terrain), limit);
+    Cover cover(std::move(samples), skeleton_of(terrain), limit);
     Told told(interrupt);
     told.begin(prunes ? 0.3 : 1);
     Greedy greedy(cover, tolerance, most, told, interrupt);

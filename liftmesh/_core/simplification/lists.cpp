@@ -1,5 +1,6 @@
 #include "simplification/lists.hpp"
 
+#include "delaunay/locate.hpp"
 #include "sorting/hilbert.hpp"
 #include "sorting/patient_sort.hpp"
 
@@ -33,14 +34,40 @@ std::vector<std::uint32_t> Lists::of_rows(const std::vector<Row>& rows) const {
 }
 
 bool Lists::deal(const dynamic::Triangulation& mesh, Interrupt& interrupt) {
-    Patience patience(interrupt);
     clear(mesh);
+    if (!mesh.constraints().empty()) return deal_among_edges(mesh, interrupt);
+    Patience patience(interrupt);
     Vertex last = ghost;
     for (std::uint32_t s = 0; s < entries_.size(); ++s) {
         if (patience.ends()) return false;
         const dynamic::Place found = mesh.locate(entries_[s].sample.point, last);
         if (found.vertex == ghost) add(found.triangle, s);
         last = mesh.slots().vertex(found.triangle, 0);
+    }
+    return true;
+}
+
+// The ends of edges may have long stars, and few of them slivers between, in which walks are long.
+bool Lists::deal_among_edges(const dynamic::Triangulation& mesh, Interrupt& interrupt) {
+    const Result whole = mesh.result();
+    std::vector<Point> vertices(mesh.vertex_end()), queries(entries_.size());
+    for (Vertex v = 0; v < vertices.size(); ++v) vertices[v] = mesh.point(v);
+    for (std::size_t s = 0; s < queries.size(); ++s) queries[s] = entries_[s].sample.point;
+    std::vector<TriangleId> triangles;  // by their numbers
+    for (TriangleId t = 0; t < mesh.slots().end(); t += words_per_triangle)
+        if (!mesh.slots().is_free(t) && !mesh.slots().is_ghost(t)) triangles.push_back(t);
+    Locator locator({dynamic::input_of(vertices), whole.simplices.get(), whole.neighbors.get(),
+                     whole.triangle_count},
+                    0);
+    std::vector<std::int32_t> found(queries.size());
+    if (!locator.find({&queries[0].x, queries.size()}, found.data(), {1, false}, interrupt))
+        return false;
+    for (std::uint32_t s = 0; s < queries.size(); ++s) {
+        const TriangleId t = triangles[static_cast<std::size_t>(found[s])];
+        bool is_vertex = false;
+        for (unsigned k = 0; k < 3; ++k)
+            is_vertex |= mesh.point(mesh.slots().vertex(t, k)) == queries[s];
+        if (!is_vertex) add(t, s);
     }
     return true;
 }

@@ -81,6 +81,7 @@ class Lists {
         entries_[s].next = first_[slot_of(t)];
         first_[slot_of(t)] = s;
     }
+    bool deal_among_edges(const dynamic::Triangulation& mesh, Interrupt& interrupt);
     // The first triangle of a patch in which a point is.
     std::size_t find(const dynamic::Triangulation& mesh, const dynamic::Patch& patch,
                      Point p) const;

@@ -83,7 +83,7 @@ class Removal {
 
 template <class Samples, class Measure>
 bool Removal<Samples, Measure>::plan(Vertex v) {
-    if (cover_.is_corner(v)) return false;
+    if (cover_.is_fixed(v)) return false;
     if (!cover_.mesh().find_star(v, most_neighbors, star_)) return false;
     plan_patch();
     return true;

@@ -24,6 +24,33 @@ std::vector<Row> corners_of(const Terrain& terrain) {
     return corners;
 }
 
+Skeleton skeleton_of(const Terrain& terrain) {
+    Skeleton found{corners_of(terrain), {}};
+    if (terrain.edge_count == 0) return found;
+    constexpr auto absent = std::numeric_limits<std::size_t>::max();
+    std::vector<std::size_t> place(terrain.count, absent);
+    const auto take = [&](Row row) {
+        if (place[row] != absent) return;
+        place[row] = found.rows.size();
+        found.rows.push_back(row);
+    };
+    const std::vector<Row> corners = std::move(found.rows);
+    std::vector<Row> ends(terrain.edges, terrain.edges + 2 * terrain.edge_count);
+    std::sort(ends.begin(), ends.end(),
+              [&](Row a, Row b) { return before_xy(terrain.points[a], terrain.points[b]); });
+    found.rows.clear();
+    for (const Row row : corners) take(row);
+    for (const Row row : ends) take(row);
+    for (std::size_t i = 0; i < terrain.edge_count; ++i)
+        found.edges.push_back(std::minmax(place[static_cast<Row>(terrain.edges[2 * i])],
+                                          place[static_cast<Row>(terrain.edges[2 * i + 1])]));
+    std::sort(found.edges.begin(), found.edges.end(), [](const auto& one, const auto& other) {
+        const auto drawn = [](const auto& edge) { return hash(edge.first << 32 | edge.second); };
+        return std::pair(drawn(one), one) < std::pair(drawn(other), other);
+    });
+    return found;
+}
+
 void Steps::refine(double value) {
     if (value != 0) exponent_ = std::min(exponent_, dyadic(value).exponent);
 }

@@ -16,18 +16,30 @@ struct Sample {
     double height;
 };
 
-// What to approximate: distinct points with their heights, and those on their hull,
-// counter-clockwise.
+// What to approximate: distinct points with their heights, those on their hull, counter-clockwise,
+// and edges, which meet each other and points at their ends only.
 struct Terrain {
     const Point* points;
     const double* heights;
     std::size_t count;
     const std::int32_t* hull;
     std::size_t hull_count;
+    const std::int32_t* edges = nullptr;  // two ends each
+    std::size_t edge_count = 0;
 };
 
 // The corners of the hull, from the lexicographically least one, without points between two.
 std::vector<Row> corners_of(const Terrain& terrain);
+
+// What every approximation has: the corners, then the other ends of edges in the order of their
+// coordinates; and edges, between places among these, in an order that is random, lest each crosses
+// what those before have left behind (constrained/constrained.cpp), and the same for any of the
+// caller's.
+struct Skeleton {
+    std::vector<Row> rows;
+    std::vector<std::pair<std::size_t, std::size_t>> edges;
+};
+Skeleton skeleton_of(const Terrain& terrain);
 
 // A random order of points. Where many cost the same, as on level ground, they do not go in the
 // order of their coordinates: the triangles behind the last one would become ever longer, and each

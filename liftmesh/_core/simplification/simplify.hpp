@@ -15,9 +15,9 @@ struct Simplified {
 };
 
 // Greedy insertion (M. Garland and P. S. Heckbert, "Fast polygonal approximation of terrains and
-// height fields", 1995): from the corners of the hull on, the sample with the largest distance
-// becomes a vertex, until none exceeds the tolerance or there are so many vertices. Then, if asked
-// for, vertices are removed again without which none does.
+// height fields", 1995): from the corners of the hull and the edges on, the sample with the largest
+// distance becomes a vertex, until none exceeds the tolerance or there are so many vertices. Then,
+// if asked for, vertices are removed again without which none does.
 Simplified simplify(const Terrain& terrain, double tolerance, std::size_t most, bool prunes,
                     Interrupt& interrupt);
 

@@ -34,7 +34,7 @@ Simplified thin(const Terrain& terrain, std::size_t most, Interrupt& interrupt) 
     Lists lists(terrain);
     if (!lists.fill(terrain, interrupt)) return {Status::interrupted};
     const Tolerance limit(terrain, lists.turns(), 0);
-    Cover cover(std::move(lists), corners_of(terrain), limit);
+    Cover cover(std::move(lists), skeleton_of(terrain), limit);
     found.status = cover.begin_with_all(interrupt);
     if (found.status != Status::ok) return found;
     Removal<Lists, BySquares> removal(cover, most, 1, interrupt);

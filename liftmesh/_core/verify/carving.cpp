@@ -25,6 +25,7 @@
 #include "base/input.hpp"
 #include "parallel/blocks.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/patient_sort.hpp"
 #include "verify/constraints.hpp"
 
 namespace liftmesh {
@@ -78,7 +79,7 @@ class Sweep {
           next_(segments.size()) {}
 
     bool run(std::optional<std::size_t>& outside) {
-        find_events();
+        if (!find_events()) return false;
         const auto visit = [&](std::size_t i) {
             if (!overlaps_) visit_row(events_[i]);
         };
@@ -99,7 +100,7 @@ class Sweep {
 
     // The line stops at vertices of the boundary, at rows without a vertex, and where constraints
     // that no edges continue end.
-    void find_events() {
+    bool find_events() {
         for (const HalfEdge& edge : named_.boundary)
             roles_[edge.tail] = roles_[edge.head] = event | on_boundary;
         for (std::size_t row = 0; row < roles_.size(); ++row)
@@ -108,20 +109,24 @@ class Sweep {
             if (!each.is_whole()) roles_[each.to] |= event;
         for (Row row = 0; row < roles_.size(); ++row)
             if (roles_[row] & event) events_.push_back(row);
-        std::sort(events_.begin(), events_.end(), [&](Row a, Row b) { return is_before(a, b); });
+        Interrupt& interrupt = named_.pool.interrupt();
+        const auto by_place = [&](Row a, Row b) { return is_before(a, b); };
+        if (!patient_sort(events_, by_place, interrupt)) return false;
         for (std::uint32_t i = 0; i < named_.boundary.size(); ++i) {
             const auto [tail, head, place] = named_.boundary[i];
             starting_.push_back(is_before(tail, head)
                                     ? Crossed{tail, head, i, Crossed::Kind::begins}
                                     : Crossed{head, tail, i, Crossed::Kind::ends});
         }
-        std::sort(starting_.begin(), starting_.end(), [&](const Crossed& s, const Crossed& t) {
+        const auto by_start = [&](const Crossed& s, const Crossed& t) {
             return s.left == t.left ? turn(s.left, s.right, t.right) > 0
                                     : is_before(s.left, t.left);
-        });
+        };
+        if (!patient_sort(starting_, by_start, interrupt)) return false;
         waiting_.assign(roles_.size(), none);
         for (std::uint32_t i = 0; i < segments_.size(); ++i)
             if (!segments_[i].is_whole()) wait(i, segments_[i].reached);
+        return true;
     }
 
     // Whether it is finite, and has no vertex.

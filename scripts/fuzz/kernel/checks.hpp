@@ -19,6 +19,12 @@ class Impatient final : public liftmesh::Interrupt {
     std::size_t patience_, asked_ = 0;
 };
 
+using Corners = std::vector<std::int32_t>;
+
+// Changes the set of the triangles found: flips an edge, turns, drops or repeats one, or moves a
+// corner.
+void damage(Case& c, const liftmesh::Delaunay& found, Corners& corners);
+
 // A gift-wrapping engine finds the same triangles.
 void check_engine(Case& c, const liftmesh::Delaunay& found);
 

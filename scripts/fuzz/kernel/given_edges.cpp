@@ -1,6 +1,8 @@
 // Edges between rows as the bytes say: what they become is what trying all pairs tells, by integers
-// of any length, and every other edge of the triangulation is canonical.
+// of any length, and every other edge of the triangulation is canonical. The verifier accepts it,
+// whole or carved, and of damaged ones those that carving could have left.
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <vector>
 
@@ -9,6 +11,7 @@
 #include "demand.hpp"
 #include "exact.hpp"
 #include "targets.hpp"
+#include "verify/verify.hpp"
 
 namespace fuzzing {
 
@@ -21,6 +24,7 @@ using liftmesh::constrained::Carving;
 using liftmesh::constrained::Crossing;
 using liftmesh::constrained::EdgeId;
 using liftmesh::constrained::Piece;
+using Edges = std::vector<std::int32_t>;
 
 constexpr std::size_t most_edges = 48;
 constexpr Row nowhere = ~Row{0};
@@ -34,7 +38,7 @@ struct Membership {
 // What there is to find.
 class Definition {
  public:
-    Definition(const Case& c, const Expectation& expected, const std::vector<std::int32_t>& edges)
+    Definition(const Case& c, const Expectation& expected, const Edges& edges)
         : c_(c), kept_(expected.kept), row_of_(c.rows(), nowhere) {
         for (const Row row : kept_) row_of_[row] = row;
         for (const liftmesh::Duplicate& pair : expected.merged) row_of_[pair.row] = pair.kept;
@@ -49,6 +53,14 @@ class Definition {
     std::vector<Membership> memberships;
     std::vector<EdgeId> zero_length, unplaced;
     std::vector<Crossing> crossings;
+
+    // How many finite rows are at no corner.
+    std::size_t outside(const Corners& corners) const {
+        const std::set<std::int32_t> rows(corners.begin(), corners.end());
+        return static_cast<std::size_t>(std::count_if(row_of_.begin(), row_of_.end(), [&](Row row) {
+            return row != nowhere && !rows.contains(static_cast<std::int32_t>(row));
+        }));
+    }
 
     bool has(Row a, Row b) const {
         const Piece piece{std::min(a, b), std::max(a, b)};
@@ -96,7 +108,7 @@ class Definition {
     std::vector<Piece> ends_;
 };
 
-Constrained run(const Case& c, const std::vector<std::int32_t>& edges, liftmesh::Threads threads,
+Constrained run(const Case& c, const Edges& edges, liftmesh::Threads threads,
                 std::size_t patience = ~std::size_t{0}) {
     Impatient interrupt(patience);
     return liftmesh::constrained_delaunay(c.input, edges.data(), edges.size() / 2,
@@ -152,7 +164,109 @@ void check_regions(const Constrained& found) {
     }
 }
 
-void check_found(const Case& c, const Expectation& rows, const Definition& expected,
+liftmesh::Verdict verdict(const Case& c, const Edges& edges, const Corners& corners, bool carved,
+                          std::size_t patience = ~std::size_t{0}) {
+    Impatient interrupt(patience);
+    const liftmesh::Member member{
+        liftmesh::Member::Kind::constrained, nullptr, {}, {edges.data(), edges.size() / 2, carved}};
+    return liftmesh::verify(c.input, corners.data(), corners.size() / 3, c.skip_non_finite, member,
+                            {}, c.threads, interrupt);
+}
+
+// Each with its least row first.
+std::vector<Triangle> sorted(const Corners& corners) {
+    std::vector<Triangle> found;
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+        Triangle each{corners[i], corners[i + 1], corners[i + 2]};
+        std::rotate(each.begin(), std::min_element(each.begin(), each.end()), each.end());
+        found.push_back(each);
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+std::set<std::pair<std::int32_t, std::int32_t>> sides_of(const std::vector<Triangle>& triangles) {
+    std::set<std::pair<std::int32_t, std::int32_t>> sides;
+    for (const auto [a, b, c] : triangles) sides.insert({{a, b}, {b, c}, {c, a}});
+    return sides;
+}
+
+// Whether triangles are some of all, and end where constraints or all of them end.
+bool are_part(const std::vector<Triangle>& all, const Definition& expected,
+              const Corners& corners) {
+    const std::vector<Triangle> these = sorted(corners);
+    const bool is_set = std::adjacent_find(these.begin(), these.end()) == these.end();
+    if (!is_set || !std::includes(all.begin(), all.end(), these.begin(), these.end())) return false;
+    const auto sides = sides_of(these), known = sides_of(all);
+    return std::all_of(sides.begin(), sides.end(), [&](const auto& side) {
+        const std::pair other(side.second, side.first);
+        return sides.contains(other) || !known.contains(other) ||
+               expected.has(static_cast<Row>(side.first), static_cast<Row>(side.second));
+    });
+}
+
+void check_verdicts(const Case& c, const Definition& expected, const Edges& edges,
+                    const std::vector<Triangle>& all, const Corners& corners) {
+    const bool is_part = are_part(all, expected, corners), is_whole = sorted(corners) == all;
+    demand(verdict(c, edges, corners, false).flaws.any() != is_whole,
+           "the verifier takes triangles with constraints for others");
+    const liftmesh::Verdict carved = verdict(c, edges, corners, true);
+    demand(carved.status == Status::ok && carved.flaws.any() != is_part,
+           "the verifier takes carved triangles for others");
+    demand(!is_part || carved.outside == expected.outside(corners), "other rows are outside");
+}
+
+// What is left of some triangles.
+Corners kept_of(const Constrained& found, const std::vector<std::uint8_t>& kept, Corners corners) {
+    Corners gone, left;
+    for (std::size_t t = 0; t < kept.size(); ++t)
+        if (!kept[t])
+            gone.insert(gone.end(), &found.result.simplices[3 * t],
+                        &found.result.simplices[3 * t] + 3);
+    const std::vector<Triangle> removed = sorted(gone);
+    for (std::size_t i = 0; i < corners.size(); i += 3) {
+        const auto first = corners.begin() + static_cast<std::ptrdiff_t>(i);
+        const Triangle each = sorted(Corners(first, first + 3)).front();
+        if (!std::binary_search(removed.begin(), removed.end(), each))
+            left.insert(left.end(), first, first + 3);
+    }
+    return left;
+}
+
+// Some pieces bound regions; some are sides of polygons, of which none needs to be closed.
+std::vector<std::uint8_t> carved(Case& c, const Constrained& found) {
+    std::vector<std::uint8_t> bounds;
+    std::vector<std::int32_t> winding;
+    const bool has_polygons = c.dice.below(3) == 0;
+    for (std::size_t i = 0; i < found.pieces.size(); ++i) {
+        bounds.push_back(c.dice.below(8) != 0);
+        winding.push_back(has_polygons ? static_cast<std::int32_t>(c.dice.below(3)) - 1 : 0);
+    }
+    std::vector<std::int32_t> seeds;
+    if (c.dice.below(2) == 0)
+        seeds.push_back(static_cast<std::int32_t>(c.dice.below(found.result.triangle_count)));
+    const auto carving = static_cast<Carving>(c.dice.below(3));
+    return liftmesh::constrained::carve(
+        {found.result.neighbors.get(), found.marks.data(), found.result.triangle_count},
+        found.result.simplices.get(), {found.pieces, bounds.data(), winding.data()}, carving,
+        seeds);
+}
+
+void check_verified(Case& c, const Definition& expected, const Edges& edges,
+                    const Constrained& found) {
+    const std::vector<Triangle> all = triangles(found.result);
+    const std::int32_t* const simplices = found.result.simplices.get();
+    const Corners whole(simplices, simplices + 3 * found.result.triangle_count);
+    for (int round = 0; round < 4; ++round) {
+        Corners corners = whole;
+        if (round > 1) damage(c, found, corners);
+        if (round > 0) corners = kept_of(found, carved(c, found), corners);
+        check_verdicts(c, expected, edges, all, corners);
+    }
+    verdict(c, edges, whole, true, 1 + c.dice.below(40));
+}
+
+void check_found(Case& c, const Expectation& rows, const Definition& expected, const Edges& edges,
                  const Constrained& found) {
     const bool is_ok = found.status == Status::ok;
     demand(!is_ok || found.unplaced == expected.unplaced, "other edges have no place");
@@ -168,6 +282,7 @@ void check_found(const Case& c, const Expectation& rows, const Definition& expec
     check_marks(found, expected);
     check_delaunay(c, found.result, found.marks.data());
     check_regions(found);
+    check_verified(c, expected, edges, found);
 }
 
 }  // namespace
@@ -177,13 +292,13 @@ void check_constraints(Bytes bytes) {
     for (std::uint8_t& end : ends) end = bytes.byte();
     Case c = decode(bytes);
     if (c.rows() == 0) return;
-    std::vector<std::int32_t> edges;
+    Edges edges;
     for (const std::uint8_t end : ends) edges.push_back(static_cast<std::int32_t>(end % c.rows()));
     const Expectation rows = expectation(c);
     Definition expected(c, rows, edges);
     std::sort(expected.crossings.begin(), expected.crossings.end());
     const Constrained found = run(c, edges, c.threads);
-    check_found(c, rows, expected, found);
+    check_found(c, rows, expected, edges, found);
     const Constrained hasty = run(c, edges, c.threads, 1 + c.dice.below(40));
     demand(hasty.status == found.status || hasty.status == Status::interrupted,
            "an interrupted run comes to another status");

@@ -1,13 +1,13 @@
-// A terrain and its approximations: no sample is further away than the tolerance, by integers of
-// any length, on the canonical triangulation of what is left; and the order of rows does not
-// matter.
+// A terrain, with edges or without, and its approximations: no sample is further away than the
+// tolerance, by integers of any length, on the canonical triangulation of what is left, which has
+// all edges; and the order of rows does not matter.
 #include <algorithm>
 #include <cmath>
 #include <set>
 #include <vector>
 
 #include "checks.hpp"
-#include "delaunay/delaunay.hpp"
+#include "constrained/constrained.hpp"
 #include "demand.hpp"
 #include "exact.hpp"
 #include "scatter.hpp"
@@ -22,8 +22,27 @@ using liftmesh::Status;
 using liftmesh::simplification::Simplified;
 using liftmesh::simplification::Terrain;
 using Places = std::vector<std::array<double, 2>>;
+using Edges = std::vector<std::int32_t>;  // two ends each
 
 constexpr std::size_t most_samples = 70;
+constexpr unsigned most_edges = 24;
+
+liftmesh::Constrained constrained(const Scatter& at, const Edges& edges) {
+    Impatient interrupt;
+    return liftmesh::constrained_delaunay(at.input(), edges.data(), edges.size() / 2, false, {},
+                                          interrupt);
+}
+
+// By the number that each row has now.
+Edges renumbered(const Edges& edges, const std::vector<std::size_t>& rows) {
+    Edges found;
+    for (const std::int32_t end : edges) {
+        const auto at = std::find(rows.begin(), rows.end(), static_cast<std::size_t>(end));
+        demand(at != rows.end(), "the end of an edge is left out");
+        found.push_back(static_cast<std::int32_t>(at - rows.begin()));
+    }
+    return found;
+}
 
 // What is asked for.
 struct Wish {
@@ -34,16 +53,24 @@ struct Wish {
 
 class Approximated {
  public:
-    explicit Approximated(const Scatter& at) : at_(at) {
+    Approximated(const Scatter& at, Edges edges) : at_(at), edges_(std::move(edges)) {
         Impatient interrupt;
         whole_ = liftmesh::delaunay(at.input(), false, {}, interrupt);
     }
     bool has_area() const { return whole_.status == Status::ok; }
-    Terrain terrain() const {
+    Terrain plain() const {
         return {at_.points.data(), at_.heights.data(), at_.size(), whole_.result.hull.get(),
                 whole_.result.hull_count};
     }
-    std::size_t corners() const { return liftmesh::simplification::corners_of(terrain()).size(); }
+    Terrain terrain() const {
+        Terrain found = plain();
+        found.edges = edges_.data();
+        found.edge_count = edges_.size() / 2;
+        return found;
+    }
+    std::size_t fixed() const {
+        return liftmesh::simplification::skeleton_of(terrain()).rows.size();
+    }
 
     Simplified simplified(const Wish& wish, std::size_t patience = ~std::size_t{0}) const {
         Impatient interrupt(patience);
@@ -52,7 +79,7 @@ class Approximated {
     }
     Simplified thinned(std::size_t most, std::size_t patience = ~std::size_t{0}) const {
         Impatient interrupt(patience);
-        return liftmesh::simplification::thin(terrain(), most, interrupt);
+        return liftmesh::simplification::thin(plain(), most, interrupt);
     }
 
     // Rows that are there once, the corners of the hull among them.
@@ -60,16 +87,17 @@ class Approximated {
         const std::set<liftmesh::Row> rows(found.rows.begin(), found.rows.end());
         demand(rows.size() == found.rows.size(), "a row is kept twice");
         demand(rows.empty() || *rows.rbegin() < at_.size(), "a row is none");
-        for (const liftmesh::Row corner : liftmesh::simplification::corners_of(terrain()))
+        for (const liftmesh::Row corner : liftmesh::simplification::corners_of(plain()))
             demand(rows.contains(corner), "a corner of the hull is left out");
     }
 
     // Every sample, in the triangles of a fresh run on the rows that stay.
     void check_bound(const Simplified& found, double tolerance) const {
-        Scatter kept = at_.in_order({found.rows.begin(), found.rows.end()});
-        Impatient interrupt;
-        const auto fresh = liftmesh::delaunay(kept.input(), false, {}, interrupt);
+        const std::vector<std::size_t> rows(found.rows.begin(), found.rows.end());
+        const Scatter kept = at_.in_order(rows);
+        const auto fresh = constrained(kept, renumbered(edges_, rows));
         demand(fresh.status == Status::ok, "what is left has no triangles");
+        demand(2 * fresh.pieces.size() == edges_.size(), "edges have other pieces");
         std::vector<bool> is_judged(at_.size());
         for (std::size_t t = 0; t < fresh.result.triangle_count; ++t) {
             SpacePoint corners[3];
@@ -97,6 +125,7 @@ class Approximated {
 
  private:
     const Scatter& at_;
+    Edges edges_;
     liftmesh::Delaunay whole_;
 };
 
@@ -113,13 +142,26 @@ Wish drawn_wish(const Scatter& at, Bytes& bytes) {
     return {choice[kind % 4], most, kind % 8 < 4};
 }
 
+// Between rows that the bytes choose, unless one would cross an earlier one; in pieces.
+Edges drawn_edges(const Scatter& at, Bytes& bytes) {
+    Edges chosen, pieces;
+    const auto row = [&] { return static_cast<std::int32_t>(bytes.byte() % at.size()); };
+    for (unsigned left = bytes.byte() % 2 == 0 ? 0 : bytes.byte() % most_edges; left > 0; --left) {
+        chosen.insert(chosen.end(), {row(), row()});
+        if (!constrained(at, chosen).crossings.empty()) chosen.resize(chosen.size() - 2);
+    }
+    for (const auto [a, b] : constrained(at, chosen).pieces)
+        pieces.insert(pieces.end(), {static_cast<std::int32_t>(a), static_cast<std::int32_t>(b)});
+    return pieces;
+}
+
 void check_simplified(const Approximated& given, const Approximated& mixed, const Wish& wish) {
     const Simplified found = given.simplified(wish);
     demand(found.status == Status::ok, "a run ends early");
     given.check_rows(found);
     demand(found.is_within || wish.most != 0, "the tolerance is not reached");
     demand(found.rows.size() <= found.inserted, "more rows than were inserted");
-    demand(wish.most == 0 || found.inserted <= std::max(wish.most, given.corners()),
+    demand(wish.most == 0 || found.inserted <= std::max(wish.most, given.fixed()),
            "more vertices than asked for");
     if (found.is_within) given.check_bound(found, wish.tolerance);
     demand(given.places(found) == mixed.places(mixed.simplified(wish)),
@@ -149,12 +191,14 @@ void check_simplification(Bytes bytes) {
     const unsigned what = bytes.byte();
     const Scatter at = drawn_scatter(what, bytes);
     if (at.size() < 3) return;
-    const Approximated given(at);
+    const Wish wish = drawn_wish(at, asked);
+    const Edges edges = drawn_edges(at, asked);
+    const Approximated given(at, edges);
     if (!given.has_area()) return;
     Dice dice(what + at.size());
-    const Scatter in_other_order = at.in_order(shuffled(at.size(), dice));
-    const Approximated mixed(in_other_order);
-    const Wish wish = drawn_wish(at, asked);
+    const std::vector<std::size_t> order = shuffled(at.size(), dice);
+    const Scatter in_other_order = at.in_order(order);
+    const Approximated mixed(in_other_order, renumbered(edges, order));
     check_simplified(given, mixed, wish);
     check_thinned(given, mixed, 3 + dice.below(at.size()));
     check_interrupted(given, wish, 1 + dice.below(4));

@@ -19,7 +19,6 @@ namespace {
 using liftmesh::Flaw;
 using liftmesh::Input;
 using liftmesh::Verdict;
-using Corners = std::vector<std::int32_t>;
 
 // The count of each kind of flaw.
 using FlawCounts = std::array<std::size_t, static_cast<std::size_t>(Flaw::kinds)>;
@@ -91,7 +90,12 @@ void flip(const liftmesh::Result& result, std::size_t t, std::size_t k, Corners&
     std::copy_n(std::array{a, d, c}.begin(), 3, &corners[place]);
 }
 
-// Changes the set of triangles.
+bool same_triangles(const Corners& a, const liftmesh::Result& b) {
+    return a.size() == 3 * b.triangle_count && std::equal(a.begin(), a.end(), b.simplices.get());
+}
+
+}  // namespace
+
 void damage(Case& c, const liftmesh::Delaunay& found, Corners& corners) {
     const std::size_t t = c.dice.below(found.result.triangle_count), k = c.dice.below(3);
     std::int32_t* const triangle = &corners[3 * t];
@@ -113,12 +117,6 @@ void damage(Case& c, const liftmesh::Delaunay& found, Corners& corners) {
             triangle[k] = found.result.simplices[c.dice.below(3 * found.result.triangle_count)];
     }
 }
-
-bool same_triangles(const Corners& a, const liftmesh::Result& b) {
-    return a.size() == 3 * b.triangle_count && std::equal(a.begin(), a.end(), b.simplices.get());
-}
-
-}  // namespace
 
 void check_verification(Case& c, const liftmesh::Delaunay& found) {
     const liftmesh::Result& result = found.result;

@@ -11,7 +11,7 @@ from fuzz.structure.las import copc, las, laz
 from fuzz.structure.numpy_files import npy, npz
 from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
-from fuzz.structure.points import compressed, ele, node, pcd, pts, xyzrgb
+from fuzz.structure.points import compressed, ele, node, pcd, poly, pts, xyzrgb
 from fuzz.structure.raster import geotiff, grid
 from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
 
@@ -33,6 +33,7 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "xyzrgb": xyzrgb,
     "node": node,
     "ele": ele,
+    "poly": poly,
     "gzip": compressed,
     "las": las,
     "laz": laz,

@@ -1,4 +1,4 @@
-"""Formats of points: PCD, PTS, XYZRGB, XYZN, .node and .ele."""
+"""Formats of points: PCD, PTS, XYZRGB, XYZN, .node, .ele and .poly."""
 
 from __future__ import annotations
 
@@ -97,6 +97,31 @@ def ele(chance: Chance) -> Case:
         nodes = chance.sample(range(len(points)), corners)
         parts += line(k, *nodes, *(0.5 for _ in range(more)))
     return told("ele", parts, COUNTED_WORDS, points, chance)
+
+
+def poly(chance: Chance) -> Case:
+    """Make a .poly file, whose points may be beside it."""
+    points, first = quarters(chance, chance.randint(1, 6)), chance.randint(0, 1)
+    points[:, 2] = 0
+    more, markers = chance.choice((0, 0, 1, 2)), chance.randint(0, 1)
+    own = 0 if chance.one_in(4) else len(points)
+    parts = line('# attribute "a"') * chance.one_in(4) + line(own, 2, more, markers)
+    for k, point in enumerate(points[:own, :2].tolist()):
+        parts += line(k + first, *point, *(0.5 for _ in range(more)), *(1 for _ in range(markers)))
+    if not own:
+        points, first = read(PLACE.with_suffix(".node")).points, 0
+    segments = chance.randint(0, 4)
+    parts += line(segments, markers)
+    for k in range(segments):
+        ends = (chance.randrange(len(points)) + first for _ in range(2))
+        parts += line(k, *ends, *(1 for _ in range(markers)))
+    for width in (2, chance.choice((3, 4))):
+        count = chance.randint(0, 2)
+        parts += line(count)
+        for k in range(count):
+            parts += line(k, *(0.25 for _ in range(width)))
+    words = [*COUNTED_WORDS, b"# heights\n", b'# attribute "b"\n']
+    return told("poly", parts, words, points, chance)
 
 
 def compressed(chance: Chance) -> Case:

@@ -1,4 +1,4 @@
-"""Families of files of points: PCD, PTS, XYZRGB, XYZN, .node, .ele, and text packed with gzip.
+"""Families of files of points: PCD, PTS, XYZRGB, XYZN, of Triangle, and text packed with gzip.
 
 Work grows where a header names very many fields, where scans or members are many and empty, where a
 copy of LZF reaches into itself, and where decompression begins anew to go back a little.
@@ -200,6 +200,31 @@ def triangle_blank(n: int) -> bytes:
 
 
 ELE = named(triangles_of_nodes, triangles_with_midpoints, triangle_attributes, triangle_blank)
+
+
+def segments_of_nodes(n: int) -> bytes:
+    """The ordinary points, and a ring of segments around a hole."""
+    ring = b"".join(b"%d %d %d 1\n" % (k, k, k % n + 1) for k in range(1, n + 1))
+    return nodes(n) + b"%d 1\n" % n + ring + b"1\n1 0.5 0.5\n"
+
+
+def holes_and_regions(n: int) -> bytes:
+    """Very many of them, around one point."""
+    rows = b"0 1 1\n" * n
+    return b"1 2 0 0\n0 5 5\n0\n%d\n" % n + rows + b"%d\n" % n + b"0 1 1 1\n" * n
+
+
+def stated_names(n: int) -> bytes:
+    """Very many comments at the top, which would name values."""
+    return b'# attribute "ab"\n' * n + b"1 2 0 0\n0 5 5\n0\n0\n"
+
+
+def points_beside(n: int) -> bytes:
+    """Segments between the few points beside."""
+    return b"0 2 0 0\n%d 0\n" % n + b"".join(b"%d 0 1\n" % k for k in range(n)) + b"0\n"
+
+
+POLY = named(segments_of_nodes, holes_and_regions, stated_names, points_beside)
 
 
 def zipped(data: bytes) -> bytes:

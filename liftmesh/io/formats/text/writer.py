@@ -9,7 +9,6 @@ there are columns beyond x, y and z, or if x or z could be ids. Names are writte
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -19,7 +18,14 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits, recognized
 from liftmesh.base.options import refused
 from liftmesh.errors import FormatError
-from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
+from liftmesh.io.columns import (
+    ALPHA,
+    COLOR,
+    NORMAL,
+    POSITION,
+    attribute_columns,
+    exact_doubles,
+)
 from liftmesh.io.format import DOUBLE, fits_whole
 from liftmesh.io.formats.text import reader
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
@@ -48,7 +54,7 @@ def write_text(stream: BinaryIO, cloud: Cloud, *, delimiter: str = " ") -> None:
 
 def _columns(cloud: Cloud) -> tuple[dict[str, Array], dict[str, Array]]:
     """Return the columns of the points, colours and normals, and those of the attributes."""
-    attributes = _attribute_columns(cloud.attributes)
+    attributes = attribute_columns(cloud.attributes)
     columns = _own_columns(cloud)
     taken = columns.keys() & attributes.keys()
     if taken:
@@ -76,7 +82,7 @@ def _could_be_ids(points: Floats) -> bool:
 def _own_columns(cloud: Cloud) -> dict[str, Array]:
     columns = dict(zip(POSITION, cloud.points.T, strict=True))
     if cloud.normals is not None:
-        columns |= zip(NORMAL, _exact(cloud.normals).T, strict=True)
+        columns |= zip(NORMAL, exact_doubles(cloud.normals).T, strict=True)
     if cloud.colors is not None:
         columns |= zip((*COLOR, ALPHA), _plain_colors(cloud.colors).T, strict=False)
     return columns
@@ -90,37 +96,6 @@ def _plain_colors(colors: Array) -> Array:
     if colors.dtype == np.uint16 and colors.max() > 255:
         return colors
     return as_float(colors)
-
-
-def _attribute_columns(attributes: Mapping[str, Array]) -> dict[str, Array]:
-    columns: dict[str, Array] = {}
-    for name, values in attributes.items():
-        width = math.prod(values.shape[1:])
-        if values.dtype.kind not in "biuf" or not width:
-            raise FormatError(
-                f"attribute {name!r} of type {values.dtype} and shape {values.shape} cannot be "
-                "written as text: it has no numbers"
-            )
-        flat = _exact(values).reshape(len(values), width)
-        names = [name] if values.ndim == 1 else [f"{name}_{k}" for k in range(width)]
-        taken = columns.keys() & {*names}
-        if taken:
-            raise FormatError(f"two attributes are named {min(taken)!r}: rename one")
-        columns |= zip(names, flat.T, strict=True)
-    return columns
-
-
-def _exact(values: Array) -> Array:
-    """Floats as doubles, which text is read as: so their digits are those of the same number."""
-    if values.dtype.kind != "f":
-        return values
-    with np.errstate(invalid="ignore"):  # NumPy warns of signalling NaNs in single precision
-        doubles = values.astype(np.float64, copy=False)
-    if values.dtype.itemsize > doubles.itemsize and not np.array_equal(
-        doubles, values, equal_nan=True
-    ):
-        raise FormatError(f"values of type {values.dtype} cannot be written as text: convert them")
-    return doubles
 
 
 def _header(names: list[str], delimiter: str) -> bytes:
@@ -155,11 +130,16 @@ def _comes_back(own: list[str], attributes: list[str], delimiter: str) -> bool:
     )
 
 
-def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     """Numbers are read as doubles, and colours close to those of 8 bits as these."""
+    return (*dropped_digits(cloud, options), *_lost_colors(cloud))
+
+
+def dropped_digits(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Numbers are read as doubles."""
     whole = {k: each for k, each in sorted(cloud.attributes.items()) if each.dtype.kind in "iu"}
     wide = [name for name, values in whole.items() if not fits_whole(values, DOUBLE)]
-    return (*(f"whole numbers of {name} beyond 2**53" for name in wide), *_lost_colors(cloud))
+    return tuple(f"whole numbers of {name} beyond 2**53" for name in wide)
 
 
 def _lost_colors(cloud: Cloud) -> tuple[str, ...]:

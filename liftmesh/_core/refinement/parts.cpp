@@ -1,0 +1,211 @@
+// Constraints that are split, as points come too near to them.
+
+#include "predicates/orient2d.hpp"
+#include "refinement/refinement.hpp"
+
+namespace liftmesh::refinement {
+
+// Whether a point is so near to a constraint that this is to be split.
+bool Refinement::is_encroached(Edge e, Point p) const {
+    const auto to = [&](Vertex v) { return measures_.between(p, at(v)); };
+    return Corner(to(slots().tail(e)), to(slots().head(e))).is_wide(wide_);
+}
+
+// A side of a triangle, seen from inside.
+void Refinement::look_at_side(Edge e) {
+    const TriangleId t = triangle_of(e);
+    if (!slots().is_marked(e) || slots().is_ghost(t)) return;
+    if (!is_inside(t) && !wanted_.is_conforming) return;
+    if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
+}
+
+// False if it cannot be split.
+bool Refinement::ask_to_split(Edge e) {
+    Vertex a = slots().tail(e), b = slots().head(e);
+    if (before_xy(at(b), at(a))) std::swap(a, b);
+    const Part part{square(between(a, b)), a, b};
+    if (!stuck_.empty() && stuck_.contains(key(part))) return false;
+    parts_.push(part);
+    return true;
+}
+
+// Whether another constraint ends at the tail of an edge, in a small angle inside; `beside` is that
+// edge of the triangle on its left which ends there, or starts on its right.
+bool Refinement::is_narrow(Edge e, Edge beside) const {
+    constexpr double of_sixty_degrees2 = 0.25;
+    if (!is_inside(triangle_of(beside)) || !slots().is_marked(beside)) return false;
+    const Vertex corner = slots().tail(e);
+    const Vertex other =
+        slots().tail(beside) == corner ? slots().head(beside) : slots().tail(beside);
+    return Corner(between(corner, slots().head(e)), between(corner, other))
+        .is_less(of_sixty_degrees2);
+}
+
+// At the tail of an edge.
+bool Refinement::has_narrow_corner(Edge e) const {
+    return is_narrow(e, previous(e)) || is_narrow(e, next(slots().twin(e)));
+}
+
+Point Refinement::place(const Part& part, Edge e) const {
+    const bool at_first = has_narrow_corner(e), at_second = has_narrow_corner(slots().twin(e));
+    const Point a = at(part.first), b = at(part.second);
+    if (at_first == at_second) return middle(a, b);
+    return at_first ? at_shell(a, b, measures_) : at_shell(b, a, measures_);
+}
+
+// The piece that a part belongs to.
+std::int32_t Refinement::piece_at(Vertex a, Vertex b) const {
+    for (const Vertex v : {a, b})
+        if (divided_[v] >= 0) return divided_[v];
+    const auto [first, second] = std::minmax({rows_[a], rows_[b]});
+    const auto found =
+        std::lower_bound(pieces_.begin(), pieces_.end(), constrained::Piece{first, second});
+    return static_cast<std::int32_t>(found - pieces_.begin());
+}
+
+void Refinement::split(const Part& part) {
+    Edge e = mesh_.edge_between(part.first, part.second);
+    if (e == nothing || !slots().is_marked(e)) return;
+    if (made_ >= wanted_.most) {
+        is_capped_ = true;
+        return;
+    }
+    if (!wanted_.is_conforming) {
+        clear_circle(part);
+        e = mesh_.edge_between(part.first, part.second);
+    }
+    insert_on(part, e, place(part, e));
+}
+
+// Takes out points that were added, and that no constraint needs, near to one that is to be split.
+void Refinement::clear_circle(const Part& part) {
+    const auto side = [&] { return mesh_.edge_between(part.first, part.second); };
+    if (has_narrow_corner(side()) || has_narrow_corner(slots().twin(side()))) return;
+    while (remove_apex(side())) {
+    }
+    while (remove_apex(slots().twin(side()))) {
+    }
+}
+
+bool Refinement::remove_apex(Edge e) {
+    const TriangleId t = triangle_of(e);
+    if (!is_inside(t)) return false;
+    const Vertex v = slots().apex(e);
+    if (divided_[v] != no_piece) return false;
+    if (dot(between(v, slots().tail(e)), between(v, slots().head(e))) >= 0) return false;
+    const std::int32_t inside = region(t);
+    mesh_.find_star(v, star_);
+    mesh_.plan(star_, patch_);
+    mesh_.replace(v, star_, patch_, fresh_);
+    for (const TriangleId each : fresh_) region(each) = inside;
+    stamp(fresh_);
+    in_order(fresh_);
+    for (const TriangleId each : fresh_) {
+        for (unsigned k = 0; k < 3; ++k) look_at_side(edge(each, k));
+        look_at(each);
+    }
+    return true;
+}
+
+// Whether all of the border of the cavity can be seen from a point, which is off the line of the
+// part that it divides as far as it was rounded.
+bool Refinement::can_be_seen(Point p) const {
+    return std::all_of(mesh_.border().begin(), mesh_.border().end(), [&](const BorderEdge& each) {
+        return each.tail == ghost || each.head == ghost ||
+               orient2d(at(each.tail), at(each.head), p) > 0;
+    });
+}
+
+// The triangle that a point beside the middle of an edge is in, which may be a ghost; or `nothing`
+// if that is behind a constraint, or far.
+TriangleId Refinement::find_beside(Edge e, Point p) const {
+    constexpr unsigned far = 16;
+    TriangleId t = triangle_of(slots().is_ghost(triangle_of(e)) ? slots().twin(e) : e);
+    for (unsigned step = 0; step < far; ++step) {
+        if (slots().is_ghost(t)) return t;
+        Edge crossed = nothing;
+        bool is_in = true;
+        for (unsigned k = 0; k < 3; ++k) {
+            if (!is_right_of(edge(t, k), p)) continue;
+            is_in = false;
+            if (!slots().is_marked(edge(t, k))) crossed = edge(t, k);
+        }
+        if (is_in) return t;
+        if (crossed == nothing) break;
+        t = triangle_of(slots().twin(crossed));
+    }
+    return nothing;
+}
+
+// Digs the cavity of a point that divides a part; false if it was rounded so far from it that the
+// ends cannot be seen from there.
+bool Refinement::dig_across(const Part& part, Edge e, Point p) {
+    if (p == at(part.first) || p == at(part.second)) return false;
+    mesh_.unmark(e);
+    const TriangleId t = find_beside(e, p);
+    if (t != nothing) mesh_.dig(p, t);
+    if (t != nothing && can_be_seen(p) && is_at_border(part.first) && is_at_border(part.second))
+        return true;
+    mesh_.mark(e);
+    return false;
+}
+
+bool Refinement::is_at_border(Vertex v) const {
+    const auto& border = mesh_.border();
+    return std::any_of(border.begin(), border.end(),
+                       [v](const BorderEdge& each) { return each.tail == v; });
+}
+
+void Refinement::insert_on(const Part& part, Edge e, Point middle) {
+    constexpr std::size_t places = 9;
+    const std::int32_t left = region(triangle_of(e)), right = region(triangle_of(slots().twin(e)));
+    for (std::size_t i = 0; i < places; ++i) {
+        const Point p = beside(middle, i);
+        if (!dig_across(part, e, p)) continue;
+        const Vertex v = fill(p, piece_at(part.first, part.second));
+        divide(part, left, right);
+        look_around();
+        for (const Vertex end : {part.first, part.second}) {
+            const Edge half = mesh_.edge_between(end, v);
+            look_at_side(half);
+            look_at_side(slots().twin(half));
+        }
+        return;
+    }
+    stuck_.insert(key(part));
+}
+
+// The star of a new vertex between the ends of a part: what is left of it has one region, what is
+// right of it the other.
+void Refinement::divide(const Part& part, std::int32_t left, std::int32_t right) {
+    const auto& border = mesh_.border();
+    std::size_t i = 0;
+    while (border[i].tail != part.second) ++i;
+    std::int32_t inside = left;
+    for (std::size_t step = 0; step < border.size(); ++step, i = (i + 1) % border.size()) {
+        const TriangleId t = mesh_.star()[i];
+        if (border[i].tail == part.first) inside = right;
+        if (border[i].tail == part.first || border[i].tail == part.second)
+            mesh_.mark(slots().opposite(t, border[i].head));
+        region(t) = slots().is_ghost(t) ? outside : inside;
+    }
+}
+
+// Whether all constraints are in the triangulation without constraints; else some are to be split.
+bool Refinement::conforms() {
+    bool all = true;
+    const Guard guard = Guard::anywhere();
+    for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
+        if (slots().is_free(t) || slots().is_ghost(t)) continue;
+        for (unsigned k = 0; k < 3; ++k) {
+            const Edge e = edge(t, k), f = slots().twin(e);
+            if (!slots().is_marked(e) || slots().apex(f) == ghost || f < e) continue;
+            if (incircle_canonical(at(slots().vertex(t, 0)), at(slots().vertex(t, 1)),
+                                   at(slots().vertex(t, 2)), at(slots().apex(f)), guard))
+                all &= !ask_to_split(e);
+        }
+    }
+    return all;
+}
+
+}  // namespace liftmesh::refinement

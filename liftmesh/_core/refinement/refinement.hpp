@@ -1,0 +1,129 @@
+// A refinement under way: triangles that wait, and parts of constraints.
+#pragma once
+
+#include <unordered_set>
+
+#include "refinement/measures.hpp"
+#include "refinement/queues.hpp"
+#include "refinement/refine.hpp"
+
+namespace liftmesh::refinement {
+
+using dynamic::BorderEdge;
+using dynamic::nothing;
+
+inline constexpr std::int32_t outside = -1;  // in place of a region
+inline constexpr std::int32_t given = -2;    // in place of the piece that a vertex divides
+
+// A triangle over its shortest side.
+struct Shape {
+    Edge base;
+    double base2, longest2, twice_area;
+    double height;  // of the centre of its circle over the base, in lengths of the base
+    bool is_sharp;
+};
+
+class Refinement {
+ public:
+    Refinement(const Start& start, const Wanted& wanted, Interrupt& interrupt);
+
+    Status run();
+    Refined result();
+
+ private:
+    struct Place {
+        TriangleId triangle;
+        Edge blocked = nothing;  // the constraint that is in the way
+        bool is_vertex = false;
+    };
+
+    const dynamic::Slots& slots() const { return mesh_.slots(); }
+    Point at(Vertex v) const { return mesh_.point(v); }
+    std::int32_t& region(TriangleId t) { return region_[slot_of(t)]; }
+    bool is_inside(TriangleId t) const { return region_[slot_of(t)] != outside; }
+    // By position; the ghost is last.
+    bool is_before(Vertex a, Vertex b) const {
+        return a != ghost && (b == ghost || before_xy(at(a), at(b)));
+    }
+    Vector between(Vertex a, Vertex b) const { return measures_.between(at(a), at(b)); }
+
+    void begin(const Start& start);
+    void in_order(std::vector<TriangleId>& triangles) const;
+    void look_at_all();
+    void tell();
+    bool does_step();
+
+    Shape shape(TriangleId t) const;
+    std::optional<Waiting> need(TriangleId t);
+    void look_at(TriangleId t);
+    void push(std::vector<Waiting>& all);
+    void measure();
+    bool is_between_constraints(Edge base) const;
+    std::int32_t piece_at(Vertex a, Vertex b) const;
+
+    void treat(const Waiting& waiting);
+    bool is_gone(const Waiting& waiting) const;
+    Point center(const Shape& shape) const;
+    Place walk(Edge base, Point p) const;
+    bool is_right_of(Edge e, Point p) const {
+        return orient2d(at(slots().tail(e)), at(slots().head(e)), p) < 0;
+    }
+    bool is_marked_at(Edge e, Point p) const;
+    void add(Point p);
+    Vertex fill(Point p, std::int32_t piece);
+    void stamp(const std::vector<TriangleId>& triangles);
+
+    bool is_encroached(Edge e, Point p) const;
+    void look_at_side(Edge e);
+    bool ask_to_split(Edge e);
+    void split(const Part& part);
+    void clear_circle(const Part& part);
+    bool remove_apex(Edge e);
+    bool is_narrow(Edge e, Edge beside) const;
+    bool has_narrow_corner(Edge e) const;
+    Point place(const Part& part, Edge e) const;
+    bool can_be_seen(Point p) const;
+    TriangleId find_beside(Edge e, Point p) const;
+    bool dig_across(const Part& part, Edge e, Point p);
+    bool is_at_border(Vertex v) const;
+    void insert_on(const Part& part, Edge e, Point middle);
+    void divide(const Part& part, std::int32_t left, std::int32_t right);
+    void look_around();
+    bool conforms();
+
+    Row row(Vertex v) const { return v < rows_.size() ? rows_[v] : name_[v - rows_.size()]; }
+    static std::uint64_t key(const Part& part) {
+        return std::uint64_t{part.first} << 32 | part.second;
+    }
+
+    const Wanted& wanted_;
+    Interrupt& interrupt_;
+    Patience patience_;
+    std::size_t told_ = 0;
+    Measures measures_;
+    double sharp_, wide_, off_center_;
+    std::vector<double> largest_;
+    std::size_t given_rows_;
+    std::span<const constrained::Piece> pieces_;
+
+    dynamic::Triangulation mesh_;
+    std::vector<Row> rows_;             // of the first vertices
+    std::vector<std::int32_t> region_;  // of slots
+    std::vector<std::uint32_t> stamp_;  // of slots: when they were filled
+    std::uint32_t time_ = 0;
+    std::vector<std::int32_t> divided_;  // by vertices
+    std::size_t made_ = 0;
+    bool is_capped_ = false;
+    Buckets waiting_;
+    Parts parts_;
+    std::vector<Waiting> unmeasured_;
+    std::unordered_set<std::uint64_t> stuck_;  // parts that cannot be split
+
+    std::vector<Edge> in_the_way_;
+    dynamic::Star star_;
+    dynamic::Patch patch_;
+    std::vector<TriangleId> fresh_;
+    std::vector<Row> name_;  // of the vertices that were added
+};
+
+}  // namespace liftmesh::refinement

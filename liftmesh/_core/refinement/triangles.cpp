@@ -1,0 +1,194 @@
+// Triangles that are sharp or large, and the points that go into them.
+
+#include "predicates/orient2d.hpp"
+#include "refinement/refinement.hpp"
+
+namespace liftmesh::refinement {
+
+Shape Refinement::shape(TriangleId t) const {
+    Vector side[3];
+    double length2[3];
+    for (unsigned k = 0; k < 3; ++k) {
+        side[k] = between(slots().tail(edge(t, k)), slots().head(edge(t, k)));
+        length2[k] = square(side[k]);
+    }
+    const auto apex = [&](unsigned k) { return at(slots().vertex(t, k)); };
+    unsigned base = 0;
+    for (unsigned k = 1; k < 3; ++k)
+        if (length2[k] < length2[base] ||
+            (length2[k] == length2[base] && before_xy(apex(k), apex(base))))
+            base = k;
+    const Vector onward = side[(base + 1) % 3], back = side[(base + 2) % 3];
+    const Corner corner(onward, {-back.x, -back.y});
+    const double area = cross(onward, back);
+    return {edge(t, base), length2[base],         *std::max_element(length2, length2 + 3),
+            area,          corner.dot / 2 / area, corner.is_less(sharp_)};
+}
+
+// Whether the triangle over a base cannot be helped: its ends are as far from the corner of the two
+// pieces that they divide.
+bool Refinement::is_between_constraints(Edge base) const {
+    const Vertex a = slots().tail(base), b = slots().head(base);
+    if (divided_[a] < 0 || divided_[b] < 0 || divided_[a] == divided_[b]) return false;
+    const constrained::Piece& one = pieces_[static_cast<std::size_t>(divided_[a])];
+    const constrained::Piece& other = pieces_[static_cast<std::size_t>(divided_[b])];
+    Row corner;
+    if (one.first == other.first || one.first == other.second)
+        corner = one.first;
+    else if (one.second == other.first || one.second == other.second)
+        corner = one.second;
+    else
+        return false;
+    const auto found = std::lower_bound(rows_.begin(), rows_.end(), corner);
+    const auto v = static_cast<Vertex>(found - rows_.begin());
+    const double to_a = square(between(v, a)), to_b = square(between(v, b));
+    return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
+}
+
+// What is to be split. Lengths are measured later, of many triangles at once.
+std::optional<Waiting> Refinement::need(TriangleId t) {
+    if (!is_inside(t)) return {};
+    const Shape found = shape(t);
+    const Edge base = found.base;
+    const Waiting named{found.base2, base, stamp_[slot_of(t)]};
+    if (found.is_sharp) return is_between_constraints(base) ? std::nullopt : std::optional(named);
+    if (!largest_.empty() && found.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))])
+        return named;
+    if (wanted_.lengths) unmeasured_.push_back(named);
+    return {};
+}
+
+void Refinement::look_at(TriangleId t) {
+    if (const auto found = need(t)) waiting_.push(*found);
+}
+
+bool Refinement::is_gone(const Waiting& waiting) const {
+    const TriangleId t = triangle_of(waiting.base);
+    return slots().is_free(t) || stamp_[slot_of(t)] != waiting.stamp;
+}
+
+// Asks for the lengths that are wanted in all triangles that are new.
+void Refinement::measure() {
+    std::erase_if(unmeasured_, [this](const Waiting& each) { return is_gone(each); });
+    std::vector<Point> centroids;
+    std::vector<std::int32_t> regions;
+    std::vector<double> lengths(unmeasured_.size());
+    for (const Waiting& each : unmeasured_) {
+        const Point p = at(slots().tail(each.base)), q = at(slots().head(each.base)),
+                    r = at(slots().apex(each.base));
+        centroids.push_back({p.x / 3 + q.x / 3 + r.x / 3, p.y / 3 + q.y / 3 + r.y / 3});
+        regions.push_back(region(triangle_of(each.base)));
+    }
+    wanted_.lengths(centroids, regions, lengths.data());
+    std::vector<Waiting> long_ones;
+    for (std::size_t i = 0; i < lengths.size(); ++i) {
+        const Shape found = shape(triangle_of(unmeasured_[i].base));
+        const double most = std::numbers::sqrt2 * measures_.scaled(lengths[i]);
+        if (found.longest2 > most * most) long_ones.push_back(unmeasured_[i]);
+    }
+    unmeasured_.clear();
+    push(long_ones);
+}
+
+// The centre of the circle, or a place nearer to the base.
+Point Refinement::center(const Shape& shape) const {
+    const Vertex a = slots().tail(shape.base), b = slots().head(shape.base);
+    const Vector base = between(a, b);
+    const double height = std::min(shape.height, off_center_);
+    return measures_.moved(at(a), {base.x / 2 - base.y * height, base.y / 2 + base.x * height});
+}
+
+void Refinement::treat(const Waiting& waiting) {
+    if (is_gone(waiting)) return;
+    if (made_ >= wanted_.most) {
+        is_capped_ = true;
+        return;
+    }
+    const TriangleId t = triangle_of(waiting.base);
+    const Point p = center(shape(t));
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return;
+    const Place found = walk(waiting.base, p);
+    if (found.is_vertex) return;
+    in_the_way_.clear();
+    if (found.blocked != nothing) {
+        in_the_way_.push_back(found.blocked);
+    } else {
+        mesh_.dig(p, found.triangle);
+        for (const BorderEdge& each : mesh_.border())
+            if (slots().is_marked(each.beyond) && is_encroached(each.beyond, p))
+                in_the_way_.push_back(each.beyond);
+    }
+    if (in_the_way_.empty()) return add(p);
+    bool is_asked = false;
+    for (const Edge e : in_the_way_) is_asked |= ask_to_split(e);
+    if (is_asked) waiting_.push(waiting);
+}
+
+bool Refinement::is_marked_at(Edge e, Point p) const {
+    return slots().is_marked(e) && orient2d(at(slots().tail(e)), at(slots().head(e)), p) == 0;
+}
+
+// From a triangle to a point, up to a constraint. The way depends on positions alone.
+Refinement::Place Refinement::walk(Edge base, Point p) const {
+    Edge tried[3] = {base, next(base), previous(base)};
+    unsigned first = 0;
+    while (true) {
+        Edge crossed = nothing;
+        for (unsigned k = first; k < 3 && crossed == nothing; ++k)
+            if (is_right_of(tried[k], p)) crossed = tried[k];
+        const TriangleId t = triangle_of(tried[0]);
+        if (crossed == nothing) {
+            for (const Edge e : tried) {
+                if (at(slots().apex(e)) == p) return {t, nothing, true};
+                if (is_marked_at(e, p)) return {t, e};
+            }
+            return {t};
+        }
+        if (slots().is_marked(crossed)) return {t, crossed};
+        const Edge from = slots().twin(crossed);
+        tried[0] = from;
+        tried[1] = next(from);
+        tried[2] = previous(from);
+        first = 1;
+    }
+}
+
+void Refinement::add(Point p) {
+    const std::int32_t inside = region(mesh_.cavity()[0]);
+    fill(p, no_piece);
+    for (const TriangleId t : mesh_.star()) region(t) = inside;
+    look_around();
+}
+
+Vertex Refinement::fill(Point p, std::int32_t piece) {
+    const Vertex v = mesh_.fill(p);
+    ++made_;
+    if (v >= divided_.size()) divided_.resize(v + std::size_t{1});
+    divided_[v] = piece;
+    region_.resize(slot_of(slots().end()), outside);
+    stamp(mesh_.star());
+    return v;
+}
+
+void Refinement::stamp(const std::vector<TriangleId>& triangles) {
+    stamp_.resize(slot_of(slots().end()));
+    ++time_;
+    for (const TriangleId t : triangles) stamp_[slot_of(t)] = time_;
+}
+
+// The triangles around the last point, from the border's first one in the plane on.
+void Refinement::look_around() {
+    const auto& border = mesh_.border();
+    std::size_t first = 0;
+    for (std::size_t i = 1; i < border.size(); ++i)
+        if (is_before(border[i].tail, border[first].tail)) first = i;
+    for (std::size_t step = 0; step < border.size(); ++step) {
+        const std::size_t i = (first + step) % border.size();
+        const TriangleId t = mesh_.star()[i];
+        if (slots().is_ghost(t)) continue;
+        look_at_side(slots().twin(border[i].beyond));
+        look_at(t);
+    }
+}
+
+}  // namespace liftmesh::refinement
