@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 _AT_ONCE = 1 << 14  # triangles
 _LISTED = 16  # violations
+_MOST_BINS = 1_000_000
 _DOUBT = 2.0**-46  # more than 32 roundings of 2^-53 each
 _SCALE = 200  # the exponent of the largest coordinate: no product overflows
 _TINY = 2.0**-900  # products of squares that underflow cannot have changed
@@ -126,7 +127,7 @@ class RefineResult(FrozenResult):
         Raises
         ------
         InputError
-            `bins` is not a whole number from 1.
+            `bins` is not a whole number from 1 to 1,000,000.
 
         See Also
         --------
@@ -139,7 +140,7 @@ class RefineResult(FrozenResult):
         >>> refined.histogram(4)
         (array([4, 2, 0, 0]), array([  0.,  45.,  90., 135., 180.]))
         """
-        return np.histogram(self.angles, as_count("bins", bins, 1), (0.0, 180.0))
+        return np.histogram(self.angles, as_count("bins", bins, 1, _MOST_BINS), (0.0, 180.0))
 
     def verify(
         self, *, threads: int | None = None, progress: Progress | None = None

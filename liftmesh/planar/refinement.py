@@ -194,9 +194,9 @@ def _largest(max_area: ArrayLike | None, tri: ConstrainedTriangulation) -> Float
         return np.empty(0)
     count = int(tri.regions.max()) + 1
     wanted = f"give a positive number, or one for each of the {counted(count, 'region')}"
-    if np.ndim(max_area) == 0:
-        return np.full(count, as_positive("max_area", max_area, wanted.removeprefix("give ")))
     areas = as_numbers("max_area", max_area, wanted)
+    if areas.ndim == 0:
+        return np.full(count, as_positive("max_area", max_area, wanted.removeprefix("give ")))
     if areas.shape != (count,) or not (areas > 0).all():
         raise refused("max_area", max_area, wanted)
     return areas
@@ -208,10 +208,11 @@ def _lengths(size: Any, tri: ConstrainedTriangulation) -> Lengths | None:
         return None
     if callable(size):
         return lambda places, _: _returned(size, places.reshape(-1, 2))
-    if np.ndim(size) == 0:
+    lengths = as_numbers("size", size, _SIZE)
+    if lengths.ndim == 0:
         length = as_positive("size", size, _SIZE.removeprefix("give "))
         return lambda _, regions: np.full(len(regions), length)
-    lengths = np.ascontiguousarray(as_numbers("size", size, _SIZE))
+    lengths = np.ascontiguousarray(lengths)
     if lengths.shape != (tri.npoints,):
         raise InputError(
             f"{Option('size')} has the shape {lengths.shape}, and there are "

@@ -17,6 +17,7 @@ from stopped import LONG_RUN, seconds_to_stop
 
 import liftmesh
 from liftmesh import ConstrainedTriangulation, RefineResult, constrained_delaunay, refine
+from liftmesh.planar.refined import below_angle
 
 STRIP = [[0.0, 0.0], [9.0, 0.0], [9.0, 1.0], [0.0, 1.0]]
 SQUARE = [[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]]
@@ -52,9 +53,7 @@ def smallest_angles(tri: liftmesh.Triangulation) -> Array:
 
 def as_set(result: RefineResult) -> set[Any]:
     """The triangles by the positions of their corners."""
-    return {
-        tuple(sorted(map(tuple, places))) for places in corners(result.triangulation).tolist()
-    }
+    return {tuple(sorted(map(tuple, places))) for places in corners(result.triangulation).tolist()}
 
 
 def check(result: RefineResult, before: Array, angle: float = 30.0) -> None:
@@ -322,8 +321,6 @@ def test_doubtful_angles_are_decided_in_integers() -> None:
     """An angle of 45 degrees has a cosine between two doubles."""
     result = refine(SQUARE, min_angle=45)
     assert (len(result.steiner), len(result.below)) == (0, 0)
-    from liftmesh.planar.refined import below_angle  # noqa: PLC0415 - internal
-
     root = np.sqrt(0.5)
     made = result.triangulation
     assert [len(below_angle(made, c)) for c in (np.nextafter(root, 0), root)] == [2, 0]
@@ -359,7 +356,10 @@ def test_damaged_pickles_are_refused(name: str) -> None:
         ({"min_angle": -1}, "min_angle is -1"),
         ({"min_angle": np.nan}, "min_angle is nan"),
         ({"min_angle": "30"}, "min_angle is '30'"),
-        ({"max_area": 0}, "max_area is 0: give a positive number, or one for each of the 2 regions"),
+        (
+            {"max_area": 0},
+            "max_area is 0: give a positive number, or one for each of the 2 regions",
+        ),
         ({"max_area": np.nan}, "max_area is nan"),
         ({"max_area": "x"}, "max_area is 'x'"),
         ({"max_area": [1, 2, 3]}, r"max_area is \[1, 2, 3\]: .* each of the 2 regions"),
