@@ -123,6 +123,7 @@ WITHOUT_DATA = {
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",
+    "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
     "Surface": "a result, made by triangulate; its methods are watched",
