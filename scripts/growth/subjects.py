@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from files import stream_of
-from growth import cells, changing, constraints, disks, functions, stars, surfaces, weighted
+from growth import cells, changing, constraints, disks, functions, lined, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
@@ -225,6 +225,7 @@ def subjects() -> Mapping[str, Subject]:
             *weighted.FUNCTIONS,
             *cells.FUNCTIONS,
             *surfaces.FUNCTIONS,
+            *lined.FUNCTIONS,
             *disks.FUNCTIONS,
             *stars.FUNCTIONS,
             *changing.CHANGING,

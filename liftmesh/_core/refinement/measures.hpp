@@ -21,22 +21,35 @@ inline double square(Vector a) {
 }
 
 // A corner, seen along both sides.
-struct Corner {
-    double dot, squares;
+class Corner {
+ public:
+    Corner(Vector a, Vector b) : dot_(refinement::dot(a, b)), a2_(square(a)), b2_(square(b)) {}
 
-    Corner(Vector a, Vector b) : dot(refinement::dot(a, b)), squares(square(a) * square(b)) {}
-
+    double dot() const { return dot_; }
     // Whether it is less than an acute angle with this square of the cosine.
-    bool is_less(double cosine2) const { return dot > 0 && dot * dot > cosine2 * squares; }
-    // Whether it is more than 180 degrees less that angle.
-    bool is_wide(double cosine2) const { return dot < 0 && dot * dot >= cosine2 * squares; }
+    bool is_less(double cosine2) const { return dot_ > 0 && cosine2_exceeds(cosine2); }
+    // Whether it is at least 180 degrees less that angle.
+    bool is_wide(double cosine2) const { return dot_ < 0 && !cosine2_is_below(cosine2); }
+
+ private:
+    // The product of short sides may be too small for a double.
+    bool has_product() const { return a2_ * b2_ > std::numeric_limits<double>::min(); }
+    double cosine2() const { return (dot_ / a2_) * (dot_ / b2_); }
+    bool cosine2_exceeds(double other) const {
+        return has_product() ? dot_ * dot_ > other * (a2_ * b2_) : cosine2() > other;
+    }
+    bool cosine2_is_below(double other) const {
+        return has_product() ? dot_ * dot_ < other * (a2_ * b2_) : cosine2() < other;
+    }
+
+    double dot_, a2_, b2_;
 };
 
 class Measures {
  public:
     // Of coordinates of this magnitude at most.
     explicit Measures(double greatest) {
-        constexpr int near = 300;  // squares of squares stay in range
+        constexpr int near = 200;  // squares of squares stay in range
         const int exponent = greatest == 0 ? 0 : std::ilogb(greatest);
         if (std::abs(exponent) <= near) return;
         first_ = std::ldexp(1.0, -exponent / 2);

@@ -1,6 +1,5 @@
 // Constraints that are split, as points come too near to them.
 
-#include "predicates/orient2d.hpp"
 #include "refinement/refinement.hpp"
 
 namespace liftmesh::refinement {
@@ -14,8 +13,7 @@ bool Refinement::is_encroached(Edge e, Point p) const {
 // A side of a triangle, seen from inside.
 void Refinement::look_at_side(Edge e) {
     const TriangleId t = triangle_of(e);
-    if (!slots().is_marked(e) || slots().is_ghost(t)) return;
-    if (!is_inside(t) && !wanted_.is_conforming) return;
+    if (!slots().is_marked(e) || !counts(t)) return;
     if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
 }
 
@@ -33,7 +31,7 @@ bool Refinement::ask_to_split(Edge e) {
 // edge of the triangle on its left which ends there, or starts on its right.
 bool Refinement::is_narrow(Edge e, Edge beside) const {
     constexpr double of_sixty_degrees2 = 0.25;
-    if (!is_inside(triangle_of(beside)) || !slots().is_marked(beside)) return false;
+    if (!counts(triangle_of(beside)) || !slots().is_marked(beside)) return false;
     const Vertex corner = slots().tail(e);
     const Vertex other =
         slots().tail(beside) == corner ? slots().head(beside) : slots().tail(beside);

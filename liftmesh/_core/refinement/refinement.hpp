@@ -3,6 +3,7 @@
 
 #include <unordered_set>
 
+#include "predicates/orient2d.hpp"
 #include "refinement/measures.hpp"
 #include "refinement/queues.hpp"
 #include "refinement/refine.hpp"
@@ -41,6 +42,10 @@ class Refinement {
     Point at(Vertex v) const { return mesh_.point(v); }
     std::int32_t& region(TriangleId t) { return region_[slot_of(t)]; }
     bool is_inside(TriangleId t) const { return region_[slot_of(t)] != outside; }
+    // Whether constraints are to be split for its corners.
+    bool counts(TriangleId t) const {
+        return is_inside(t) || (wanted_.is_conforming && !slots().is_ghost(t));
+    }
     // By position; the ghost is last.
     bool is_before(Vertex a, Vertex b) const {
         return a != ghost && (b == ghost || before_xy(at(a), at(b)));

@@ -1,6 +1,5 @@
 // Triangles that are sharp or large, and the points that go into them.
 
-#include "predicates/orient2d.hpp"
 #include "refinement/refinement.hpp"
 
 namespace liftmesh::refinement {
@@ -21,8 +20,8 @@ Shape Refinement::shape(TriangleId t) const {
     const Vector onward = side[(base + 1) % 3], back = side[(base + 2) % 3];
     const Corner corner(onward, {-back.x, -back.y});
     const double area = cross(onward, back);
-    return {edge(t, base), length2[base],         *std::max_element(length2, length2 + 3),
-            area,          corner.dot / 2 / area, corner.is_less(sharp_)};
+    return {edge(t, base), length2[base],           *std::max_element(length2, length2 + 3),
+            area,          corner.dot() / 2 / area, corner.is_less(sharp_)};
 }
 
 // Whether the triangle over a base cannot be helped: its ends are as far from the corner of the two
