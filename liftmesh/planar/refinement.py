@@ -293,7 +293,7 @@ def _result(
         tri.duplicates,
         tri.skipped,
         marks[order],
-        _parts(tri, simplices, marks[order], divided),
+        _parts(tri, simplices, neighbors, marks[order], divided),
         left,
     )
     indptr, members = tri.constraint_inputs
@@ -316,10 +316,14 @@ def _result(
     return result, regions[:left]
 
 
-def _parts(tri: ConstrainedTriangulation, simplices: Rows, marks: Bits, divided: Rows) -> Pieces:
+def _parts(
+    tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
+) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    face, k = np.nonzero(marks[:, None] >> np.arange(3, dtype=np.uint8) & 1)
-    keys = np.unique(pair_keys(*ends_of(simplices, face, k).T))
+    number = np.arange(len(marks), dtype=np.int32)[:, None]
+    is_part = marks[:, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
+    face, k = np.nonzero(is_part & (neighbors < number))  # of both sides the later one
+    keys = np.sort(pair_keys(*ends_of(simplices, face, k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)
     of_row = np.concatenate([np.full(tri.npoints, -1, dtype=np.int32), divided])
     piece = of_row[ends].max(axis=1)  # a row that was added is on one piece at most
