@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Carve, Crossing
+from liftmesh.base.options import Carve, Crossing, counted
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import flag, option
 from liftmesh.cli.surfaces import is_table
@@ -81,18 +81,24 @@ def run(
     target.check()
     planar = {"flat": None} if is_table(source, reading.get("format")) else {}
     cloud = inputs.read(source, {**planar, **reading})
-    files = {**lines}
+    files, entries = {**lines}, {**cloud.metadata}
+    holes = entries.pop("holes", None)  # which are made, or are of other edges
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
-    elif not {"polylines", "polygons"} & lines.keys():
-        if cloud.edges is None:
-            raise click.BadParameter(
-                f"{source} has no edges: give --edges, --polylines or --polygons"
+    if {"edges", "polylines", "polygons"} & lines.keys():
+        if cloud.edges is not None and len(cloud.edges):
+            own = (
+                counted(len(cloud.edges), "edge")
+                + " of its own"
+                + " and its holes" * (holes is not None)
             )
-        entries = {**cloud.metadata}
-        lines |= {"edges": cloud.edges, "seeds": entries.pop("holes", None)}
-        cloud = replace(cloud, metadata=entries)  # without the holes, which are made
+            terminal.note(f"{source}: {own} not taken, as options name others")
+    elif cloud.edges is None:
+        raise click.BadParameter(f"{source} has no edges: give --edges, --polylines or --polygons")
+    else:
+        lines |= {"edges": cloud.edges, "seeds": holes}
         files["edges"] = source
+    cloud = replace(cloud, edges=None, metadata=entries)
     with inputs.about(source):
         target.check_content(cloud)
         with inputs.about_lines(files):
