@@ -167,6 +167,10 @@ def test_carved_triangles_are_valid_only_where_that_is_allowed() -> None:
     whole = liftmesh.constrained_delaunay(points, edges)
     assert whole.verify().canonical
     assert not whole.verify().carved
+    lined = liftmesh.triangulate(points, breaklines=points[:2])
+    assert liftmesh.verify(lined, carved=True).carved, "the constraints are its own"
+    with pytest.raises(liftmesh.InputError, match="carved=True is given without constraints"):
+        liftmesh.verify(liftmesh.triangulate(points), carved=True)
 
 
 def test_what_is_wrong_with_carved_triangles_is_named() -> None:
