@@ -33,6 +33,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "changes.py",
     "constraints.py",
     "earthworks.py",
+    "lines.py",
     "interrupt",
     "sweep",
     "soak",

@@ -56,6 +56,8 @@ from .planar.lifting import (
     lift as lift,
     project as project,
 )
+from .planar.refined import RefineResult as RefineResult
+from .planar.refinement import refine as refine
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify

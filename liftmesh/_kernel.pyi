@@ -32,6 +32,17 @@ Merged: TypeAlias = tuple[
     NDArray[np.int64],
     NDArray[np.int32],
 ]
+Refined: TypeAlias = tuple[
+    NDArray[np.float64],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.uint8],
+    NDArray[np.int32],
+    NDArray[np.uint8],
+    bool,
+]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]
 
 def delaunay(
@@ -69,6 +80,21 @@ def carve(
     carving: str,
     seeds: NDArray[np.int32],
 ) -> NDArray[np.uint8]: ...
+def refine(
+    rows: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    hull: NDArray[np.int32],
+    marks: NDArray[np.uint8],
+    pieces: NDArray[np.int32],
+    regions: NDArray[np.int32],
+    cosine: float,
+    largest: NDArray[np.float64],
+    lengths: Callable[[NDArray[np.float64], NDArray[np.int32]], NDArray[np.float64]] | None,
+    conforming: bool,
+    most: int,
+    progress: Callable[[float], None] | None,
+) -> Refined: ...
 def crossing_places(pairs: NDArray[np.float64], places: NDArray[np.float64]) -> None: ...
 def distances(edges_and_points: NDArray[np.float64], found: NDArray[np.float64]) -> None: ...
 def label_regions(

@@ -65,7 +65,7 @@ def carve_randomly(points: Points, given: Given, rng: Generator) -> None:
         return
     carve = rng.choice(np.array([None, "outside", "holes"], dtype=object))
     corners = rng.integers(0, len(points), (rng.choice([0, 0, 1, 2]), 2))
-    seeds = points[corners].mean(axis=1) if rng.random() < 0.8 else points[corners[:, 0]]
+    seeds = (points[corners] / 2).sum(axis=1) if rng.random() < 0.8 else points[corners[:, 0]]
     try:
         carved = liftmesh.constrained_delaunay(points, **options, carve=carve, seeds=seeds)
     except liftmesh.InputError:
@@ -85,7 +85,8 @@ def random_bounds(points: Points, rng: Generator) -> Given:
             return list(rng.choice(triangles).tolist())
         rows = rng.integers(0, len(points), rng.integers(3, 8))
         if rng.random() < 0.6:
-            x, y = (points[rows] / 2 - points[rows].mean(axis=0) / 2).T
+            near = points[rows] / 16  # their sum is within the range
+            x, y = (near - near.mean(axis=0)).T
             rows = rows[np.argsort(np.arctan2(y, x))]
         return [*map(int, rows)]
 

@@ -176,6 +176,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "apollonius": {"base", "predicates", "parallel", "sorting"},
     "constrained": {"base", "predicates", "sorting", "delaunay"},
     "dynamic": {"base", "predicates", "sorting", "delaunay", "constrained"},
+    "refinement": {"base", "predicates", "sorting", "delaunay", "constrained", "dynamic"},
     "simplification": {"base", "predicates", "sorting", "delaunay", "dynamic"},
     "paper": {"base", "predicates"},
     "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},

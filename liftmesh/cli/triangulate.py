@@ -39,7 +39,7 @@ EXAMPLES = [
 
 _LINES = {  # of the report
     "rows": "of lines", "rows_from_around": "height from around", "rows_at_crossings": "crossings",
-    "rows_at_other_heights": "rows of lines at other heights",
+    "rows_at_other_heights": "rows of lines at other heights", "lines_beyond": "lines beyond",
     "edges": "edges of lines", "flat_triangles": "flat triangles",
 }  # fmt: skip
 _GROUND = 2  # not "ground", which takes all rows where there is none

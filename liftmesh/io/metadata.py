@@ -97,8 +97,10 @@ def noted(metadata: Mapping[str, Any], **notes: Unpack[Notes]) -> dict[str, Any]
     return {**metadata, **{key: each for key, each in notes.items() if each not in (None, (), {})}}
 
 
-def with_carved(metadata: Mapping[str, Any], carved: bool) -> dict[str, Any]:
+def with_carved(metadata: Mapping[str, Any], carved: bool) -> Mapping[str, Any]:
     """State whether regions that edges bound are missing from a mesh."""
+    if not isinstance(metadata, Mapping):
+        return metadata  # the cloud that it is for refuses it
     others = {key: each for key, each in metadata.items() if key != CARVED or each is not True}
     return others | {CARVED: True} if carved else others
 

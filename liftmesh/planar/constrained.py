@@ -24,7 +24,13 @@ from liftmesh.base.options import (
     counted,
 )
 from liftmesh.errors import InputError, Option
-from liftmesh.planar.constrained_triangulation import Bits, ConstrainedTriangulation, Pieces
+from liftmesh.planar.constrained_triangulation import (
+    Bits,
+    ConstrainedTriangulation,
+    Pieces,
+    bits_of,
+    left_first,
+)
 from liftmesh.planar.constraints import Constraints, gather
 from liftmesh.planar.crossing_edges import Split, crossing_error, origins_of, split_crossings
 from liftmesh.planar.delaunay import Solution, check_options, solution_of
@@ -210,7 +216,7 @@ def _solved(
         rows = split.points
     solution = solution_of(outcome, rows, split.points, order, progress)
     if order == "canonical":
-        bits = _bits_of(_found(pieces, solution.simplices)[0])
+        bits = bits_of(_found(pieces, solution.simplices)[0])
     return _Solved(solution, bits, pieces, indptr, members, split.edges, split.origins)
 
 
@@ -237,10 +243,6 @@ def _found(pieces: Rows, simplices: Rows) -> tuple[Mask, Integers]:
         return np.zeros(keys.shape, dtype=np.bool_), place
     place = np.minimum(place, len(known) - 1)
     return known[place] == keys, place
-
-
-def _bits_of(sides: Mask) -> Bits:
-    return (sides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
 
 
 def _pieces(solved: _Solved, split: Split, given: Constraints) -> Pieces:
@@ -354,10 +356,6 @@ def _left_first(solved: _Solved, keep: Mask | None) -> tuple[Solution, Bits, int
     solution, bits = solved.solution, solved.bits
     if keep is None or keep.all():
         return solution, bits, len(bits)
-    order = np.concatenate([np.flatnonzero(keep), np.flatnonzero(~keep)])
-    name = np.full(len(keep) + 1, -1, dtype=np.int32)
-    name[order] = np.arange(len(keep))
-    sorted_ones = solution._replace(
-        simplices=solution.simplices[order], neighbors=name[solution.neighbors[order]]
-    )
+    order, simplices, neighbors = left_first(keep, solution.simplices, solution.neighbors)
+    sorted_ones = solution._replace(simplices=simplices, neighbors=neighbors)
     return sorted_ones, bits[order], int(np.count_nonzero(keep))

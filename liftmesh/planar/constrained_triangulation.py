@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Apex, Mask, Reals, Rows
+from liftmesh._typing import Apex, Integers, Mask, Reals, Rows
 from liftmesh.base.arrays import pair_keys, read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.errors import InputError
@@ -42,6 +42,7 @@ class Pieces:
     added: int  # rows after those of the caller
     crossings: int  # rows after these
     displacement: float
+    steiner: int = 0  # rows after these
 
 
 class ConstrainedTriangulation(Triangulation):
@@ -84,7 +85,7 @@ class ConstrainedTriangulation(Triangulation):
         The rows that coordinates of polylines and polygons have become: those that follow the
         caller's.
     crossing_rows : (c,) ndarray of int32
-        The rows inserted where edges cross, which come last.
+        The rows inserted where edges cross: those that follow.
     displacement : float
         The largest distance of a crossing row from an input edge that it is on.
 
@@ -123,8 +124,10 @@ class ConstrainedTriangulation(Triangulation):
         self.input_polylines = read_only(pieces.polyline)
         self.input_polygons = read_only(pieces.polygon)
         self.zero_length = read_only(pieces.zero_length)
-        own = len(points) - pieces.added - pieces.crossings
-        rows = read_only(np.arange(own, len(points), dtype=np.int32))
+        self._steiner = pieces.steiner
+        end = len(points) - pieces.steiner
+        own = end - pieces.added - pieces.crossings
+        rows = read_only(np.arange(own, end, dtype=np.int32))
         self.added, self.crossing_rows = rows[: pieces.added], rows[pieces.added :]
         self.displacement = pieces.displacement
         self._whole = self.simplices, self.neighbors
@@ -335,20 +338,23 @@ def with_rows(
             len(tri.added),
             len(tri.crossing_rows),
             tri.displacement,
+            tri._steiner,  # noqa: SLF001 - of this module
         ),
         tri.nsimplex,
     )
 
 
 def with_sides(tri: ConstrainedTriangulation, sides: Mask) -> ConstrainedTriangulation:
-    """Make the same triangles with some sides between them as further input edges."""
+    """Make the same triangles with some sides of them as further input edges."""
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
     face, k = np.nonzero(sides)
-    ends = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    ends = ends_of(simplices, face, k)
     beyond = neighbors[face, k]
+    face, beyond = face[beyond >= 0], beyond[beyond >= 0]
+    across = (neighbors[beyond] == face[:, None]).argmax(axis=1)
     constrained = tri._constrained.copy()  # noqa: SLF001 - of this module
-    for each, place in ((face, k), (beyond, (neighbors[beyond] == face[:, None]).argmax(axis=1))):
-        np.bitwise_or.at(constrained, each, (1 << place).astype(np.uint8))
+    constrained[: len(sides)] |= bits_of(sides)
+    np.bitwise_or.at(constrained, beyond, (1 << across).astype(np.uint8))
     (indptr, members), added = tri.constraint_inputs, np.arange(len(ends), dtype=np.int32)
     pieces = _in_order(
         np.concatenate([tri.constraints, ends]),
@@ -373,15 +379,40 @@ def with_sides(tri: ConstrainedTriangulation, sides: Mask) -> ConstrainedTriangu
             len(tri.added),
             len(tri.crossing_rows),
             tri.displacement,
+            tri._steiner,  # noqa: SLF001 - of this module
         ),
         tri.nsimplex,
     )
 
 
+def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
+    """Return the ends of sides opposite vertices k, the lesser row first."""
+    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    return ends
+
+
+def bits_of(sides: Mask) -> Bits:
+    """Pack which sides of each triangle are meant."""
+    return (sides @ np.array([1, 2, 4], dtype=np.uint8)).astype(np.uint8)
+
+
+def left_first(keep: Mask, simplices: Rows, neighbors: Rows) -> tuple[Integers, Rows, Rows]:
+    """Put the triangles that are left before the others; return that order, too."""
+    order = np.concatenate([np.flatnonzero(keep), np.flatnonzero(~keep)])
+    name = np.full(len(keep) + 1, -1, dtype=np.int32)
+    name[order] = np.arange(len(keep))
+    return order, simplices[order], name[neighbors[order]]
+
+
 def _in_order(rows: Rows, indptr: Rows, members: Rows) -> tuple[Rows, Rows, Rows]:
     """Put constraints in ascending order, each with its input edges."""
     order = np.argsort(pair_keys(*rows.T), kind="stable")
-    counts = np.diff(indptr)[order]
+    return rows[order], *members_of(order, indptr, members)
+
+
+def members_of(groups: Integers, indptr: Rows, members: Rows) -> tuple[Rows, Rows]:
+    """Return the members of some groups, in their order, with the starts of each."""
+    counts = np.diff(indptr)[groups]
     starts = np.concatenate([[0], np.cumsum(counts)]).astype(np.int32)
-    place = np.arange(len(members)) + np.repeat(indptr[:-1][order] - starts[:-1], counts)
-    return rows[order], starts, members[place]
+    place = np.arange(starts[-1]) + np.repeat(indptr[:-1][groups] - starts[:-1], counts)
+    return starts, members[place]

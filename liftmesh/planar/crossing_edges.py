@@ -121,10 +121,8 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     rows, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
     edge, row = crossings.ravel(), np.repeat(rows, 2)
-    lines = points[edges[split.origins[edge]]].reshape(-1, 4)
-    far = np.empty(len(edge))
-    _kernel.distances(np.hstack([lines, split.points[row]]).astype(np.float64), far)
-    split.displacement = max(split.displacement, float(far.max()))
+    far = distances(points[edges[split.origins[edge]]], split.points[row]).max()
+    split.displacement = max(split.displacement, float(far))
     cut = np.unique(edge)
     tail, head = split.edges[cut].T
     edge, row = np.concatenate([cut, edge, cut]), np.concatenate([tail, row, head])
@@ -150,6 +148,13 @@ def _places(points: Array, rows: Rows) -> Floats:
     if open_ones.any():
         places[open_ones] = [_crossing(each) for each in ends[open_ones].tolist()]
     return places
+
+
+def distances(lines: Reals, places: Reals) -> Floats:
+    """Return the distances of points, (k, 2), from lines through two points each, (k, 2, 2)."""
+    found = np.empty(len(places))
+    _kernel.distances(np.hstack([lines.reshape(-1, 4), places]).astype(np.float64), found)
+    return found
 
 
 def _named(points: Array, row: int) -> str:

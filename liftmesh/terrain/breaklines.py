@@ -34,6 +34,7 @@ from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
 from liftmesh.terrain.profile import LineCrossings, Met, between, is_after
 from liftmesh.terrain.sampling import heights_at
+from liftmesh.terrain.surface_data import ordered_corners
 from liftmesh.vector.polygons import contains
 
 if TYPE_CHECKING:
@@ -98,6 +99,7 @@ def with_lines(
 ) -> Surface:
     """Make the surface that follows lines."""
     check_plain(lifting, algorithm)
+    lines.check(frame, frame.planar(lifting.cloud.points))
 
     def built(chains: list[Chain], *, is_last: bool) -> Surface:
         network = Network.of(chains, lines.crossing)
@@ -114,6 +116,11 @@ def with_lines(
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
     counts = line_counts(surface, len(lifting.cloud))
+    enclosing = {id(each) for rings in lines.boundary for each in rings}
+    counts["lines_beyond"] = sum(
+        each.line.draped and not each.joined.any() and id(each.line) not in enclosing
+        for each in chains
+    )
     return replace(surface, report=replace(surface.report, lines=counts))
 
 
@@ -367,12 +374,21 @@ def _bounded(surface: Surface, lines: Lines) -> Surface:
         shown = contains(lines.rings(lines.boundary, frame), middles)
     if lines.holes:
         shown &= ~contains(lines.rings(lines.holes, frame), middles)
-    with np.errstate(all="ignore"):
-        (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
-        area = ax * by - ay * bx
-    if not isinstance(tri, ConstrainedTriangulation):  # no ring meets a face
-        return masked(surface, ~shown)
-    is_open = (tri.neighbors >= 0) & ~tri.is_constrained
+    if isinstance(tri, ConstrainedTriangulation):  # else no ring meets a face
+        is_open = (tri.neighbors >= 0) & ~tri.is_constrained
+        if (shown[:, None] & ~shown[tri.neighbors] & is_open).any():
+            return _without_slivers(surface, tri, shown, is_open)
+    return masked(surface, ~shown)
+
+
+def _without_slivers(
+    surface: Surface, tri: ConstrainedTriangulation, shown: Mask, is_open: Mask
+) -> Surface:
+    """Leave out slivers where a ring leaves the hull."""
+    with np.errstate(all="ignore"):  # the order of the rows changes no bit
+        a, b, c = np.moveaxis(ordered_corners(tri.points[tri.simplices]), 1, 0)
+        (ax, ay), (bx, by) = (b - a).T, (c - a).T
+        area = np.abs(ax * by - ay * bx)
     is_smaller = is_open & (area[:, None] < area[tri.neighbors])
     while True:  # no ring is between such triangles: the smaller one is a sliver
         differs = (shown[:, None] & ~shown[tri.neighbors] & is_smaller).any(axis=1)

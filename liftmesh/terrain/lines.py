@@ -7,6 +7,7 @@ of polygons are lines, too. Lines without heights are in the coordinates of the 
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,12 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import MOST_ROWS
 from liftmesh.base.options import Crossing, as_positive, refused, shown
-from liftmesh.errors import FormatError, InputError, Option
+from liftmesh.crs.description import parse_crs
+from liftmesh.errors import DataWarning, FormatError, InputError, Option
 from liftmesh.terrain.lifting import DIVIDING, Lifting
 from liftmesh.terrain.profile import between, is_after
-from liftmesh.vector.files import check_system, read_shapes
+from liftmesh.vector.files import check_system, read_shapes, stated_system
 from liftmesh.vector.geojson import coordinates_of, spatial_corners
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from liftmesh.vector.polygons import Polygon
 
 _LINES = "give corners (n, 3), or (n, 2) without heights; a list of such lines; geometries; a path"
+_MOST_CORNERS = 1 << 24  # with those between
 _POLYGONS = "give a ring as corners (n, 2) or (n, 3); a list of polygons; geometries; or a path"
 
 
@@ -58,20 +60,20 @@ class Line:
             )
         return self.corners[:, :2]
 
+    def parts(self, frame: Frame, distance: float) -> Floats:
+        """Return how many parts each piece gets, of at most a length."""
+        planar = self.planar(frame)
+        planar = np.concatenate([planar, planar[:1]]) if self.closed else planar
+        with np.errstate(over="ignore"):
+            parts: Floats = np.ceil(np.hypot(*np.diff(planar, axis=0).T) / distance)
+        return np.maximum(parts, 1)
+
     def densified(self, frame: Frame, distance: float | None) -> Floats:
         """Return the corners with further ones between them, the first repeated if it is closed."""
         corners = np.concatenate([self.corners, self.corners[:1]]) if self.closed else self.corners
         if distance is None:
             return corners
-        planar = self.planar(frame)
-        planar = np.concatenate([planar, planar[:1]]) if self.closed else planar
-        with np.errstate(over="ignore"):
-            parts = np.ceil(np.hypot(*np.diff(planar, axis=0).T) / distance)
-        if not parts.sum() < MOST_ROWS:
-            raise InputError(
-                f"{Option('densify', distance)} is too short for {self.name}: give a longer one"
-            )
-        counts = np.maximum(parts, 1).astype(np.int64)
+        counts = self.parts(frame, distance).astype(np.int64)
         piece = np.repeat(np.arange(len(counts)), counts)
         number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
         tails, heads = corners[piece], corners[piece + 1]
@@ -95,6 +97,40 @@ class Lines:
     def all(self) -> Iterator[Line]:
         """Yield the lines, then the rings."""
         return chain(self.lines, *self.boundary, *self.holes)
+
+    def check(self, frame: Frame, points: Floats) -> None:
+        """Refuse more corners than memory may hold, and warn of lines far from the points."""
+        if self.densify is not None:
+            counts = [(each.parts(frame, self.densify).sum(), each.name) for each in self.all()]
+            total = sum(count for count, _ in counts)
+            if not total <= _MOST_CORNERS:
+                raise InputError(
+                    f"{Option('densify', self.densify)} is too short for {max(counts)[1]}: there "
+                    f"would be {total:,.0f} corners, and {_MOST_CORNERS:,} are the most: give a "
+                    "longer one"
+                )
+        points = points[np.isfinite(points).all(axis=1)]
+        for name, lines in self._groups().items():
+            if not (lines and len(points)):
+                continue
+            corners = np.concatenate([each.planar(frame) for each in lines])
+            boxes = [(each.min(axis=0), each.max(axis=0)) for each in (points, corners)]
+            if (boxes[0][0] > boxes[1][1]).any() or (boxes[1][0] > boxes[0][1]).any():
+                near, far = (f"{low.tolist()} to {high.tolist()}" for low, high in boxes)
+                warnings.warn(
+                    f"the lines of {Option(name)} lie beyond all points, which reach from {near}; "
+                    f"they from {far}: are both in one coordinate system, and in one unit?",
+                    DataWarning,
+                    stacklevel=5,
+                )
+
+    def _groups(self) -> dict[str, list[Line]]:
+        return {
+            "breaklines": [each for each in self.lines if not each.draped],
+            "soft_breaklines": [each for each in self.lines if each.draped],
+            "boundary": [*chain(*self.boundary)],
+            "holes": [*chain(*self.holes)],
+        }
 
     @staticmethod
     def rings(polygons: list[Sequence[Line]], frame: Frame) -> list[Polygon]:
@@ -203,12 +239,26 @@ def _all(option: str, given: Any, crs: str | None, depth: int) -> Iterator[Any]:
 def _tree(option: str, given: Any, crs: str | None) -> Any:
     """Return the tree of GeoJSON of what is no array; None of others."""
     if isinstance(given, str | os.PathLike):
-        return read_shapes(Path(given), option.replace("_", " "), crs)
+        tree = read_shapes(Path(given), option.replace("_", " "), crs)
+        _check_heights(option, crs, tree)
+        return tree
     described = getattr(given, "__geo_interface__", given)
     if not isinstance(described, Mapping):
         return None
     check_system(crs, given, f"{Option(option)}")
+    _check_heights(option, crs, given)
     return described
+
+
+def _check_heights(option: str, crs: str | None, shapes: object) -> None:
+    """Refuse heights in another unit than those of the points."""
+    systems = parse_crs(crs), parse_crs(stated_system(shapes))
+    own, other = (None if each is None else each.units[2] for each in systems)
+    if own and other and own.metres != other.metres:
+        raise InputError(
+            f"{Option(option)} have heights in the unit {other.name}, and the points in "
+            f"{own.name}: transform them to the system of the points"
+        )
 
 
 def _ring(title: str, given: Any) -> Line:

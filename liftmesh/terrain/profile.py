@@ -12,7 +12,7 @@ first: no bit depends on the order of the rows.
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, TypeAlias
@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Mask, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import as_pairs, starts_of_runs
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
@@ -295,11 +295,27 @@ class LineCrossings:
         tri, mask = self._surface.triangulation, self._surface.mask
         starts = tri.find_simplex(p)
         starts[starts < 0] = tri.find_simplex(q[starts < 0])
+        starts[starts < 0] = self._entries(p[starts < 0], q[starts < 0])
         simplices, neighbors = map(np.ascontiguousarray, (tri.simplices, tri.neighbors))
         ends = np.hstack([p, q])
         piece, face = _kernel.passages(tri.points, simplices, neighbors, ends, starts)
         shown = slice(None) if mask is None else ~mask[face]
         return piece[shown], face[shown]
+
+    def _entries(self, p: Floats, q: Floats) -> Rows:
+        """Return a face on the hull that each piece with both ends outside touches; -1 for none."""
+        tri, entries = self._surface.triangulation, np.full(len(p), -1, dtype=np.int32)
+        if not len(p):
+            return entries
+        face, k = np.nonzero(tri.neighbors < 0)
+        ends = tri.simplices[face[:, None], (k[:, None] + [1, 2]) % 3]
+        a, b = self._points[ends[:, 0]], self._points[ends[:, 1]]
+        for piece, side in _near(_boxes(p, q), _boxes(a, b)):
+            line, rim = (p[piece], q[piece]), (a[side], b[side])
+            across = orient2d(*line, rim[0]) * orient2d(*line, rim[1])
+            meets = (across <= 0) & (orient2d(*rim, line[0]) * orient2d(*rim, line[1]) <= 0)
+            entries[piece[meets]] = face[side[meets]]
+        return entries
 
     def _met(self, piece: Rows, face: Rows, p: Floats, q: Floats) -> list[Met]:
         """Return what pieces meet of faces, in any order, and some of it twice."""
@@ -337,12 +353,35 @@ class LineCrossings:
         return points, np.full(len(points), _AT_CROSSING), piece
 
 
+def _boxes(p: Floats, q: Floats) -> Floats:
+    """Return the least and the greatest coordinates of segments, (n, 4), the latter negative."""
+    return np.hstack([np.minimum(p, q), -np.maximum(p, q)])
+
+
+def _near(pieces: Floats, sides: Floats) -> Iterator[tuple[Integers, Integers]]:
+    """Yield the pairs of boxes that meet, from halves of the pieces, each with the sides near."""
+    pending = [(np.arange(len(pieces)), np.arange(len(sides)))]
+    while pending:
+        some, near = pending.pop()
+        near = near[(sides[near] <= -np.roll(pieces[some].min(axis=0), 2)).all(axis=1)]
+        if len(some) > 1 and len(some) * len(near) > _BATCH:
+            middles = pieces[some, :2] / 2 - pieces[some, 2:] / 2
+            along = np.ptp(middles / 2, axis=0).argmax()
+            halves = np.array_split(some[middles[:, along].argsort()], 2)
+            pending += [(half, near) for half in halves]
+        elif len(near):
+            meets = sides[near] <= -np.roll(pieces[some], 2, axis=1)[:, None]
+            piece, side = np.nonzero(meets.all(axis=2))
+            yield some[piece], near[side]
+
+
 def _along(points: Floats, kinds: Floats, piece: Rows, p: Floats, q: Floats) -> tuple[Floats, Rows]:
     """Order what pieces meet from p to q, and keep of each position what comes first."""
     known = np.isfinite(points[:, 2])
     points, kinds, piece = points[known] + 0.0, kinds[known], piece[known]  # -0.0 becomes 0.0
-    far = np.minimum(np.hypot(*(points[:, :2] - p[piece]).T), np.hypot(*(q - p).T)[piece])
-    ahead = points[:, :2] * np.sign(q - p)[piece]
+    with np.errstate(over="ignore"):
+        far = np.minimum(np.hypot(*(points[:, :2] - p[piece]).T), np.hypot(*(q - p).T)[piece])
+        ahead = points[:, :2] * np.sign(q - p)[piece]
     order = np.lexsort([points[:, 2], kinds, ahead[:, 1], ahead[:, 0], far, piece])
     points = np.column_stack([points, far])[order]
     piece = piece[order]

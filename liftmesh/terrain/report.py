@@ -71,7 +71,8 @@ class Report(FrozenResult):
         last ones; the "rows_from_around", whose heights are those of the surface without them, and
         the "rows_at_crossings" among them; the "rows_at_other_heights", left out since another
         line has a corner there at another height, by the policy; the "edges" that lines are; and
-        the "flat_triangles" whose corners are at one height, as between contour lines. Else empty.
+        the "flat_triangles" whose corners are at one height, as between contour lines; and the
+        "lines_beyond", soft breaklines and rings of holes with no part over the faces. Else empty.
 
     See Also
     --------
@@ -143,6 +144,8 @@ class Report(FrozenResult):
             said.append(f"{others:,} left out, as lines meet there at other heights")
         if flat := self.lines["flat_triangles"]:
             said.append(counted(flat, "flat triangle"))
+        if beyond := self.lines["lines_beyond"]:
+            said.append(f"{counted(beyond, 'line')} beyond all faces")
         return f"Lines: {', '.join(said)}. "
 
     def _colors(self) -> str:

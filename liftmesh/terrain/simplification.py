@@ -362,7 +362,7 @@ def _with_lines(simplified: Surface, whole: Surface, kept: Rows) -> Surface:
         from liftmesh.terrain.breaklines import line_counts  # noqa: PLC0415 - for lines only
 
         first = np.searchsorted(kept, len(whole.vertices) - lines["rows"])
-        unchanged = {key: lines[key] for key in ("edges", "rows_at_crossings")}
+        unchanged = {key: lines[key] for key in ("edges", "rows_at_crossings", "lines_beyond")}
         lines = {**line_counts(simplified, int(first)), **unchanged}
     report = replace(simplified.report, n_triangles=len(simplified.faces), lines=lines)
     return replace(simplified, report=report)

@@ -154,7 +154,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         what is inside of them, as islands do.
     densify : float, optional
         Insert corners into all lines so that they are no farther apart in the plane than this, with
-        heights that are linear between those given. Their places are rounded.
+        heights that are linear between those given. Their places are rounded. At most 2^24 corners.
     crossing : {"error", "split"}, default "error"
         What is done where two lines cross whose heights hold, and neither has a corner: raise an
         error that names lines, place and both heights; or insert a row there, with the height of
@@ -209,8 +209,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     Warns
     -----
     DataWarning
-        The coordinate system has degrees, or units that differ; or, with weights or radii, values
-        named ``hidden`` are replaced.
+        The coordinate system has degrees, or units that differ; with weights or radii, values
+        named ``hidden`` are replaced; or all lines of an option lie beyond all points.
 
     See Also
     --------

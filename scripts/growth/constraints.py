@@ -14,7 +14,7 @@ from growth.counting import Prepare, Work
 from growth.families import Families, random
 
 import liftmesh
-from liftmesh import ConstrainedTriangulation, constrained_delaunay
+from liftmesh import ConstrainedTriangulation, RefineResult, constrained_delaunay, refine
 
 
 def seeded(family: Family) -> Callable[[int], Case]:
@@ -54,6 +54,11 @@ RINGS: Families = {name: CASES[name] for name in ("coast", "nested rings")}
 HARD = ("star", "comb", "nested rings", "strip", "zigzag")
 OVERLAPS: Families = {"overlaps": overlaps}
 CROSSING: Families = {"crossing lines": crossing_lines}
+REFINED: dict[str, Callable[[RefineResult], object]] = {
+    "angles": lambda made: made.angles,
+    "histogram": lambda made: made.histogram(),
+    "verify": lambda made: made.verify(threads=1),
+}
 
 
 def constrained(call: Callable[..., object], **options: Any) -> Prepare:
@@ -99,6 +104,32 @@ def located(tri: ConstrainedTriangulation) -> object:
     return tri.find_simplex(tri.points)
 
 
+def refined(case: Case, **options: Any) -> tuple[RefineResult, int]:
+    """Refine, with the size of what is made."""
+    made = refine(constrained_delaunay(*case, threads=1, carve="holes"), **options)
+    return made, len(case[0]) + made.triangulation.nsimplex
+
+
+def refining(**options: Any) -> Prepare:
+    """Prepare a refinement, whose work is by what it makes."""
+
+    def prepare(case: Case) -> Work:
+        tri = constrained_delaunay(*case, threads=1, carve="holes")
+        return Work(lambda: refine(tri, **options), refined(case, **options)[1])
+
+    return prepare
+
+
+def on_refined(call: Callable[[RefineResult], object]) -> Prepare:
+    """Prepare a call on what was refined."""
+
+    def prepare(case: Case) -> Work:
+        made, size = refined(case)
+        return Work(lambda: call(made), size)
+
+    return prepare
+
+
 def refused(tri: ConstrainedTriangulation) -> None:
     """Ask for a lower hull, which there is none of."""
     with suppress(liftmesh.InputError):
@@ -138,6 +169,12 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     for key in ("is_constrained", "regions", "repeated"):
         call = on_triangulation(lambda tri, key=key: getattr(tri, key))
         yield f"{name}.{key}", CASES, call, ("nested rings",)
+    yield "refine", RINGS, refining(), ("nested rings",)
+    sizes = refining(size=lambda places: 0.1 + abs(places[:, 0]))
+    yield "refine by size", RINGS, sizes, ("nested rings",)
+    yield "refine conforming", RINGS, refining(conforming=True), ("nested rings",)
+    for key, asked in REFINED.items():
+        yield f"RefineResult.{key}", RINGS, on_refined(asked), ("nested rings",)
     yield f"{name}.inputs_of", CASES, on_triangulation(lambda tri: tri.inputs_of(0)), ()
     yield f"{name}.to_scipy", CASES, on_triangulation(lambda tri: tri.to_scipy()), ()
     yield f"{name}.lifted", CASES, on_triangulation(refused), ()

@@ -15,7 +15,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from files import stream_of
-from growth import cells, changing, constraints, disks, functions, stars, surfaces, weighted
+from growth import cells, changing, constraints, disks, functions, lined, stars, surfaces, weighted
 from growth.counting import Work
 from growth.files.arrays import NPY, NPZ
 from growth.files.clouds import CLOUDS
@@ -123,6 +123,7 @@ WITHOUT_DATA = {
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",
+    "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
     "Surface": "a result, made by triangulate; its methods are watched",
@@ -224,6 +225,7 @@ def subjects() -> Mapping[str, Subject]:
             *weighted.FUNCTIONS,
             *cells.FUNCTIONS,
             *surfaces.FUNCTIONS,
+            *lined.FUNCTIONS,
             *disks.FUNCTIONS,
             *stars.FUNCTIONS,
             *changing.CHANGING,

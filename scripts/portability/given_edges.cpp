@@ -6,6 +6,7 @@
 #include "constrained/regions.hpp"
 #include "kinds.hpp"
 #include "rows.hpp"
+#include "verify/verify.hpp"
 
 namespace portability {
 
@@ -13,12 +14,13 @@ namespace {
 
 using liftmesh::Constrained;
 using liftmesh::Status;
+using Rows = std::vector<std::int32_t>;
 
 // Sides of a triangulation in a metric: they cross nowhere, and many are not Delaunay.
-std::vector<std::int32_t> stretched(const liftmesh::Input& input) {
+Rows stretched(const liftmesh::Input& input) {
     liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay({2, 0.5, 1.25}, input, true, {}, never);
-    std::vector<std::int32_t> edges;
+    Rows edges;
     for (std::size_t i = 0; i + 1 < 3 * found.result.triangle_count; i += 6)
         edges.insert(edges.end(), {found.result.simplices[i], found.result.simplices[i + 1]});
     return edges;
@@ -42,15 +44,39 @@ void add(Digest& digest, const Constrained& found) {
     add_all(digest, found.crossings);
 }
 
-void add_regions(Digest& digest, const Constrained& found) {
+void add_verdict(Digest& digest, const liftmesh::Input& input, const Rows& edges,
+                 const Rows& corners, bool are_carved) {
+    liftmesh::NoInterrupt never;
+    const liftmesh::Member member{liftmesh::Member::Kind::constrained,
+                                  nullptr,
+                                  {},
+                                  {edges.data(), edges.size() / 2, are_carved}};
+    const liftmesh::Verdict found =
+        liftmesh::verify(input, corners.data(), corners.size() / 3, true, member, {}, {}, never);
+    digest.add(found.flaws.any());
+    for (const std::size_t count : {found.vertices, found.merged, found.interior_edges,
+                                    found.boundary_edges, found.outside.value_or(0)})
+        digest.add(std::uint64_t{count});
+}
+
+void add_regions(Digests& digests, const liftmesh::Input& input, const Rows& edges,
+                 const Constrained& found) {
     using namespace liftmesh::constrained;
     const Marked mesh{found.result.neighbors.get(), found.marks.data(),
                       found.result.triangle_count};
     const std::vector<std::uint8_t> all(found.pieces.size(), 1);
-    const std::vector<std::int32_t> none(found.pieces.size());
-    add_all(digest, label(mesh));
-    add_all(digest, carve(mesh, found.result.simplices.get(),
-                          {found.pieces, all.data(), none.data()}, Carving::holes, {}));
+    const Rows none(found.pieces.size());
+    const std::int32_t* const simplices = found.result.simplices.get();
+    const auto kept =
+        carve(mesh, simplices, {found.pieces, all.data(), none.data()}, Carving::holes, {});
+    add_all(digests.of["regions"], label(mesh));
+    add_all(digests.of["regions"], kept);
+    Rows left;
+    for (std::size_t t = 0; t < kept.size(); ++t)
+        if (kept[t]) left.insert(left.end(), simplices + 3 * t, simplices + 3 * t + 3);
+    Digest& verdicts = digests.of["verdicts on constraints"];
+    add_verdict(verdicts, input, edges, {simplices, simplices + 3 * mesh.count}, false);
+    add_verdict(verdicts, input, edges, left, true);
 }
 
 }  // namespace
@@ -58,7 +84,7 @@ void add_regions(Digest& digest, const Constrained& found) {
 void add_constraints(const double* coordinates, std::size_t rows, Digests& digests) {
     const liftmesh::Input input = native::input_of(coordinates, rows);
     liftmesh::NoInterrupt never;
-    std::vector<std::int32_t> edges = stretched(input);
+    Rows edges = stretched(input);
     const auto run = [&] {
         return liftmesh::constrained_delaunay(input, edges.data(), edges.size() / 2, true, {},
                                               never);
@@ -66,7 +92,7 @@ void add_constraints(const double* coordinates, std::size_t rows, Digests& diges
     const Constrained found = run();
     add(digests.of["constrained"], found);
     if (found.status != Status::ok) return;
-    add_regions(digests.of["regions"], found);
+    add_regions(digests, input, edges, found);
     for (std::int32_t i = 0; i < 8; ++i)  // some that cross
         edges.push_back(i * 7 % static_cast<std::int32_t>(rows));
     const Constrained crossed = run();

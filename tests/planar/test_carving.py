@@ -91,7 +91,7 @@ def test_open_lines_neither_leak_nor_count() -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=200)
+@settings(max_examples=100)
 @given(st.data())
 def test_what_is_left_is_what_the_definition_leaves(data: st.DataObject) -> None:
     """Open lines, rings that share corners and sides or cross, islands, holes and seeds."""

@@ -141,7 +141,7 @@ def test_edges_of_skipped_rows_are_errors() -> None:
     with pytest.raises(liftmesh.NonFiniteError, match="row 4 is not finite"):
         constrained_delaunay(points, [[0, 1]])
     with pytest.raises(
-        liftmesh.InputError, match=r"1 edge ends .*edge 1, \[4, 2\], at row 4 \(nan"
+        liftmesh.InputError, match=r"1 edge ends .*edge 1, \[4, 2\], at row 4 \(nan, 1.0\): leave"
     ):
         constrained_delaunay(points, [[0, 1], [4, 2]], nonfinite="skip")
     many = [[0, 4]] * 7 + [[5, 0]] * 8
@@ -194,6 +194,7 @@ def test_copies(again: Callable[[Any], Any]) -> None:
     [
         ("_whole", 0, 99), ("_whole", 1, 99), ("constraints", None, 99), ("input_edges", None, -1),
         ("constraint_inputs", 0, 9), ("constraint_inputs", 1, 99), ("simplices", None, 99),
+        ("simplices", None, -1),
     ],
 )  # fmt: skip
 def test_damaged_pickles_are_refused(name: str, place: int | None, number: int) -> None:

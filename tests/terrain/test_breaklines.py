@@ -68,6 +68,7 @@ def test_cross_sections_of_a_road_are_straight(threads: int) -> None:
         "rows_at_other_heights": 0,
         "edges": 2,
         "flat_triangles": 0,
+        "lines_beyond": 0,
     }
     assert "Lines: 4 rows in 2 edges." in str(surface.report)
     assert "lines" not in str(liftmesh.triangulate(points).report).lower()
@@ -254,7 +255,24 @@ def test_a_ring_that_cuts_a_corner_of_the_hull_leaves_no_open_side() -> None:
         )
 
 
+def test_slivers_beside_the_hull_do_not_depend_on_the_order_of_the_rows() -> None:
+    rng = np.random.default_rng(121)
+    planar = np.unique(rng.integers(0, 17, (40, 2)), axis=0)
+    points = np.column_stack([planar, np.zeros(len(planar))])
+    angles = np.sort(rng.random(5)) * 2 * np.pi
+    ring = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(2, 12)
+    ring += rng.random(2) * 16
+    found = []
+    for seed in range(8):
+        mixed = np.random.default_rng(seed).permutation(points)
+        surface = liftmesh.triangulate(mixed, holes=ring)
+        corners = surface.triangulation.points[surface.faces].tolist()
+        found.append({tuple(sorted(map(tuple, each))) for each in corners})
+    assert all(each == found[0] for each in found)
+
+
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:the lines of .* lie beyond")
 def test_rings_that_leave_the_hull_cut_exactly() -> None:
     """Also where a breakline is a side of the hull, or a ring crosses one side twice."""
     for seed in range(60):
@@ -300,6 +318,29 @@ def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
         liftmesh.triangulate(points, attributes=named, breaklines=KERB)
 
 
+@pytest.mark.parametrize("seed", [41, 47, 53, 57])
+def test_no_sliver_is_left_where_a_boundary_leaves_the_hull(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    cloud = rng.random((30, 3)) * 10
+    turn = np.sort(rng.random(5)) * 2 * np.pi
+    ring = 5 + np.stack([np.cos(turn), np.sin(turn)], axis=1) * rng.uniform(3, 8)
+    surface = liftmesh.triangulate(cloud, boundary=ring)
+    a, b, c = surface.vertices[surface.faces][..., :2].transpose(1, 0, 2)
+    u, v = b - a, c - a
+    assert (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).min() > 1e-9
+    tri = surface.triangulation
+    for k, piece in enumerate(tri.constraints):
+        tail, head = tri.points[tri.input_edges[tri.inputs_of(k)]].transpose(1, 0, 2)
+        assert not liftmesh.orient2d(tail[:, None], head[:, None], tri.points[piece]).any()
+
+
+def test_heights_of_crossings_are_those_along_the_first_line() -> None:
+    lines = [[[2, 2, 10], [10, 10, 18]], [[2, 10, 0], [10, 2, 0]], [[4, 1, 3], [4, 11, 8]]]
+    surface = liftmesh.triangulate(hills(), breaklines=lines, crossing="split")
+    heights = {tuple(row[:2].tolist()): row[2] for row in surface.vertices[-3:]}
+    assert heights == {(4, 4): 12, (6, 6): 14, (4, 8): 0}
+
+
 def test_other_planes() -> None:
     wall = hills()[:, [0, 2, 1]] * [1, -1, 1]  # seen against y
     line = KERB[:, [0, 2, 1]] * [1, -1, 1]
@@ -342,6 +383,69 @@ def test_what_is_refused(options, message) -> None:
     cloud = liftmesh.Cloud(hills(), attributes={"z": hills()[:, 2]})
     with pytest.raises(InputError, match=message):
         liftmesh.triangulate(cloud, **options)
+
+
+def test_too_many_corners_are_refused_before_they_are_made() -> None:
+    lines = [[[0, k, 0], [64, k, 1]] for k in range(1, 40)]
+    with pytest.raises(
+        InputError, match="would be 24,960,000 corners, and 16,777,216 are the most"
+    ):
+        liftmesh.triangulate(hills(), breaklines=lines, densify=1e-4)
+
+
+def test_lines_beyond_the_points_are_told() -> None:
+    points, away = hills(), np.array([5e5, 5e6])
+    plain = liftmesh.triangulate(points)
+    for option in ("soft_breaklines", "holes"):
+        with pytest.warns(liftmesh.DataWarning, match=f"of {option} lie beyond all points") as told:
+            surface = liftmesh.triangulate(points, **{option: SQUARE + away})
+        assert told[0].filename == __file__
+        np.testing.assert_array_equal(surface.faces, plain.faces)
+        assert surface.report.lines["lines_beyond"] == 1
+        assert "1 line beyond all faces" in str(surface.report)
+    where = r"reach from .* to .*; they from \[500000.0, 8.0\] to"
+    with pytest.warns(liftmesh.DataWarning, match=where):
+        liftmesh.triangulate(points, breaklines=KERB + np.array([5e5, 0, 0]))
+    some = liftmesh.triangulate(points, soft_breaklines=[SQUARE, SQUARE + away])
+    assert some.report.lines["lines_beyond"] == 1
+    wide = liftmesh.triangulate(points, boundary=[[-1e308, -9], [1e308, -9], [0, 1e308]])
+    assert wide.report.lines["lines_beyond"] == 0
+
+
+def test_heights_of_lines_are_in_the_unit_of_the_points() -> None:
+    lines = [shapely.LineString(KERB)]
+    feet, metres = "EPSG:6347+6360", "EPSG:6347+5703"
+    frame = geopandas.GeoDataFrame(geometry=lines, crs=feet)
+    with pytest.raises(InputError, match="in the unit US survey foot, and the points in metre"):
+        liftmesh.triangulate(hills(), breaklines=frame, crs=metres)
+    with pytest.warns(liftmesh.DataWarning):  # x in metres, z in feet
+        same = liftmesh.triangulate(hills(), breaklines=frame, crs=feet)
+    flat = liftmesh.triangulate(hills(), breaklines=frame.set_crs("EPSG:6347", allow_override=True))
+    np.testing.assert_array_equal(same.vertices, flat.vertices)
+
+
+def test_lines_that_touch_or_overlap_keep_the_heights_of_their_corners() -> None:
+    points = [[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0]]
+    touching = [[[0, 4, 1], [8, 4, 1]], [[4, 4, 7], [4, 8, 7]]]
+    surface = liftmesh.triangulate(points, breaklines=touching)
+    assert surface.sample([[2, 4], [4, 4], [4, 6]]).tolist() == [4, 7, 7]
+    overlapping = [[[0, 4, 1], [8, 4, 1]], [[2, 4, 5], [6, 4, 5]]]
+    surface = liftmesh.triangulate(points, breaklines=overlapping)
+    assert surface.sample([[1, 4], [2, 4], [4, 4], [7, 4]]).tolist() == [3, 5, 5, 3]
+
+
+def test_closed_contour_lines_alone_are_a_surface() -> None:
+    turns = np.linspace(0, 2 * np.pi, 61)
+    rings = [
+        np.column_stack([32 + r * np.cos(turns), 16 + r * np.sin(turns), np.full(61, 20.0 - r)])
+        for r in (15.0, 10, 5)
+    ]
+    for ring in rings:
+        ring[-1] = ring[0]
+    surface = liftmesh.triangulate(np.empty((0, 3)), breaklines=rings)
+    assert (surface.report.lines["rows"], surface.report.lines["edges"]) == (180, 180)
+    assert surface.report.lines["flat_triangles"] == 58  # of the innermost ring
+    assert len(surface.triangulation.constraints) == 180
 
 
 def test_lines_of_other_libraries_and_files(tmp_path: Path) -> None:

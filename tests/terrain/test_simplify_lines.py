@@ -211,6 +211,17 @@ def test_meshes_of_a_part(tmp_path: Path) -> None:
         assert {*map(frozenset, few.faces.tolist())} == {*map(frozenset, expected.faces.tolist())}
 
 
+@pytest.mark.slow
+def test_progress_goes_on_after_the_edges_are_in() -> None:
+    points = np.random.default_rng(0).random((60000, 3))
+    line = points[np.argsort(points[:6000, 0])]
+    seen: list[float] = []
+    surface = liftmesh.triangulate(points, breaklines=line)
+    liftmesh.simplify(surface, max_error=0.4, progress=seen.append)
+    assert seen == sorted(seen)
+    assert any(0.1 < done < 0.7 for done in seen)
+
+
 def test_the_most_points_count_what_stays() -> None:
     whole = liftmesh.triangulate(hills(), breaklines=WALL)
     with pytest.raises(InputError, match="is 6, and the hull and edges have 8 vertices, which"):

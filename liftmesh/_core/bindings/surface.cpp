@@ -198,7 +198,7 @@ nb::tuple rings(const PlanarRows& points, const Triples& simplices, const Triple
     return nb::make_tuple(as_array(found.rows), as_array(found.starts));
 }
 
-// Which segments touch which triangles, from one that contains an end.
+// Which segments touch which triangles, from one of these; -1 if there is none.
 nb::tuple passages(const PlanarRows& points, const Triples& simplices, const Triples& neighbors,
                    const Array<const double, 4>& ends, const Ids& starts) {
     const liftmesh::Triangulated mesh{read(points), simplices.data(), neighbors.data(),

@@ -60,16 +60,16 @@ bool Lists::deal_among_edges(const dynamic::Triangulation& mesh, Interrupt& inte
                      whole.triangle_count},
                     0);
     std::vector<std::int32_t> found(queries.size());
-    if (!locator.find({&queries[0].x, queries.size()}, found.data(), {1, false}, interrupt))
-        return false;
-    for (std::uint32_t s = 0; s < queries.size(); ++s) {
+    const bool is_whole =
+        locator.find({&queries[0].x, queries.size()}, found.data(), {1, false}, interrupt);
+    for (std::uint32_t s = 0; is_whole && s < queries.size(); ++s) {
         const TriangleId t = triangles[static_cast<std::size_t>(found[s])];
         bool is_vertex = false;
         for (unsigned k = 0; k < 3; ++k)
             is_vertex |= mesh.point(mesh.slots().vertex(t, k)) == queries[s];
         if (!is_vertex) add(t, s);
     }
-    return true;
+    return is_whole;
 }
 
 void Lists::release(const dynamic::Triangulation& mesh) {

@@ -24,7 +24,6 @@ class PassageFinder {
         : mesh_(mesh), found_(found), patience_(patience), seen_(mesh.count, -1) {}
 
     void run(std::int32_t segment, Point p, Point q, std::int32_t start) {
-        if (start < 0) start = entry(p, q);
         reach(start, segment);
         while (!reached_.empty() && !patience_.ends()) {
             const std::int32_t face = reached_.back();
@@ -49,25 +48,11 @@ class PassageFinder {
         return touch(mesh_.corner(face, (k + 1) % 3), mesh_.corner(face, (k + 2) % 3), p, q);
     }
 
-    // A face at the rim that a segment from outside touches; -1 if there is none.
-    std::int32_t entry(Point p, Point q) {
-        if (rim_.empty())
-            for (std::size_t i = 0; i < 3 * mesh_.count && !patience_.ends(); ++i)
-                if (mesh_.neighbors[i] < 0) rim_.push_back(static_cast<std::int64_t>(i));
-        for (const std::int64_t side : rim_) {
-            const auto face = static_cast<std::int32_t>(side / 3);
-            if (patience_.ends()) return -1;
-            if (touches_side(face, static_cast<int>(side % 3), p, q)) return face;
-        }
-        return -1;
-    }
-
     const Triangulated& mesh_;
     Passages& found_;
     Patience& patience_;
     std::vector<std::int32_t> seen_;  // the segment that reached each face last
     std::vector<std::int32_t> reached_;
-    std::vector<std::int64_t> rim_;
 };
 
 }  // namespace

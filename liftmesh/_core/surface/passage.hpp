@@ -9,7 +9,7 @@ namespace liftmesh {
 
 struct Segments {
     const double* ends;          // four numbers each
-    const std::int32_t* starts;  // a triangle that contains an end; -1 if both are outside
+    const std::int32_t* starts;  // a triangle that each touches; -1 if there is none
     std::size_t count;
 };
 

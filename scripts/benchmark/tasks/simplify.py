@@ -115,7 +115,8 @@ def ways_to(heights: Floats, max_error: float) -> dict[str, Callable[[], Any]]:
     rounded, z = heights.astype(np.float32), np.ascontiguousarray(points[used, 2])
 
     def choose(prunes: bool) -> Any:
-        return _kernel.simplify(plane, z, hull, max_error, 0, prunes, None)[0]
+        no_edges = np.empty((0, 2), dtype=np.int32)
+        return _kernel.simplify(plane, z, hull, no_edges, max_error, 0, prunes, None)[0]
 
     return {
         "pydelatin": lambda: len(delatin(rounded, max_error=max_error).triangles),

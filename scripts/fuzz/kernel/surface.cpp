@@ -242,6 +242,8 @@ void check_passages(const Ground& ground, const std::vector<Point>& asked) {
     for (std::size_t i = 0; i < asked.size(); ++i) {
         const Point p = asked[i], q = asked[(i + asked.size() - 1) % asked.size()];
         ends.insert(ends.end(), {p.x, p.y, q.x, q.y});
+        for (std::int32_t face = 0; face < ground.count() && starts[i] < 0; ++face)
+            if (is_passed(ground, face, p, q)) starts[i] = face;
     }
     liftmesh::Passages found;
     demand(find_passages(ground.mesh, {ends.data(), starts.data(), asked.size()}, found, interrupt),
