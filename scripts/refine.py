@@ -16,6 +16,7 @@ difference.
 from __future__ import annotations
 
 import sys
+import warnings
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +33,6 @@ from oracles.refined import CAPPED, PRECISION, Refined
 from small_sets import KINDS, small_set
 
 import liftmesh
-from liftmesh import _kernel
 
 ANGLES = (20, 28, 33)  # degrees
 MOST = 50_000  # points
@@ -67,7 +67,7 @@ def holds(kind: str, rng: Generator) -> None:
         print(f"{kind}: {said(case)}\n{demand}", file=sys.stderr)
         raise SystemExit(1) from error
     left = Counter(mesh.causes.tolist())
-    if kind not in HARD and (left[PRECISION] or mesh.is_capped):
+    if kind not in HARD and (left[PRECISION] or mesh.result.capped):
         print(f"{kind}: {left[PRECISION]} for want of digits, {left[CAPPED]} at the cap, of")
         print(f"    {said(case)}\n    {demand}")
 
@@ -100,41 +100,20 @@ def constrained(points: Points, edges: Edges, demand: Demand) -> Any:
 
 
 def refined(points: Points, edges: Edges, demand: Demand) -> Refined:
-    """Refine by the kernel."""
+    """Refine, and say what a triangle may be as arrays."""
     tri = constrained(points, edges, demand)
-    simplices, neighbors = (np.ascontiguousarray(each) for each in tri._whole)
-    regions = np.full(len(simplices), -1, np.int32)
-    regions[: tri.nsimplex] = tri.regions
-    marks = tri._constrained.copy()
-    beyond = np.where(neighbors >= 0, regions[neighbors], -1)
-    t, k = np.nonzero((regions >= 0)[:, None] & (beyond < 0))
-    sides = np.sort(np.column_stack([simplices[t, (k + 1) % 3], simplices[t, (k + 2) % 3]]), axis=1)
-    np.bitwise_or.at(marks, t, (1 << k).astype(np.uint8))
-    o, t = neighbors[t, k], t
-    o, t = o[o >= 0], t[o >= 0]
-    np.bitwise_or.at(marks, o, (1 << (neighbors[o] == t[:, None]).argmax(axis=1)).astype(np.uint8))
-    pieces = np.unique(np.concatenate([tri.constraints, sides]), axis=0).astype(np.int32)
-    cosine = float(np.cos(np.radians(demand.angle)))
     largest = None
     if demand.share is not None and LEAST < (whole := area_of(tri.points, tri.simplices)) < np.inf:
         largest = demand.share * whole
-    bounds = np.full(tri.regions.max() + 1, largest) if largest is not None else np.empty(0)
-    added, divided, found, _, _, marks, regions, causes, capped = _kernel.refine(
-        tri.points, simplices, neighbors, np.ascontiguousarray(tri._hull), marks, pieces, regions,
-        cosine, bounds, None, demand.conforming, demand.most, None,
-    )  # fmt: skip
-    ends = [
-        np.column_stack([found[on, (k + 1) % 3], found[on, (k + 2) % 3]])
-        for k in range(3)
-        for on in [(marks >> k & 1) > 0]
-    ]
-    parts = np.unique(np.sort(np.concatenate(ends), axis=1), axis=0)
-    inside = regions >= 0
-    rows = np.concatenate([tri.points, added])
-    return Refined(
-        rows, found[inside], parts, causes[inside], pieces, divided, tri.simplices, cosine,
-        largest, capped,
-    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", liftmesh.DataWarning)  # of the cap
+        found = liftmesh.refine(
+            tri, min_angle=demand.angle, max_area=largest, conforming=demand.conforming,
+            max_points=demand.most,
+        )  # fmt: skip
+    causes = np.full(found.triangulation.nsimplex, "", dtype="U16")
+    causes[found.below] = found.causes
+    return Refined(found, tri, causes, float(np.cos(np.radians(demand.angle))))
 
 
 def area_of(points: Points, triangles: Edges) -> float:
@@ -146,11 +125,11 @@ def area_of(points: Points, triangles: Edges) -> float:
 
 def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
     """Assert all that must hold of a domain that was refined."""
-    assert (mesh.simplices >= 0).all()
-    found = liftmesh.verify(mesh.points, mesh.simplices, constraints=mesh.constraints, carved=True)
+    assert mesh.result.triangulation.npoints == len(mesh.points)
+    found = mesh.result.verify(threads=1)
     assert found, found
     mesh.check()
-    if demand.conforming and not mesh.is_capped:
+    if demand.conforming and not mesh.result.capped:
         every = in_place(mesh.points, liftmesh.delaunay(mesh.points, threads=1).simplices)
         others = in_place(mesh.points, mesh.simplices) - every
         assert all(map(is_tiny, others)), "not conforming"
@@ -159,7 +138,7 @@ def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
     rank = np.argsort(order)
     again = refined(points[order], rank[rng.permutation(edges)].astype(np.int32), demand)
     same = in_place(again.points, again.simplices) == in_place(mesh.points, mesh.simplices)
-    assert same or mesh.is_capped, "rows in another order make other triangles"
+    assert same or mesh.result.capped, "rows in another order make other triangles"
 
 
 def in_place(points: Points, triangles: Edges) -> set[Any]:

@@ -17,82 +17,96 @@ from oracles.planar import Point, cross, dot, exact
 
 Rows = tuple[int, int]
 
-FINE, FORCED, CAPPED, PRECISION = range(4)  # causes
-SLACK = 10**12  # what doubles tell of squares of cosines, in ones of it
-NEAR = 2**50  # of which the greatest coordinate is as many as a point may be from its line, or more
+FINE, FORCED, CAPPED, PRECISION = "", "input angle", "cap", "precision"  # causes
+NEAR = 2**50  # a point is at most this part of the greatest coordinate from its line
 
 
 @dataclass(frozen=True)
 class Refined:
-    """Triangles inside, and what became of pieces: pairs of rows, and rows that divide them."""
+    """The result, the triangulation before, why each triangle is as it is, and the cosine."""
 
-    points: NDArray[Any]
-    simplices: NDArray[Any]
-    constraints: NDArray[Any]  # all edges that are parts of pieces
+    result: Any
+    before: Any
     causes: NDArray[Any]  # of each triangle
-    pieces: NDArray[Any]
-    divided: NDArray[Any]  # the piece of each of the last points, or -1
-    before: NDArray[Any]  # the triangles that were refined
     cosine: float
-    largest: float | None = None
-    is_capped: bool = False
+
+    @property
+    def points(self) -> NDArray[Any]:
+        return self.result.triangulation.points
+
+    @property
+    def simplices(self) -> NDArray[Any]:
+        return self.result.triangulation.simplices
 
     @cached_property
     def at(self) -> list[Point]:
-        return exact([*self.points.tolist()])
+        return exact(self.points.tolist())
 
     @cached_property
     def chains(self) -> dict[Rows, list[int]]:
-        """The rows along each piece, from its first end to its other end."""
-        ends: list[Rows] = [(a, b) for a, b in self.pieces.tolist()]
-        own: dict[Rows, set[int]] = {piece: set() for piece in ends}
-        for row, piece in enumerate(self.divided.tolist(), self.given):
-            if piece >= 0:
-                own[ends[piece]].add(row)
-        beside = defaultdict(set)
-        for a, b in self.constraints.tolist():
-            beside[a].add(b)
-            beside[b].add(a)
-        return {piece: _chain(*piece, rows, beside) for piece, rows in own.items()}
+        """The rows from each row before to the next one along constraints."""
+        beside = defaultdict(list)
+        for a, b in self.result.triangulation.constraints.tolist():
+            beside[a].append(b)
+            beside[b].append(a)
+        for row in self.result.steiner[self.result.steiner_edges < 0].tolist():
+            assert row not in beside, f"row {row} is on a constraint"
+        found: dict[Rows, list[int]] = {}
+        for start in [row for row in beside if row < self.given]:
+            for chain in (self._chain(start, onward, beside) for onward in beside[start]):
+                assert (start, chain[-1]) not in found, f"two chains from {start} to {chain[-1]}"
+                found[start, chain[-1]] = chain
+        return found
+
+    def _chain(self, start: int, onward: int, beside: dict[int, list[int]]) -> list[int]:
+        found = [start, onward]
+        while found[-1] >= self.given:
+            back, *others = sorted(beside[found[-1]], key=lambda row: row != found[-2])
+            assert (back, len(others)) == (found[-2], 1), f"the chain forks at {found[-1]}"
+            found += others
+        return found
 
     @property
     def given(self) -> int:
         """The number of points that were not added."""
-        return len(self.points) - len(self.divided)
+        return self.before.npoints
+
+    @cached_property
+    def pieces(self) -> set[Rows]:
+        """What the parts must make up: constraints before, and sides of the boundary."""
+        sides = {*map(tuple, self.before.constraints.tolist())}
+        return sides | {_sorted(*side) for side in _boundary(self.before.simplices.tolist())}
 
     def check(self) -> None:
         """Assert that the triangles fill the same domain, and that each is fine or has a cause."""
-        self._check_chains()
-        self._check_domain()
+        assert {_sorted(*ends) for ends in self.chains} == self.pieces, "other chains than pieces"
+        for chain in self.chains.values():
+            self._check_chain(chain)
+        assert self._domain() == _boundary(self.simplices.tolist()), "another domain"
         for corners, cause in zip(self.simplices.tolist(), self.causes.tolist(), strict=True):
             self._check_triangle(corners, cause)
 
-    def _check_chains(self) -> None:
-        parts = {_sorted(*part) for chain in self.chains.values() for part in pairwise(chain)}
-        found = {_sorted(a, b) for a, b in self.constraints.tolist()}
-        assert parts == found, f"parts {sorted(parts ^ found)[:4]} are not those of the pieces"
-        unit = max(abs(value) for point in self.at for value in point) // NEAR
-        for (a, b), rows in self.chains.items():
-            far2 = self._length2(a, b) * unit**2
-            for row, following in pairwise(rows):
-                off = cross(self.at[a], self.at[b], self.at[row])
-                assert off**2 <= far2, f"row {row} is off its piece {a, b}"
-                on = self._along(a, b, following) - self._along(a, b, row)
-                assert on > 0 or on**2 <= far2, f"row {following} is before {row} on {a, b}"
+    def _check_chain(self, chain: list[int]) -> None:
+        """Assert that rows are in order and on their piece, but for rounding."""
+        a, b = chain[0], chain[-1]
+        far2 = self._length2(a, b) * self._unit**2
+        for row, following in pairwise(chain):
+            off = cross(self.at[a], self.at[b], self.at[row])
+            assert off**2 <= far2, f"row {row} is off its piece {a, b}"
+            on = self._along(a, b, following) - self._along(a, b, row)
+            assert on > 0 or on**2 <= far2, f"row {following} is before {row} on {a, b}"
+
+    @cached_property
+    def _unit(self) -> int:
+        return max(abs(value) for point in self.at for value in point) // NEAR
 
     def _along(self, a: int, b: int, row: int) -> int:
         return dot(self.at[a], self.at[b], self.at[row])
 
-    def _check_domain(self) -> None:
-        directed = {
-            part
-            for a, b in _boundary(self.before.tolist())
-            for part in pairwise(self._between(a, b))
-        }
-        assert directed == _boundary(self.simplices.tolist()), "another domain"
-
-    def _between(self, a: int, b: int) -> list[int]:
-        return self.chains[a, b] if a < b else self.chains[b, a][::-1]
+    def _domain(self) -> set[Rows]:
+        """The boundary before, in parts."""
+        sides = _boundary(self.before.simplices.tolist())
+        return {part for side in sides for part in pairwise(self.chains[side])}
 
     def _check_triangle(self, corners: list[int], cause: int) -> None:
         a, b, c = (self.at[row] for row in corners)
@@ -100,24 +114,20 @@ class Refined:
         assert area > 0, f"{corners} is not counter-clockwise"
         base = min(range(3), key=lambda k: self._length2(corners[k - 2], corners[k - 1]))
         apex, one, other = corners[base], corners[base - 2], corners[base - 1]
-        excess, whole = self._sharpness(apex, one, other)
-        assert cause != FINE or excess * SLACK <= whole, f"{corners} lacks a cause"
-        assert cause == FINE or excess * SLACK >= -whole, (
-            f"{corners} has a cause, but no small angle"
-        )
-        if cause == FORCED:
-            assert self._is_forced(one, other), f"no input angle forces {corners}"
-        assert cause != CAPPED or self.is_capped, f"{corners} blames a cap"
+        is_sharp = self._is_sharp(apex, one, other)
+        assert is_sharp == (cause != FINE), f"{corners} has the cause {cause!r}"
+        assert cause != FORCED or self._is_forced(one, other), f"no input angle forces {corners}"
+        assert cause != CAPPED or self.result.capped, f"{corners} blames a cap"
 
     def _length2(self, a: int, b: int) -> int:
         return dot(self.at[a], self.at[b], self.at[b])
 
-    def _sharpness(self, apex: int, one: int, other: int) -> tuple[int, int]:
-        """How much the cosine's square is beyond that of the bound, and what it is a share of."""
+    def _is_sharp(self, apex: int, one: int, other: int) -> bool:
+        """Whether the cosine is beyond that of the bound."""
         top, bottom = self.squared_cosine
-        product = max(dot(self.at[apex], self.at[one], self.at[other]), 0)
+        product = dot(self.at[apex], self.at[one], self.at[other])
         squares = self._length2(apex, one) * self._length2(apex, other)
-        return product**2 * bottom - top * squares, bottom * squares
+        return product > 0 and product**2 * bottom > top * squares
 
     @cached_property
     def squared_cosine(self) -> Rows:
@@ -131,7 +141,7 @@ class Refined:
                     far = [end for piece in (p, q) for end in piece if end != corner]
                     product = dot(self.at[corner], self.at[far[0]], self.at[far[1]])
                     squares = self._length2(corner, far[0]) * self._length2(corner, far[1])
-                    if product > 0 and 4 * product**2 * SLACK > squares * (SLACK - 1):
+                    if product > 0 and 4 * product**2 > squares:
                         return True
         return False
 
@@ -143,17 +153,6 @@ class Refined:
             for row in rows:
                 found[row].append((a, b))
         return found
-
-
-def _chain(a: int, b: int, rows: set[int], beside: dict[int, set[int]]) -> list[int]:
-    """Walk from one end to the other along the rows that divide a piece, each once."""
-    found, rest = [a], rows.copy()
-    while rest:
-        onward = beside[found[-1]] & rest
-        assert len(onward) == 1, f"the chain from {a} to {b} forks or ends at {found[-1]}"
-        found += onward
-        rest -= onward
-    return [*found, b]
 
 
 def _sorted(a: int, b: int) -> Rows:
