@@ -150,8 +150,8 @@ def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
     """Return the places of coordinates in a plane of two axes, without rounding."""
     if frame.name not in ("xy", "xz", "yz"):
         raise InputError(
-            f"lines need rows of their own in the plane, which is {frame.name!r}: give "
-            f"{Option('plane')} 'xy', 'xz' or 'yz', whose coordinates are exact"
+            f"new rows need a plane whose coordinates are exact, not {frame.name!r}: give "
+            f"{Option('plane')} 'xy', 'xz' or 'yz'"
         )
     points = np.empty((len(planar), 3))
     for axis, values in zip(frame.axes, (*planar.T, heights), strict=True):
@@ -307,14 +307,16 @@ class Following:
         return self._along(tri.points, tri.input_edges[chosen], tri.points[first:])
 
 
-def extended(cloud: Cloud, frame: Frame, rows: Floats, flags: Array) -> Cloud:
+def extended(
+    cloud: Cloud, frame: Frame, rows: Floats, flags: Array, flag: str = BREAKLINE
+) -> Cloud:
     """Add rows to a cloud, with the colours and values of the nearest of its own."""
-    if BREAKLINE in cloud.attributes and cloud.attributes[BREAKLINE].dtype != np.uint8:
+    if flag in cloud.attributes and cloud.attributes[flag].dtype != np.uint8:
         raise InputError(
-            f"the points have values named {BREAKLINE!r}, the name of those that say which rows "
-            "lines have become: rename them, or leave them out"
+            f"the points have values named {flag!r}, the name of those that say which rows are "
+            "new: rename them, or leave them out"
         )
-    values = {BREAKLINE: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
+    values = {flag: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
     nearest = np.empty(0, dtype=np.int64)
     if len(rows) and (len(values) > 1 or cloud.colors is not None or cloud.normals is not None):
         nearest = _nearest(frame.planar(cloud.points), frame.planar(rows))
@@ -322,8 +324,8 @@ def extended(cloud: Cloud, frame: Frame, rows: Floats, flags: Array) -> Cloud:
     def longer(array: Array) -> Array:
         return np.concatenate([array, array[nearest]])
 
-    named = {name: longer(each) for name, each in values.items() if name != BREAKLINE}
-    named[BREAKLINE] = np.concatenate([values[BREAKLINE], flags])
+    named = {name: longer(each) for name, each in values.items() if name != flag}
+    named[flag] = np.concatenate([values[flag], flags])
     colors, normals = cloud.colors, cloud.normals
     return replace(
         cloud,
