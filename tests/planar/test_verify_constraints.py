@@ -296,6 +296,13 @@ def test_constrained_triangulations_say_their_constraints() -> None:
         liftmesh.natural_neighbors(carved, [[1, 1]])
 
 
+def test_meshes_say_their_constraints() -> None:
+    rows, edges = np.c_[KITE, np.zeros(4)], np.array([[0, 2]], np.int32)
+    mesh = liftmesh.Cloud(rows, faces=np.array(ACROSS, np.int32), edges=edges)
+    assert liftmesh.verify(mesh).n_constraints == 1
+    assert not liftmesh.verify(KITE, ACROSS)
+
+
 def test_surfaces_say_their_constraints() -> None:
     cloud = np.random.default_rng(0).random((200, 3)) * (10, 10, 1)
     border = [[2, 2], [8, 2], [8, 8], [2, 8]]
