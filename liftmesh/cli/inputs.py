@@ -22,6 +22,10 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
+_LINE = re.compile(
+    "(?:[0-9,]+ |a ring of |holes [0-9]+ and [0-9]+ of )?"
+    "(edge|polyline|polygon|breakline|soft breakline)s? (?:[0-9]|ends? )"
+)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -362,7 +366,7 @@ def about(path: Path) -> Iterator[None]:
         yield
     except InputError as error:
         if _is_about_data(error):
-            error.within("stdin" if is_stream(path) else path)
+            error.within(_named(path))
         raise
 
 
@@ -385,14 +389,21 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
 
 @contextmanager
 def about_lines(lines: Mapping[str, Any]) -> Iterator[None]:
-    """Add the files of lines, if any, to an error about places where these cross."""
+    """Add the files of lines to an error about a line, or about places where these cross."""
     try:
         yield
-    except CrossingError as error:
-        files = [each for each in lines.values() if isinstance(each, Path)]
-        if files:
-            error.within(", ".join("stdin" if is_stream(each) else str(each) for each in files))
+    except InputError as error:
+        files = {key: _named(each) for key, each in lines.items() if isinstance(each, Path)}
+        found = _LINE.match(error.message.marked)
+        if found and (file := files.get(f"{found[1].replace(' ', '_')}s")):
+            raise FormatError(f"{file}: {error.message.marked}") from error
+        if isinstance(error, CrossingError) and files:
+            error.within(", ".join(files.values()))
         raise
+
+
+def _named(path: Path) -> str:
+    return "stdin" if is_stream(path) else str(path)
 
 
 def _is_about_data(error: InputError) -> bool:

@@ -71,6 +71,9 @@ def test_lines_that_cross(folder) -> None:
     failed(
         run(*words(folder)), 3, place, "or --crossing split", "error: ", "pond.gpkg: lines cross"
     )
+    write(folder, [[-50.0, 5], [50, 95]])
+    failed(run(*words(folder)), 3, "ditch.geojson: breakline 0 has no heights, and there are none")
+    write(folder, [[50.0, 5, 5], [50, 95, 5]], DITCH)
     done = run(*words(folder), "--crossing", "split")
     assert done.returncode == 0, done.stderr
 
