@@ -22,9 +22,8 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
-_LINE = re.compile(
-    "(?:[0-9,]+ |a ring of |holes [0-9]+ and [0-9]+ of )?"
-    "(edge|polyline|polygon|breakline|soft breakline)s? (?:[0-9]|ends? )"
+_LINE = re.compile(  # that a message is about: its option begins so
+    r"(?:a ring of polygon \d+ of )?(boundary|holes|edge|polyline|polygon|(?:soft )?breakline)\b"
 )
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
@@ -270,9 +269,10 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
 
 @contextmanager
 def without_warnings() -> Iterator[None]:
-    """Leave out warnings about data, which are among the notes."""
+    """Leave out warnings about data, which are among the notes, but for that of edges."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)
+        warnings.filterwarnings("always", "the points have .* edges?, not used", DataWarning)
         yield
 
 
@@ -366,7 +366,7 @@ def about(path: Path) -> Iterator[None]:
         yield
     except InputError as error:
         if _is_about_data(error):
-            error.within(_named(path))
+            error.within("stdin" if is_stream(path) else path)
         raise
 
 
@@ -389,21 +389,21 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
 
 @contextmanager
 def about_lines(lines: Mapping[str, Any]) -> Iterator[None]:
-    """Add the files of lines to an error about a line, or about places where these cross."""
+    """Add the files of lines, if any, to an error about one, or about places where they cross."""
+    files = {key: each for key, each in lines.items() if isinstance(each, Path)}
+    names = {key: "stdin" if is_stream(each) else str(each) for key, each in files.items()}
     try:
         yield
-    except InputError as error:
-        files = {key: _named(each) for key, each in lines.items() if isinstance(each, Path)}
-        found = _LINE.match(error.message.marked)
-        if found and (file := files.get(f"{found[1].replace(' ', '_')}s")):
-            raise FormatError(f"{file}: {error.message.marked}") from error
-        if isinstance(error, CrossingError) and files:
-            error.within(", ".join(files.values()))
+    except CrossingError as error:
+        if names:
+            error.within(", ".join(names.values()))
         raise
-
-
-def _named(path: Path) -> str:
-    return "stdin" if is_stream(path) else str(path)
+    except InputError as error:
+        word = found[1].replace(" ", "_") if (found := _LINE.match(error.message)) else None
+        for key, name in names.items():
+            if word is not None and key.startswith(word):
+                raise FormatError(f"{name}: {error.message.marked}") from error
+        raise
 
 
 def _is_about_data(error: InputError) -> bool:
