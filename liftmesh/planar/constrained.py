@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_numbers, of_one_array, pair_keys, widened
+from liftmesh.base.arrays import (
+    as_coordinates,
+    as_numbers,
+    is_after,
+    of_one_array,
+    pair_keys,
+    sides_of,
+    widened,
+)
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import (
     Carve,
@@ -40,7 +48,6 @@ from liftmesh.predicates import orient2d
 
 _SHOWN = 10
 _SEED = "give a point x, y in each region that is to be removed"
-_FOLLOWING, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 @of_one_array
@@ -239,8 +246,8 @@ def _unplaced(points: Reals, given: Constraints, unplaced: Rows) -> InputError:
 
 def _found(pieces: Rows, simplices: Rows) -> tuple[Mask, Integers]:
     """Tell which sides of triangles are pieces, (m, 3), and which pieces they are."""
-    ends = np.sort(np.stack([simplices[:, _FOLLOWING], simplices[:, _AFTER]]), axis=0)
-    keys, known = pair_keys(*ends), pair_keys(*pieces.T)
+    tail, head = np.moveaxis(sides_of(simplices), 2, 0)
+    keys, known = pair_keys(np.minimum(tail, head), np.maximum(tail, head)), pair_keys(*pieces.T)
     place = np.searchsorted(known, keys)
     if not len(known):
         return np.zeros(keys.shape, dtype=np.bool_), place
@@ -309,18 +316,10 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     of_polygon = np.flatnonzero(given.winding[origin])
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
-    along = _rise(points, solved.pieces[piece]) == _rise(
-        points, solved.parts[solved.members[of_polygon]]
-    )
+    parts = solved.parts[solved.members[of_polygon]]
+    along = is_after(*points[solved.pieces[piece].T]) == is_after(*points[parts.T])
     steps = np.where(along, 1, -1) * given.winding[origin]
     return bounds, np.bincount(piece, steps, minlength=count).astype(np.int32)
-
-
-def _rise(points: Reals, edges: Rows) -> Mask:
-    """Tell which edges lead to a lexicographically larger point."""
-    (x, y), (u, v) = points[edges[:, 0]].T, points[edges[:, 1]].T
-    rise: Mask = (x < u) | ((x == u) & (y < v))
-    return rise
 
 
 def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
@@ -342,7 +341,8 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     sides, piece = _found(solved.pieces, around)
     sides[sides] = bounds[piece[sides]] > 0
     corners = solution.points[around]
-    turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
+    ends = sides_of(corners)
+    turns = orient2d(ends[:, :, 0], ends[:, :, 1], places[:, None])
     is_end = (corners == places[:, None]).all(axis=2) & np.isin(around, solved.pieces[bounds > 0])
     is_on = ((turns == 0) & sides | is_end).any(axis=1)
     if is_on.any():

@@ -226,6 +226,8 @@ def test_positions_are_matched_exactly(seed: int) -> None:
         ({"polygons": [[[0, 1, 2], [1, 2, 3], [0, 1, 2]]]}, "rings of three rows or corners x, y,"),
         ({"polygons": [[SQUARE, [0, -2, 1]]]}, "a ring of polygon 0 has the row -2"),
         ({"polygons": [LINE]}, "there is no polygon in what is given"),
+        ({"polygons": [shapely.Point(0, 0)]}, "there is no polygon in what is given"),
+        ({"polygons": {"type": "Feature", "geometry": None}}, "there is no polygon in what is"),
         ({"polygons": 1.5}, "polygons are 1.5"),
         (
             {
