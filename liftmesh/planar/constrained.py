@@ -88,8 +88,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
-        insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
-        the rounded rows; ``displacement`` tells how far they are from the edges.
+        insert each crossing, rounded to the nearest float64, as a row. Where edges cross again for
+        that rounding, a row that is near may be taken instead. Then the result is exact for the
+        rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
@@ -116,10 +117,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     InputError
         As for `delaunay`; an edge has a row that is out of range or skipped; a line or polygon
         cannot be read, has too few corners, or one that is not finite; an option is unknown; a seed
-        is not finite, outside, or on an edge; nothing would be left; edges still cross after many
-        splits.
+        is not finite, outside, or on an edge; nothing would be left.
     CrossingError
-        Edges cross, and `crossing` is "error".
+        Edges cross, and `crossing` is "error"; or still do after many rounds of splits.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError

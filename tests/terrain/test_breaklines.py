@@ -16,6 +16,7 @@ from hypothesis import given, settings, strategies as st
 import liftmesh
 from liftmesh import InputError
 from liftmesh.errors import FormatError
+from liftmesh.planar import crossing_edges
 
 KERB = np.array([[0, 8, 10], [64, 24, 14]], dtype=float)
 OTHER_KERB = np.array([[0, 12, 10], [64, 28, 14]], dtype=float)
@@ -497,3 +498,13 @@ def test_drawings(tmp_path: Path, suffix: str) -> None:
         hidden = liftmesh.triangulate(hills(), holes=rings)
         whole = plane_area(liftmesh.triangulate(hills()))
         assert plane_area(hidden) == pytest.approx(whole - 48 * 24 * 3 / 4)
+
+
+def test_lines_that_cross_without_end_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossing_edges, "_MOST_ROUNDS", 0)
+    lines = [[[8.0, 4.0], [56.0, 28.0]], [[8.0, 28.0], [56.0, 4.0]]]
+    with pytest.raises(
+        liftmesh.CrossingError,
+        match=r"soft breakline 0 and soft breakline 1 still cross after many splits, at \(32.*move",
+    ):
+        liftmesh.triangulate(hills(), soft_breaklines=lines)
