@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Carve, Crossing
+from liftmesh.base.options import Carve, Crossing, counted
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import flag, option
 from liftmesh.cli.surfaces import is_table
@@ -79,28 +79,57 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
-    cloud = inputs.read(source, {**planar, **reading})
-    files = {**lines}
-    if "edges" in lines:
-        lines["edges"] = _edges(lines["edges"])
-    elif not {"polylines", "polygons"} & lines.keys():
-        if cloud.edges is None:
-            raise click.BadParameter(
-                f"{source} has no edges: give --edges, --polylines or --polygons"
-            )
-        entries = {**cloud.metadata}
-        lines |= {"edges": cloud.edges, "seeds": entries.pop("holes", None)}
-        cloud = replace(cloud, metadata=entries)  # without the holes, which are made
-        files["edges"] = source
+    cloud = points_of(source, reading)
+    cloud, tri = triangulated(cloud, source, target, lines, nonfinite=nonfinite, threads=threads)
     with inputs.about(source):
-        target.check_content(cloud)
-        with inputs.about_lines(files):
-            tri = _triangulated(cloud, nonfinite=nonfinite, threads=threads, **lines)
-        mesh = _mesh(cloud, tri)
+        said = "corners or crossings of lines are at no row"
+        mesh = mesh_of(cloud, tri, said, "use liftmesh triangulate --breaklines")
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, tri, as_json=json)
+
+
+def points_of(source: Path, reading: dict[str, Any]) -> Cloud:
+    """Read points, whose heights may be missing."""
+    planar = {"flat": None} if is_table(source, reading.get("format")) else {}
+    return inputs.read(source, {**planar, **reading})
+
+
+def triangulated(
+    cloud: Cloud,
+    source: Path,
+    target: outputs.Target,
+    lines: dict[str, Any],
+    *,
+    needs_lines: bool = True,
+    **choices: Any,
+) -> tuple[Cloud, ConstrainedTriangulation]:
+    """Triangulate points with the edges of files, or their own; drop where holes are to be."""
+    from liftmesh.io.columns import edges_of
+    from liftmesh.io.metadata import Provenance
+
+    files, entries = {**lines}, {**cloud.metadata}
+    holes = entries.pop("holes", None)  # which are made, or are of other edges
+    if "edges" in lines:
+        lines["edges"] = _edges(lines["edges"])
+    if {"edges", "polylines", "polygons"} & lines.keys():
+        if count := len(edges_of(cloud)):
+            own = counted(count, "edge") + " and holes" * (holes is not None)
+            terminal.note(f"{source}: {own} of its own not taken, since lines are given")
+    else:
+        if cloud.edges is None and needs_lines:
+            raise click.BadParameter(
+                f"{source} has no edges: give --edges, --polylines or --polygons"
+            )
+        if not needs_lines and Provenance(cloud.metadata).carved:
+            lines.setdefault("carve", "holes")
+        lines |= {"edges": cloud.edges, "seeds": holes}
+        files["edges"] = source
+    cloud = replace(cloud, edges=None, metadata=entries)
+    with inputs.about(source):
+        target.check_content(cloud)
+        with inputs.about_lines(files):
+            return cloud, _triangulated(cloud, **choices, **lines)
 
 
 def _edges(path: Path) -> Rows:
@@ -137,7 +166,7 @@ def _triangulated(cloud: Cloud, **choices: Any) -> ConstrainedTriangulation:
         )
 
 
-def _mesh(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
+def mesh_of(cloud: Cloud, tri: ConstrainedTriangulation, said: str, remedy: str) -> Cloud:
     """Make the mesh: rows of lines have no heights, and no values."""
     import numpy as np
 
@@ -150,8 +179,7 @@ def _mesh(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
         return replace(cloud, faces=faces, edges=edges)
     if cloud.points[:, 2].any():
         raise InputError(
-            f"{new:,} corners or crossings of lines are at no row, so that they have no height, "
-            "but the rows have: use liftmesh triangulate --breaklines"
+            f"{new:,} {said}, so that they have no height, but the rows have: {remedy}"
         )
     if cloud.attributes or cloud.colors is not None or cloud.normals is not None:
         terminal.note(f"{new:,} rows are new, and have no values: those of the others are left out")

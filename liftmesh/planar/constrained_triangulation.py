@@ -7,7 +7,7 @@ those that were removed. So the first triangle at a point is one that is left if
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -321,6 +321,7 @@ def with_rows(
 ) -> ConstrainedTriangulation:
     """Make the same triangles of other rows, of which there are as many."""
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
+    pieces = _in_order(np.sort(names[tri.constraints], axis=1), *tri.constraint_inputs)
     return ConstrainedTriangulation(
         points,
         names[simplices],
@@ -329,17 +330,7 @@ def with_rows(
         duplicates,
         tri.skipped,
         tri._constrained,  # noqa: SLF001 - of this module
-        Pieces(
-            *_in_order(np.sort(names[tri.constraints], axis=1), *tri.constraint_inputs),
-            tri.input_edges,
-            tri.input_polylines,
-            tri.input_polygons,
-            tri.zero_length,
-            len(tri.added),
-            len(tri.crossing_rows),
-            tri.displacement,
-            tri._steiner,  # noqa: SLF001 - of this module
-        ),
+        pieces_of(tri, *pieces),
         tri.nsimplex,
     )
 
@@ -362,26 +353,40 @@ def with_sides(tri: ConstrainedTriangulation, sides: Mask) -> ConstrainedTriangu
         np.concatenate([members, len(tri.input_edges) + added]),
     )
     none = np.full_like(added, -1)
-    return ConstrainedTriangulation(
-        tri.points,
-        simplices,
-        neighbors,
-        tri.convex_hull,
-        tri.duplicates,
-        tri.skipped,
-        constrained,
-        Pieces(
-            *pieces,
-            np.concatenate([tri.input_edges, ends]),
-            np.concatenate([tri.input_polylines, none]),
-            np.concatenate([tri.input_polygons, none]),
-            tri.zero_length,
-            len(tri.added),
-            len(tri.crossing_rows),
-            tri.displacement,
-            tri._steiner,  # noqa: SLF001 - of this module
-        ),
-        tri.nsimplex,
+    inputs = replace(
+        pieces_of(tri, *pieces),
+        edges=np.concatenate([tri.input_edges, ends]),
+        polyline=np.concatenate([tri.input_polylines, none]),
+        polygon=np.concatenate([tri.input_polygons, none]),
+    )
+    whole = simplices, neighbors, tri.convex_hull, tri.duplicates, tri.skipped
+    return ConstrainedTriangulation(tri.points, *whole, constrained, inputs, tri.nsimplex)
+
+
+def with_left(tri: ConstrainedTriangulation, keep: Mask) -> ConstrainedTriangulation:
+    """Leave other triangles of the whole convex hull."""
+    order, simplices, neighbors = left_first(keep, *tri._whole)  # noqa: SLF001 - of this module
+    bits = tri._constrained[order]  # noqa: SLF001 - of this module
+    pieces = pieces_of(tri, tri.constraints, *tri.constraint_inputs)
+    whole = simplices, neighbors, tri.convex_hull, tri.duplicates, tri.skipped
+    left = int(np.count_nonzero(keep))
+    return ConstrainedTriangulation(tri.points, *whole, bits, pieces, left)
+
+
+def pieces_of(tri: ConstrainedTriangulation, rows: Rows, indptr: Rows, members: Rows) -> Pieces:
+    """Describe other pieces of the same input edges."""
+    return Pieces(
+        rows,
+        indptr,
+        members,
+        tri.input_edges,
+        tri.input_polylines,
+        tri.input_polygons,
+        tri.zero_length,
+        len(tri.added),
+        len(tri.crossing_rows),
+        tri.displacement,
+        tri._steiner,  # noqa: SLF001 - of this module
     )
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -61,6 +61,11 @@ class RefineResult(FrozenResult):
         The largest distance of an added row from the input edge on which it should be, by rounding.
     capped : bool
         Whether `max_points` ended the refinement.
+    surface : Surface or None
+        Of a surface, the refined one: rows that were added have 1 in the values ``steiner``, the
+        height of the surface before, and colours and other values of the nearest row.
+    max_deviation : float
+        The largest difference of heights between both surfaces, rounded; it is where edges cross.
 
     See Also
     --------
@@ -83,6 +88,8 @@ class RefineResult(FrozenResult):
     asked_angle: float
     displacement: float
     capped: bool
+    surface: Any = None
+    max_deviation: float = 0.0
 
     def __repr__(self) -> str:
         return (

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -35,6 +36,7 @@ from liftmesh.planar.constrained_triangulation import (
     ends_of,
     left_first,
     members_of,
+    pieces_of,
     with_sides,
 )
 from liftmesh.planar.crossing_edges import distances
@@ -70,10 +72,11 @@ def refine(
 
     Parameters
     ----------
-    domain : Triangulation, list, path or geometries
+    domain : Triangulation, Surface, list, path or geometries
         A triangulation of `delaunay` or `constrained_delaunay`, carved or not; its hull and the
         boundary of what is left become edges, too. Or polygons in any form that `polygons` of
-        `constrained_delaunay` has: what is inside of them is triangulated first.
+        `constrained_delaunay` has: what is inside of them is triangulated first. Or a surface,
+        whose faces are refined in its plane.
     min_angle : float, default 30
         The smallest angle wanted, in degrees, up to 45; None or 0 for none. Up to 34 the number of
         rows stays small in practice; above, there may be rows without end, up to `max_points`.
@@ -97,7 +100,8 @@ def refine(
     -------
     RefineResult
         The triangulation, with the rows that were added and the triangles that are below
-        `min_angle`. Rows of the domain keep their numbers.
+        `min_angle`. Rows of the domain keep their numbers. Of a surface it has a ``surface``, too,
+        where heights of added rows are those of the surface before.
 
     Raises
     ------
@@ -150,6 +154,11 @@ def refine(
     is_conforming = as_switch("conforming", conforming)
     most = _MOST_MADE if max_points is None else as_count("max_points", max_points, 0)
     check_progress(progress)
+    if hasattr(domain, "_refined"):  # a `Surface`, of a room above
+        options: Any = {"max_area": max_area, "size": size, "conforming": conforming}
+        options |= {"min_angle": min_angle, "max_points": max_points, "progress": progress}
+        result: RefineResult = domain._refined(lambda tri: refine(tri, **options))  # noqa: SLF001
+        return result
     own = _triangulated(domain, threads)
     largest, lengths = _largest(max_area, own), _lengths(size, own)
     tri = with_sides(own, (own.neighbors < 0) & ~own.is_constrained)
@@ -165,8 +174,6 @@ def refine(
 
 def _triangulated(domain: Any, threads: int | None) -> ConstrainedTriangulation:
     """Return the triangulation of a domain."""
-    if isinstance(domain, ConstrainedTriangulation):
-        return domain
     if not isinstance(domain, Triangulation):
         if hasattr(domain, "simplices"):
             raise UnsupportedTypeError(
@@ -174,17 +181,24 @@ def _triangulated(domain: Any, threads: int | None) -> ConstrainedTriangulation:
                 "or constrained_delaunay with edges that are to stay"
             )
         return constrained_delaunay([], polygons=domain, carve="holes", threads=threads)
-    if others := options_of(domain):
+    return as_constrained(domain)
+
+
+def as_constrained(tri: Triangulation) -> ConstrainedTriangulation:
+    """Return a triangulation as one with constraints, of which it may have none."""
+    if isinstance(tri, ConstrainedTriangulation):
+        return tri
+    if others := options_of(tri):
         raise InputError(
             f"the domain is a triangulation with {Option(next(iter(others)))}, and only Delaunay "
             "triangulations are refined: give liftmesh.delaunay of its points"
         )
-    simplices, neighbors, hull, duplicates, skipped = domain._given()  # noqa: SLF001 - of this room
+    simplices, neighbors, hull, duplicates, skipped = tri._given()  # noqa: SLF001 - of this room
     none = np.empty((0, 2), dtype=np.int32)
     flat = none.reshape(-1)
     pieces = Pieces(none, np.zeros(1, dtype=np.int32), flat, none, flat, flat, flat, 0, 0, 0.0)
     bits = np.zeros(len(simplices), dtype=np.uint8)
-    whole = domain.points, simplices, neighbors, hull, duplicates, skipped
+    whole = tri.points, simplices, neighbors, hull, duplicates, skipped
     return ConstrainedTriangulation(*whole, bits, pieces, len(simplices))
 
 
@@ -279,7 +293,7 @@ def _result(
         tri.duplicates,
         tri.skipped,
         marks[order],
-        _parts(tri, simplices, marks[order], divided),
+        _parts(tri, simplices, neighbors, marks[order], divided),
         left,
     )
     indptr, members = tri.constraint_inputs
@@ -302,27 +316,21 @@ def _result(
     return result, regions[:left]
 
 
-def _parts(tri: ConstrainedTriangulation, simplices: Rows, marks: Bits, divided: Rows) -> Pieces:
+def _parts(
+    tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
+) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    face, k = np.nonzero(marks[:, None] >> np.arange(3, dtype=np.uint8) & 1)
-    keys = np.unique(pair_keys(*ends_of(simplices, face, k).T))
+    number = np.arange(len(marks), dtype=np.int32)[:, None]
+    is_part = marks[:, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
+    face, k = np.nonzero(is_part & (neighbors < number))  # of both sides the later one
+    keys = np.sort(pair_keys(*ends_of(simplices, face, k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)
     of_row = np.concatenate([np.full(tri.npoints, -1, dtype=np.int32), divided])
     piece = of_row[ends].max(axis=1)  # a row that was added is on one piece at most
     is_whole = piece < 0
     piece[is_whole] = np.searchsorted(pair_keys(*tri.constraints.T), keys[is_whole])
-    return Pieces(
-        ends,
-        *members_of(piece, *tri.constraint_inputs),
-        tri.input_edges,
-        tri.input_polylines,
-        tri.input_polygons,
-        tri.zero_length,
-        len(tri.added),
-        len(tri.crossing_rows),
-        tri.displacement,
-        tri._steiner + len(divided),  # noqa: SLF001 - of this room
-    )
+    pieces = pieces_of(tri, ends, *members_of(piece, *tri.constraint_inputs))
+    return replace(pieces, steiner=pieces.steiner + len(divided))
 
 
 def _warn(refined: RefineResult, regions: Rows, largest: Floats, lengths: Lengths | None) -> None:

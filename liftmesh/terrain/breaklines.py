@@ -33,7 +33,7 @@ from liftmesh.planar.crossing_edges import TOO_NEAR
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
-from liftmesh.terrain.profile import LineCrossings, Met, between, is_after
+from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between, is_after
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import ordered_corners
 from liftmesh.vector.polygons import contains
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 BREAKLINE = "breakline"  # the values that say which rows lines have become
 OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's
 _NAMED = 10
-_TAILS, _HEADS = slice(None, -1), slice(1, None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -111,9 +110,7 @@ def with_lines(
     firm, loose = ([each for each in lines.all() if each.holds == is_firm] for is_firm in (1, 0))
     chains = [_whole(each, each.densified(frame, lines.densify)) for each in firm]
     if loose:
-        for each in loose:
-            each.planar(frame)  # refuses planes that round
-        corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
+        corners = [each.planar(frame, each.densified(frame, lines.densify)) for each in loose]
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
     counts = line_counts(surface, len(lifting.cloud))
@@ -151,8 +148,8 @@ def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
     """Return the places of coordinates in a plane of two axes, without rounding."""
     if frame.name not in ("xy", "xz", "yz"):
         raise InputError(
-            f"lines need rows of their own in the plane, which is {frame.name!r}: give "
-            f"{Option('plane')} 'xy', 'xz' or 'yz', whose coordinates are exact"
+            f"new rows need a plane whose coordinates are exact, not {frame.name!r}: give "
+            f"{Option('plane')} 'xy', 'xz' or 'yz'"
         )
     points = np.empty((len(planar), 3))
     for axis, values in zip(frame.axes, (*planar.T, heights), strict=True):
@@ -176,7 +173,7 @@ class _Drape(LineCrossings):
         """Return what lines become, and which points are joined; in both directions the same."""
         if not lines:
             return []
-        tails, heads = (np.concatenate([each[part] for each in lines]) for part in (_TAILS, _HEADS))
+        tails, heads = (np.concatenate([each[part] for each in lines]) for part in (TAILS, HEADS))
         swap = is_after(tails, heads)[:, None]
         points, piece = self.of(np.where(swap, heads, tails), np.where(swap, tails, heads))
         number = np.arange(len(points))
@@ -326,14 +323,16 @@ class Following:
         return self._along(tri.points, tri.input_edges[chosen], tri.points[first:])
 
 
-def extended(cloud: Cloud, frame: Frame, rows: Floats, flags: Array) -> Cloud:
+def extended(
+    cloud: Cloud, frame: Frame, rows: Floats, flags: Array, flag: str = BREAKLINE
+) -> Cloud:
     """Add rows to a cloud, with the colours and values of the nearest of its own."""
-    if BREAKLINE in cloud.attributes and cloud.attributes[BREAKLINE].dtype != np.uint8:
+    if flag in cloud.attributes and cloud.attributes[flag].dtype != np.uint8:
         raise InputError(
-            f"the points have values named {BREAKLINE!r}, the name of those that say which rows "
-            "lines have become: rename them, or leave them out"
+            f"the points have values named {flag!r}, the name of those that say which rows are "
+            "new: rename them, or leave them out"
         )
-    values = {BREAKLINE: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
+    values = {flag: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
     nearest = np.empty(0, dtype=np.int64)
     if len(rows) and (len(values) > 1 or cloud.colors is not None or cloud.normals is not None):
         nearest = _nearest(frame.planar(cloud.points), frame.planar(rows))
@@ -341,8 +340,8 @@ def extended(cloud: Cloud, frame: Frame, rows: Floats, flags: Array) -> Cloud:
     def longer(array: Array) -> Array:
         return np.concatenate([array, array[nearest]])
 
-    named = {name: longer(each) for name, each in values.items() if name != BREAKLINE}
-    named[BREAKLINE] = np.concatenate([values[BREAKLINE], flags])
+    named = {name: longer(each) for name, each in values.items() if name != flag}
+    named[flag] = np.concatenate([values[flag], flags])
     colors, normals = cloud.colors, cloud.normals
     return replace(
         cloud,

@@ -16,12 +16,12 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import boundary, changes, contours, measures, profile, sampling
+from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from types import EllipsisType
 
     import matplotlib.tri as matplotlib_tri
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
+    from liftmesh.planar.refined import RefineResult
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
@@ -69,6 +70,10 @@ class Surface(SurfaceData):
     def __repr__(self) -> str:
         triangles = counted(len(self.faces), "triangle")
         return f"<Surface of {triangles} over {len(self.vertices):,} vertices>"
+
+    def _refined(self, refine: Callable[[Any], RefineResult]) -> RefineResult:
+        """Refine the faces, for `liftmesh.refine`."""
+        return refinement.refined(self, refine)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:

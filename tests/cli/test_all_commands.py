@@ -26,7 +26,7 @@ from liftmesh.cli.terminal import bytes_text
 
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "profile", "raster",
-    "contour", "volume", "solid", "voronoi", "constrain", "paper",
+    "contour", "volume", "solid", "voronoi", "constrain", "refine", "paper",
 ]  # fmt: skip
 
 

@@ -40,14 +40,14 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
     if "classes" in texts:
         default = (
             "By default all."
-            if name in {"info", "thin", "constrain"}
+            if name in {"info", "thin", "constrain", "refine"}
             else "as by default of LAS and LAZ."
         )
         assert texts["classes"].endswith(default)
 
 
 IN_THE_LIBRARY_ALONE = {
-    "a", "b", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
+    "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
     "density", "dtype", "folder", "furthest_site", "heights", "incremental", "light", "masses",
     "max_iter", "max_proofs", "order", "origin", "planar", "progress", "row", "rows", "shape",
     "strict", "tol", "transform", "values", "vertices",

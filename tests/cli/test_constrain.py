@@ -149,7 +149,12 @@ def test_a_poly_file_of_triangle(first: int, beside: bool, folder: Path) -> None
     assert told["dropped"] == []
     assert liftmesh.read(folder / "a.ply").metadata["carved"]
     copied = command("constrain", "plate.poly", "b.poly", "--json", cwd=folder)
-    assert json.loads(copied.stdout)["dropped"] == ["faces", "metadata carved"]
+    assert json.loads(copied.stdout)["dropped"] == ["faces"]  # holes say what is carved
+    assert len(liftmesh.read(folder / "b.poly").metadata["holes"]) == 1
+    others = command("constrain", "plate.poly", "d.poly", "--edges", "pairs.txt", cwd=folder)
+    assert "plate.poly: 8 edges and holes of its own not taken" in others.stderr
+    assert "holes" not in liftmesh.read(folder / "d.poly").metadata
+    assert command("constrain", "d.poly", "e.ply", cwd=folder).returncode == 0
     again = command("constrain", "b.poly", "c.ply", cwd=folder)
     assert again.returncode == 0, again.stderr
     assert np.array_equal(

@@ -31,6 +31,7 @@ WRITING = [
     ("solid", "a.las", "old.stl", "--base-height", "-1"),
     ("voronoi", "a.las", "old.svg"),
     ("constrain", "mesh.ply", "old.ply", "--edges", "pairs.txt"),
+    ("refine", "box.geojson", "old.ply"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
     ("compare", "a.las", "--hull", "old.ply"),

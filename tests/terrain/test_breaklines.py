@@ -352,13 +352,19 @@ def test_other_planes() -> None:
     level = liftmesh.triangulate(hills(), boundary=SQUARE).triangulation
     np.testing.assert_array_equal(draped.triangulation.points, level.points)
     np.testing.assert_array_equal(draped.frame.planar(draped.vertices), draped.triangulation.points)
+    for more in ({}, {"densify": 3.0}):  # with heights a draped line is in space, too
+        draped = liftmesh.triangulate(wall, soft_breaklines=line, plane="xz", **more)
+        level = liftmesh.triangulate(hills(), soft_breaklines=KERB, **more).triangulation
+        np.testing.assert_array_equal(draped.triangulation.points, level.points)
     tilted = liftmesh.triangulate(hills(), breaklines=KERB, plane="fit")
     assert len(tilted.triangulation.constraints) >= 1
     with pytest.raises(InputError, match="'xy', 'xz' or 'yz'"):
         liftmesh.triangulate(hills(), boundary=SQUARE, plane="fit")
     lines = [KERB, [[10, 0, 3], [10, 32, 5]]]
-    with pytest.raises(InputError, match="rows of their own in the plane, which is 'fit'"):
+    with pytest.raises(InputError, match=r"new rows need a plane .*, not 'fit'"):
         liftmesh.triangulate(hills(), breaklines=lines, plane="fit", crossing="split")
+    with pytest.raises(InputError, match="new rows need a plane whose coordinates are exact"):
+        liftmesh.triangulate(hills(), soft_breaklines=KERB, plane="fit")
 
 
 @pytest.mark.parametrize(

@@ -74,12 +74,15 @@ Place Triangulation::locate(Point p, Vertex hint) const {
     return {ghost, t};
 }
 
+// Turns around both, so that the one with fewer neighbours decides how long it takes.
 Edge Triangulation::edge_between(Vertex from, Vertex to) const {
-    Edge corner = corner_[from];
+    Edge e = edge_from(from), f = edge_from(to);
     do {
-        if (slots_.tail(corner) == to) return previous(corner);
-        corner = next(slots_.twin(next(corner)));
-    } while (corner != corner_[from]);
+        if (slots_.head(e) == to) return e;
+        if (slots_.head(f) == from) return slots_.twin(f);
+        e = turned(e);
+        f = turned(f);
+    } while (e != edge_from(from) && f != edge_from(to));
     return nothing;
 }
 

@@ -99,6 +99,9 @@ class Triangulation {
     std::vector<Row> adopt(const Input& input, Constrained& mesh);
     void mark(Edge e) { slots_.mark(e); }
     void unmark(Edge e) { slots_.unmark(e); }
+    // An edge from a vertex, and the next one counter-clockwise.
+    Edge edge_from(Vertex v) const { return previous(corner_[v]); }
+    Edge turned(Edge e) const { return slots_.twin(previous(e)); }
     // From a vertex to a neighbour, or `nothing`.
     Edge edge_between(Vertex from, Vertex to) const;
 

@@ -20,6 +20,10 @@ inline double square(Vector a) {
     return dot(a, a);
 }
 
+inline double length(Vector a) {
+    return std::sqrt(square(a));
+}
+
 // A corner, seen along both sides.
 class Corner {
  public:
@@ -71,8 +75,8 @@ class Measures {
 // The point between two others, from the first on at the power of two that is the nearest to the
 // middle.
 inline Point at_shell(Point from, Point to, const Measures& measures) {
-    const double length = std::sqrt(square(measures.between(from, to)));
-    const double part = std::ldexp(1.0, std::ilogb(length / 1.5)) / length;
+    const double whole = length(measures.between(from, to));
+    const double part = std::ldexp(1.0, std::ilogb(whole / 1.5)) / whole;
     return {std::lerp(from.x, to.x, part), std::lerp(from.y, to.y, part)};
 }
 

@@ -4,6 +4,12 @@
 
 namespace liftmesh::refinement {
 
+namespace {
+
+constexpr double of_sixty_degrees2 = 0.25;  // the square of the cosine
+
+}  // namespace
+
 // Whether a point is so near to a constraint that this is to be split.
 bool Refinement::is_encroached(Edge e, Point p) const {
     const auto to = [&](Vertex v) { return measures_.between(p, at(v)); };
@@ -30,7 +36,6 @@ bool Refinement::ask_to_split(Edge e) {
 // Whether another constraint ends at the tail of an edge, in a small angle inside; `beside` is that
 // edge of the triangle on its left which ends there, or starts on its right.
 bool Refinement::is_narrow(Edge e, Edge beside) const {
-    constexpr double of_sixty_degrees2 = 0.25;
     if (!counts(triangle_of(beside)) || !slots().is_marked(beside)) return false;
     const Vertex corner = slots().tail(e);
     const Vertex other =
@@ -45,10 +50,56 @@ bool Refinement::has_narrow_corner(Edge e) const {
 }
 
 Point Refinement::place(const Part& part, Edge e) const {
+    for (const Edge side : {e, slots().twin(e)})
+        if (const auto found = place_across(part, side)) return *found;
     const bool at_first = has_narrow_corner(e), at_second = has_narrow_corner(slots().twin(e));
     const Point a = at(part.first), b = at(part.second);
     if (at_first == at_second) return middle(a, b);
     return at_first ? at_shell(a, b, measures_) : at_shell(b, a, measures_);
+}
+
+// Where the apex is on another piece, and the two meet in a small angle: as far from there as it.
+std::optional<Point> Refinement::place_across(const Part& part, Edge side) const {
+    const Vertex v = slots().apex(side);
+    if (!counts(triangle_of(side)) || !is_encroached(side, at(v))) return {};
+    const std::int32_t piece = piece_at(part.first, part.second);
+    double nearest = std::numeric_limits<double>::infinity();
+    std::optional<Point> found;
+    for (const std::int32_t other : pieces_of(v)) {
+        const Vertex corner = other == piece ? ghost : corner_of(piece, other);
+        if (corner == ghost || corner == v) continue;
+        const auto [from, to] = ends_from(part, corner);
+        if (!Corner(between(corner, to), between(corner, v)).is_less(of_sixty_degrees2)) continue;
+        const double distance = length(between(corner, v));
+        const double first = length(between(corner, from)), last = length(between(corner, to));
+        if (!(first < distance && distance < last && distance < nearest)) continue;
+        nearest = distance;
+        const double share = (distance - first) / (last - first);
+        found = {std::lerp(at(from).x, at(to).x, share), std::lerp(at(from).y, at(to).y, share)};
+    }
+    return found;
+}
+
+// The ends of a part, the one nearer to a corner of its piece first.
+std::pair<Vertex, Vertex> Refinement::ends_from(const Part& part, Vertex corner) const {
+    const bool is_first =
+        square(between(corner, part.first)) < square(between(corner, part.second));
+    return is_first ? std::pair(part.first, part.second) : std::pair(part.second, part.first);
+}
+
+// The pieces that a vertex is on; none of one with many neighbours.
+std::vector<std::int32_t> Refinement::pieces_of(Vertex v) const {
+    constexpr std::size_t many = 64;
+    if (divided_[v] == no_piece) return {};
+    if (divided_[v] != given) return {divided_[v]};
+    std::vector<std::int32_t> found;
+    Edge e = mesh_.edge_from(v);
+    for (std::size_t i = 0; i < many; ++i) {
+        if (slots().is_marked(e)) found.push_back(piece_at(v, slots().head(e)));
+        e = mesh_.turned(e);
+        if (e == mesh_.edge_from(v)) return found;
+    }
+    return {};
 }
 
 // The piece that a part belongs to.

@@ -87,6 +87,10 @@ class Refinement {
     bool is_narrow(Edge e, Edge beside) const;
     bool has_narrow_corner(Edge e) const;
     Point place(const Part& part, Edge e) const;
+    std::optional<Point> place_across(const Part& part, Edge side) const;
+    std::pair<Vertex, Vertex> ends_from(const Part& part, Vertex corner) const;
+    std::vector<std::int32_t> pieces_of(Vertex v) const;
+    Vertex corner_of(std::int32_t piece, std::int32_t another) const;
     bool can_be_seen(Point p) const;
     TriangleId find_beside(Edge e, Point p) const;
     bool dig_across(const Part& part, Edge e, Point p);

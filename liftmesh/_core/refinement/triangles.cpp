@@ -29,19 +29,22 @@ Shape Refinement::shape(TriangleId t) const {
 bool Refinement::is_between_constraints(Edge base) const {
     const Vertex a = slots().tail(base), b = slots().head(base);
     if (divided_[a] < 0 || divided_[b] < 0 || divided_[a] == divided_[b]) return false;
-    const constrained::Piece& one = pieces_[static_cast<std::size_t>(divided_[a])];
-    const constrained::Piece& other = pieces_[static_cast<std::size_t>(divided_[b])];
-    Row corner;
-    if (one.first == other.first || one.first == other.second)
-        corner = one.first;
-    else if (one.second == other.first || one.second == other.second)
-        corner = one.second;
-    else
-        return false;
-    const auto found = std::lower_bound(rows_.begin(), rows_.end(), corner);
-    const auto v = static_cast<Vertex>(found - rows_.begin());
-    const double to_a = square(between(v, a)), to_b = square(between(v, b));
+    const Vertex corner = corner_of(divided_[a], divided_[b]);
+    if (corner == ghost) return false;
+    const double to_a = square(between(corner, a)), to_b = square(between(corner, b));
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
+}
+
+// Where two pieces meet, or the ghost.
+Vertex Refinement::corner_of(std::int32_t piece, std::int32_t another) const {
+    const constrained::Piece& one = pieces_[static_cast<std::size_t>(piece)];
+    const constrained::Piece& other = pieces_[static_cast<std::size_t>(another)];
+    for (const Row end : {one.first, one.second}) {
+        if (end != other.first && end != other.second) continue;
+        const auto found = std::lower_bound(rows_.begin(), rows_.end(), end);
+        return static_cast<Vertex>(found - rows_.begin());
+    }
+    return ghost;
 }
 
 // What is to be split. Lengths are measured later, of many triangles at once.

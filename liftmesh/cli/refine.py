@@ -1,0 +1,134 @@
+"""``liftmesh refine``: triangles of good shape and size, from points, edges or polygons."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import click
+
+from liftmesh.cli import constrain, inputs, options, outputs, terminal
+from liftmesh.cli.options import flag, option, positive, whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.io.write import WriteResult
+    from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
+    from liftmesh.planar.refined import RefineResult
+
+SHORT_HELP = "Triangles of good shape and size, by points that are added."
+HELP = (
+    "Points are added until no angle is smaller and no triangle larger than asked for. IN holds "
+    "polygons, or points whose edges are kept (OBJ, PLY, NPZ, Triangle's .poly), or lines are "
+    "given. Triangles that stay below the angle are counted, with the cause."
+)
+EXAMPLES = [
+    "liftmesh refine coast.geojson mesh.vtu --min-angle 30 --max-area 5",
+    "liftmesh refine plate.poly plate.ply --carve outside --size 0.5",
+]
+_POLYGONS = (".geojson", ".json", ".gpkg", ".shp")
+
+
+def _wanted(
+    min_angle: Annotated[
+        float, option("DEGREES", "The smallest angle, up to 45; 0 for none.", options.distance)
+    ] = 30.0,
+    max_area: Annotated[
+        float | None, option("AREA", "The largest area of a triangle.", positive)
+    ] = None,
+    size: Annotated[float | None, option("LENGTH", "The length of edges.", positive)] = None,
+    conforming: Annotated[bool, flag("Triangles are Delaunay also across edges.")] = False,
+    max_points: Annotated[
+        int | None, option("N", "The most points to be added, by default 10,000,000.", whole(0))
+    ] = None,
+) -> dict[str, Any]:
+    """Return what is asked for, as `liftmesh.refine` has it."""
+    bounds = options.given(max_area=max_area, size=size, max_points=max_points)
+    return {"min_angle": min_angle, "conforming": conforming, **bounds}
+
+
+Wanted: TypeAlias = Annotated[dict[str, Any], options.Group(_wanted)]
+
+
+@outputs.guards("target")
+def run(
+    source: options.Source,
+    target: constrain.Target,
+    *,
+    wanted: Wanted,
+    reading: inputs.AllRows,
+    nonfinite: options.SkipNonFinite = "error",
+    lines: constrain.Lines,
+    threads: options.Threads = None,
+    json: options.Json = False,
+) -> None:
+    """Read points, edges or polygons, refine, write the mesh, and print a report."""
+    if json:
+        outputs.check_stdout()
+    target.check()
+    if source.suffix.lower() in _POLYGONS:
+        cloud = _no_points(source, reading)
+        lines = {"polygons": source, "carve": "holes", **lines}
+    else:
+        cloud = constrain.points_of(source, reading)
+    given: dict[str, Any] = {"nonfinite": nonfinite, "threads": threads, "needs_lines": False}
+    cloud, tri = constrain.triangulated(cloud, source, target, lines, **given)
+    refined = _refined(tri, **wanted)
+    with inputs.about(source):
+        remedy = "give points without heights"
+        mesh = constrain.mesh_of(cloud, refined.triangulation, "points are added", remedy)
+    written = target.write(mesh)
+    with outputs.report_after(target.path):
+        _report(written, refined, as_json=json)
+
+
+def _no_points(source: Path, reading: dict[str, Any]) -> Cloud:
+    """Return no points at all, for polygons."""
+    import numpy as np
+
+    from liftmesh.base.cloud import Cloud
+
+    if reading:
+        raise click.BadParameter(f"{source} holds polygons alone: leave options of rows out")
+    source.open("rb").close()
+    return Cloud(np.empty((0, 3)))
+
+
+def _refined(tri: ConstrainedTriangulation, **choices: Any) -> RefineResult:
+    import liftmesh
+
+    with terminal.share_bar("refining", 0) as progress, inputs.without_warnings():
+        refined = liftmesh.refine(tri, progress=progress, **choices)
+    if refined.capped:
+        terminal.note("no more points may be added, and triangles are left: see --max-points")
+    return refined
+
+
+def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> None:
+    tri, causes = refined.triangulation, refined.causes.tolist()
+    counts = {
+        "rows": tri.npoints,
+        "added": len(refined.steiner),
+        "triangles": tri.nsimplex,
+        "constraints": len(tri.constraints),
+        "below": len(causes),
+        **{
+            f"below_by_{cause.replace(' ', '_')}": causes.count(cause)
+            for cause in sorted({*causes})
+        },
+    }
+    if as_json:
+        named = {f"n_{name}": count for name, count in counts.items()}
+        told = {"min_angle": refined.min_angle, "capped": refined.capped}
+        terminal.as_json(
+            {**outputs.as_values(written), **named, **told, "displacement": refined.displacement}
+        )
+        return
+    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
+    terminal.sentence(outputs.headline(written, line), "good")
+    rows = [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
+    rows.append(("smallest angle", f"{refined.min_angle:.4g} degrees"))
+    if refined.displacement:
+        rows.append(("displacement", f"{refined.displacement:.3g}"))
+    terminal.table(rows)

@@ -1,0 +1,85 @@
+"""``liftmesh refine``: polygons, points and edges of files become good triangles."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from commands import failed, liftmesh as command
+
+import liftmesh
+from liftmesh import Cloud
+
+SQUARE = np.array([[0, 0], [8, 0], [8, 8], [0, 8]], np.float64)
+HOLE = np.array([[3, 2], [5, 2], [5, 5]], np.float64)
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    rings = [[*ring.tolist(), ring[0].tolist()] for ring in (SQUARE, HOLE)]
+    tree = {"type": "Polygon", "coordinates": rings}
+    (tmp_path / "land.geojson").write_text(json.dumps(tree))
+    rows = np.concatenate([SQUARE, HOLE])
+    (tmp_path / "points.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in rows))
+    (tmp_path / "pairs.txt").write_text("0 1\n1 2\n2 3\n3 0\n4 5\n5 6\n6 4\n")
+    return tmp_path
+
+
+def test_polygons(folder: Path) -> None:
+    words = ("refine", "land.geojson", "a.ply", "--max-area", "0.5", "--json")
+    done = command(*words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    expected = liftmesh.refine([[SQUARE, HOLE]], max_area=0.5)
+    assert told["n_triangles"] == expected.triangulation.nsimplex
+    assert (told["n_added"], told["n_below"]) == (len(expected.steiner), 0)
+    assert (told["min_angle"], told["capped"]) == (expected.min_angle, False)
+    mesh = liftmesh.read(folder / "a.ply")
+    assert np.array_equal(mesh.edges, expected.triangulation.constraints)
+    assert mesh.metadata["carved"]
+    assert liftmesh.verify(mesh).valid
+    assert command("verify", "a.ply", cwd=folder).returncode == 0
+    finer = command("refine", "a.ply", "b.ply", "--size", "0.3", "--json", cwd=folder)
+    assert finer.returncode == 0, finer.stderr
+    assert json.loads(finer.stdout)["n_triangles"] > 2 * told["n_triangles"]
+    assert liftmesh.verify(liftmesh.read(folder / "b.ply")).valid
+
+
+def test_points_with_edges_and_without(folder: Path) -> None:
+    words = ("--edges", "pairs.txt", "--carve", "holes", "--min-angle", "20", "--conforming")
+    done = command("refine", "points.csv", "a.obj", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "smallest angle" in done.stdout
+    done = command("refine", "points.csv", "b.ply", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert liftmesh.verify(liftmesh.read(folder / "b.ply")).valid
+    points = np.concatenate([SQUARE, HOLE])
+    plain = liftmesh.refine(liftmesh.delaunay(points)).triangulation
+    assert json.loads(done.stdout)["n_triangles"] == plain.nsimplex
+
+
+def test_what_stays_below_is_counted(folder: Path) -> None:
+    (folder / "wedge.csv").write_text("x,y\n0,0\n9,0\n9,1\n")
+    done = command("refine", "wedge.csv", "a.ply", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "below by input angle" in done.stdout
+    done = command(
+        "refine", "wedge.csv", "b.ply", "--size", "0.01", "--max-points", "9", cwd=folder
+    )
+    assert done.returncode == 0, done.stderr
+    assert "--max-points" in done.stderr
+    done = command("refine", "wedge.csv", "c.ply", "--min-angle", "0", "--json", cwd=folder)
+    assert json.loads(done.stdout)["n_added"] == 0
+
+
+def test_what_is_refused(folder: Path) -> None:
+    words = ("refine", "land.geojson", "a.ply")
+    failed(command(*words, "--min-angle", "50", cwd=folder), 3, "--min-angle is 50.0: give degrees")
+    failed(command(*words, "--size", "0", cwd=folder), 2, "--size is 0")
+    failed(command(*words, "--flat", cwd=folder), 2, "holds polygons alone")
+    failed(command("refine", "none.geojson", "a.ply", cwd=folder), 3, "none.geojson")
+    liftmesh.write(folder / "high.ply", Cloud(np.eye(3)))
+    done = command("refine", "high.ply", "a.ply", "--size", "0.1", cwd=folder)
+    failed(done, 3, "points are added, so that", "give points without heights")
