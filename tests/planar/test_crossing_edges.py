@@ -183,7 +183,7 @@ def turned_parcels(offset: tuple[float, float], seed: int) -> list[np.ndarray]:
     turn = np.array([[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]])
     lines = []
     for square in np.argwhere(np.ones((12, 12))):
-        corners = (square + [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]) * 25.0 @ turn
+        corners = (square + np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])) * 25.0 @ turn
         middle = corners[:-1] + rng.random((4, 1)) * np.diff(corners, axis=0)
         lines.append(np.insert(corners, [1, 2, 3, 4], middle, axis=0) + offset)
     return [*lines, *(rng.random((10, 2, 2)) * 300 @ turn + offset)]
