@@ -130,9 +130,9 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows, number: i
     places = _places(split.points, rows)
     if number:
         places = _or_ends(places, split.points[rows], min(2 * number, _MOST_DOUBLINGS))
-    rows, added = match_rows(widened(split.points), places)
+    taken, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
-    edge, row = crossings.ravel(), np.repeat(rows, 2)
+    edge, row = crossings.ravel(), np.repeat(taken, 2)
     far = distances(points[edges[split.origins[edge]]], split.points[row]).max()
     split.displacement = max(split.displacement, float(far))
     is_inside = (row[:, None] != split.edges[edge]).all(axis=1)
@@ -168,8 +168,7 @@ def _or_ends(places: Floats, ends: Reals, doublings: int) -> Floats:
     nearest = np.lexsort((ends[..., 1], ends[..., 0], gaps), axis=1)[:, :1]
     bound = np.ldexp(np.spacing(np.abs(ends).max(axis=(1, 2))), doublings - 1)
     is_near = np.take_along_axis(gaps, nearest, axis=1) <= bound[:, None]
-    nearest = np.take_along_axis(ends, nearest[..., None], axis=1)[:, 0]
-    return np.where(is_near, nearest, places)
+    return np.where(is_near, np.take_along_axis(ends, nearest[..., None], axis=1)[:, 0], places)
 
 
 def _places(points: Array, rows: Rows) -> Floats:
