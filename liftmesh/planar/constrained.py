@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, as_numbers, of_one_array, pair_keys, widened
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import (
     Carve,
     Crossing,
@@ -70,7 +71,7 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `delaunay`.
     edges : array_like of int, of shape (k, 2), optional
-        Edges as pairs of rows of `points`.
+        Edges as pairs of rows of `points`; those of a `Cloud` by default, if there are no lines.
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
         shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
@@ -166,6 +167,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         points = np.empty((0, 2))  # corners of lines are enough
     rows = as_coordinates(rows_of(points))
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
+    if isinstance(points, Cloud) and edges is polylines is polygons is None:
+        edges = points.edges
     given = gather(planar, edges, polylines, polygons)
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
