@@ -21,6 +21,7 @@ from liftmesh.base.arrays import (
     pair_keys,
     widened,
 )
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import (
     Carve,
     Crossing,
@@ -77,7 +78,7 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `delaunay`.
     edges : array_like of int, of shape (k, 2), optional
-        Edges as pairs of rows of `points`.
+        Edges as pairs of rows of `points`; those of a `Cloud` by default, if there are no lines.
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
         shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
@@ -95,8 +96,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
-        insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
-        the rounded rows; ``displacement`` tells how far they are from the edges.
+        insert each crossing, rounded to the nearest float64, as a row. Where edges cross again for
+        that rounding, a row that is near may be taken instead. Then the result is exact for the
+        rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
@@ -123,10 +125,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     InputError
         As for `delaunay`; an edge has a row that is out of range or skipped; a line or polygon
         cannot be read, has too few corners, or one that is not finite; an option is unknown; a seed
-        is not finite, outside, or on an edge; nothing would be left; edges still cross after many
-        splits.
+        is not finite, outside, or on an edge; nothing would be left.
     CrossingError
-        Edges cross, and `crossing` is "error".
+        Edges cross, and `crossing` is "error"; or still do after many rounds of splits.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
@@ -173,6 +174,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         points = np.empty((0, 2))  # corners of lines are enough
     rows = as_coordinates(rows_of(points))
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
+    if isinstance(points, Cloud) and edges is polylines is polygons is None:
+        edges = points.edges
     given = gather(planar, edges, polylines, polygons)
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])

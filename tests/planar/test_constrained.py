@@ -136,6 +136,14 @@ def test_points_on_one_line_and_columns() -> None:
         constrained_delaunay([0.0, 1.0], [1.0, 2.0])
 
 
+def test_a_cloud_gives_its_edges() -> None:
+    rows = np.c_[SQUARE, np.zeros(4)].astype(float)
+    cloud = liftmesh.Cloud(rows, edges=np.array([[1, 3]], np.int32))
+    assert constrained_delaunay(cloud).constraints.tolist() == [[1, 3]]
+    assert constrained_delaunay(cloud, [[0, 2]]).constraints.tolist() == [[0, 2]]
+    assert constrained_delaunay(cloud, polylines=[0, 2]).constraints.tolist() == [[0, 2]]
+
+
 def test_edges_of_skipped_rows_are_errors() -> None:
     points = [*SQUARE, [NAN, 1], [1, NAN]]
     with pytest.raises(liftmesh.NonFiniteError, match="row 4 is not finite"):

@@ -1,0 +1,165 @@
+"""Time the refinement of a coast and of a graded mesh, side by side with triangle.
+
+    python scripts/bench.py refine                        105,000 points, and a million triangles
+    python scripts/bench.py refine --n 20000 --triangles 100000 --rounds 1
+
+The coast is that of `scripts/constrained/families.py`, carved, and both programs start from points
+and edges: "refine" is what `liftmesh.refine` takes of liftmesh's time. "Below" are triangles under
+the angle, which small input angles force. The graded mesh is a square whose wanted edges are twenty
+times as long at one corner as at the other; triangle, which takes no function, refines again under
+bounds of areas until none is larger. An edge is near if it is from half to twice as long as what is
+wanted in its middle. In one process and in turns; the least CPU seconds of the rounds count.
+"""
+
+from __future__ import annotations
+
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable
+from importlib import import_module
+from time import process_time
+from typing import Any
+
+import numpy as np
+from benchmark.measuring import console, empty_table, load
+from benchmark.tasks.constraints import SEED, carved
+from constrained.families import COAST, FAMILIES, Edges
+from distributions import Points
+
+import liftmesh
+
+ANGLES = (20, 30, 34)  # degrees
+SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.int32)
+GRADED = 30  # degrees
+SPREAD = 20  # of lengths
+FILLING = 1.35  # triangles made, for each equilateral one of the wanted length
+MOST_ROUNDS = 30
+Mesh = tuple[Points, Edges]
+
+
+def add_options(parser: ArgumentParser) -> None:
+    add = parser.add_argument
+    add("--n", type=int, default=COAST, metavar="POINTS", help="of the coast")
+    add("--triangles", type=int, default=1_000_000, help="of the graded mesh")
+    add("--rounds", type=int, default=3)
+
+
+def run(options: Namespace) -> None:
+    """Print both tables."""
+    program = import_module("triangle")
+    show("coast", COAST_COLUMNS, coast(program, options))
+    show("graded square", GRADED_COLUMNS, graded(program, options))
+
+
+COAST_COLUMNS = "angle", "triangles", "below", "seconds", "refine"
+GRADED_COLUMNS = "near", "triangles", "seconds", "microseconds a triangle"
+
+
+def show(name: str, columns: tuple[str, ...], rows: list[list[str]]) -> None:
+    table = empty_table(f"{name}, {load()}", ["program"], columns)
+    for row in rows:
+        table.add_row(*row)
+    console().print(table)
+
+
+def coast(program: Any, options: Namespace) -> list[list[str]]:
+    """Refine the carved coast at each angle."""
+    points, edges = FAMILIES["coast"](options.n, np.random.default_rng(SEED))
+    given = {"vertices": points, "segments": edges, "holes": carved(points, edges)[1]}
+    rows = []
+    for angle in ANGLES:
+        took: dict[str, float] = {"refine": np.inf}
+
+        def ours(angle: int = angle, took: dict[str, float] = took) -> Mesh:
+            tri = liftmesh.constrained_delaunay(points, edges, carve="holes", threads=1)
+            start = process_time()
+            made = liftmesh.refine(tri, min_angle=angle).triangulation
+            took["refine"] = min(took["refine"], process_time() - start)
+            return made.points, made.simplices
+
+        def theirs(angle: int = angle) -> Mesh:
+            return mesh_of(program.triangulate(given, f"pq{angle}Q"))
+
+        for name, (seconds, mesh) in in_turn({"triangle": theirs, "liftmesh": ours}, options):
+            below = int(np.count_nonzero(smallest_angles(*mesh) < angle - 1e-9))
+            part = f"{took['refine']:.2f}" if name == "liftmesh" else ""
+            rows.append([name, str(angle), f"{len(mesh[1]):,}", str(below), f"{seconds:.2f}", part])
+    return rows
+
+
+def graded(program: Any, options: Namespace) -> list[list[str]]:
+    """Refine the square to lengths of a function."""
+    scale = unit_length(options.triangles)
+
+    def wanted(places: Points) -> Any:
+        return scale * (1 + (SPREAD - 1) * np.hypot(*places.T) / np.sqrt(2))
+
+    def ours() -> Mesh:
+        tri = liftmesh.constrained_delaunay(SQUARE, SIDES, threads=1)
+        made = liftmesh.refine(tri, min_angle=GRADED, size=wanted).triangulation
+        return made.points, made.simplices
+
+    def theirs() -> Mesh:
+        made = program.triangulate({"vertices": SQUARE, "segments": SIDES}, "pQ")
+        for _ in range(MOST_ROUNDS):
+            points, triangles = mesh_of(made)
+            most = wanted(points[triangles].mean(axis=1)) ** 2 * np.sqrt(3) / 4 * FILLING
+            if (areas(points, triangles) <= most).all():
+                break
+            made["triangle_max_area"] = most[:, None]
+            made = program.triangulate(made, f"prq{GRADED}aQ")
+        return mesh_of(made)
+
+    rows = []
+    for name, (seconds, mesh) in in_turn({"triangle": theirs, "liftmesh": ours}, options):
+        count = len(mesh[1])
+        each = f"{1e6 * seconds / count:.2f}"
+        rows.append([name, f"{near(*mesh, wanted):.2%}", f"{count:,}", f"{seconds:.2f}", each])
+    return rows
+
+
+def unit_length(triangles: int) -> float:
+    """Return the least length with which a mesh has about so many triangles."""
+    places = (np.indices((512, 512)).reshape(2, -1) + 0.5) / 512
+    lengths = 1 + (SPREAD - 1) * np.hypot(*places) / np.sqrt(2)
+    return float(np.sqrt(FILLING * (4 / np.sqrt(3) / lengths**2).mean() / triangles))
+
+
+def in_turn(
+    calls: dict[str, Callable[[], Mesh]], options: Namespace
+) -> list[tuple[str, tuple[float, Mesh]]]:
+    """Return the least seconds of each call, and what it made."""
+    found: dict[str, tuple[float, Mesh]] = {}
+    for _ in range(options.rounds):
+        for name, call in calls.items():
+            start = process_time()
+            mesh = call()
+            seconds = process_time() - start
+            found[name] = min(seconds, found.get(name, (np.inf,))[0]), mesh
+    return [*found.items()]
+
+
+def mesh_of(made: Any) -> Mesh:
+    return made["vertices"], made["triangles"]
+
+
+def areas(points: Points, triangles: Edges) -> Any:
+    a, b, c = points[triangles].transpose(1, 2, 0)
+    return ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
+
+
+def smallest_angles(points: Points, triangles: Edges) -> Any:
+    """Return the smallest angle of each triangle in degrees."""
+    corners = points[triangles]
+    sides = np.roll(corners, -1, axis=1) - corners
+    back = -np.roll(sides, 1, axis=1)
+    cosines = (sides * back).sum(axis=2) / np.sqrt((sides**2).sum(axis=2) * (back**2).sum(axis=2))
+    return np.degrees(np.arccos(cosines.max(axis=1).clip(max=1)))
+
+
+def near(points: Points, triangles: Edges, wanted: Callable[[Points], Any]) -> float:
+    """Return the share of edges that are from half to twice as long as what is wanted."""
+    ends = np.sort(np.concatenate([triangles[:, [k, k - 1]] for k in range(3)]), axis=1)
+    a, b = points[np.unique(ends, axis=0)].transpose(1, 0, 2)
+    share = np.hypot(*(a - b).T) / wanted((a + b) / 2)
+    return float(np.mean((share >= 0.5) & (share <= 2)))
