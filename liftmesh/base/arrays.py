@@ -310,18 +310,6 @@ def non_finite(row: int, values: Reals, *, skippable: bool = True) -> NonFiniteE
     )
 
 
-def is_after(tails: Reals, heads: Reals) -> Mask:
-    """Whether the first ends come after the second ones, by x, then y."""
-    (x, y), (u, v) = tails.T[:2], heads.T[:2]
-    after: Mask = (x > u) | ((x == u) & (y > v))
-    return after
-
-
-def sides_of(triangles: Array) -> Array:
-    """Return the side opposite each corner, from one end to the other, (m, 3, 2, ...)."""
-    return np.stack([np.roll(triangles, -1, axis=1), np.roll(triangles, 1, axis=1)], axis=2)
-
-
 def pair_keys(first: Array, second: Array) -> Integers:
     """Pack each pair of rows into one integer; these are ordered as the pairs are."""
     keys: Integers = first.astype(np.int64) << 32 | second
@@ -331,6 +319,19 @@ def pair_keys(first: Array, second: Array) -> Integers:
 def pairs_of_keys(keys: Integers) -> tuple[Integers, Integers]:
     """Return the first and the second rows of such integers."""
     return keys >> 32, keys & 0xFFFFFFFF
+
+
+def is_after(tails: Reals, heads: Reals) -> Mask:
+    """Whether the first ends come after the second ones, by x, then y."""
+    (x, y), (u, v) = tails.T[:2], heads.T[:2]
+    after: Mask = (x > u) | ((x == u) & (y > v))
+    return after
+
+
+def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
+    """Return the ends of sides opposite vertices k, the lesser row first."""
+    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    return ends
 
 
 def planar_bounds(points: Reals) -> tuple[float, float, float, float]:

@@ -19,7 +19,6 @@ from liftmesh.base.arrays import (
     is_after,
     of_one_array,
     pair_keys,
-    sides_of,
     widened,
 )
 from liftmesh.base.cloud import Cloud
@@ -48,6 +47,7 @@ from liftmesh.predicates import orient2d
 
 _SHOWN = 10
 _SEED = "give a point x, y in each region that is to be removed"
+_FOLLOWING, _AFTER = np.array([1, 2, 0]), np.array([2, 0, 1])
 
 
 @of_one_array
@@ -96,8 +96,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         given twice is an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
-        insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
-        the rounded rows; ``displacement`` tells how far they are from the edges.
+        insert each crossing, rounded to the nearest float64, as a row. Where edges cross again for
+        that rounding, a row that is near may be taken instead. Then the result is exact for the
+        rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
@@ -124,10 +125,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     InputError
         As for `delaunay`; an edge has a row that is out of range or skipped; a line or polygon
         cannot be read, has too few corners, or one that is not finite; an option is unknown; a seed
-        is not finite, outside, or on an edge; nothing would be left; edges still cross after many
-        splits.
+        is not finite, outside, or on an edge; nothing would be left.
     CrossingError
-        Edges cross, and `crossing` is "error".
+        Edges cross, and `crossing` is "error"; or still do after many rounds of splits.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
@@ -246,8 +246,8 @@ def _unplaced(points: Reals, given: Constraints, unplaced: Rows) -> InputError:
 
 def _found(pieces: Rows, simplices: Rows) -> tuple[Mask, Integers]:
     """Tell which sides of triangles are pieces, (m, 3), and which pieces they are."""
-    tail, head = np.moveaxis(sides_of(simplices), 2, 0)
-    keys, known = pair_keys(np.minimum(tail, head), np.maximum(tail, head)), pair_keys(*pieces.T)
+    ends = np.sort(np.stack([simplices[:, _FOLLOWING], simplices[:, _AFTER]]), axis=0)
+    keys, known = pair_keys(*ends), pair_keys(*pieces.T)
     place = np.searchsorted(known, keys)
     if not len(known):
         return np.zeros(keys.shape, dtype=np.bool_), place
@@ -316,8 +316,8 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     of_polygon = np.flatnonzero(given.winding[origin])
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
-    parts = solved.parts[solved.members[of_polygon]]
-    along = is_after(*points[solved.pieces[piece].T]) == is_after(*points[parts.T])
+    pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
+    along = np.equal(*(is_after(*points[each.T]) for each in pairs))
     steps = np.where(along, 1, -1) * given.winding[origin]
     return bounds, np.bincount(piece, steps, minlength=count).astype(np.int32)
 
@@ -341,8 +341,7 @@ def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:
     sides, piece = _found(solved.pieces, around)
     sides[sides] = bounds[piece[sides]] > 0
     corners = solution.points[around]
-    ends = sides_of(corners)
-    turns = orient2d(ends[:, :, 0], ends[:, :, 1], places[:, None])
+    turns = orient2d(corners[:, _FOLLOWING], corners[:, _AFTER], places[:, None])
     is_end = (corners == places[:, None]).all(axis=2) & np.isin(around, solved.pieces[bounds > 0])
     is_on = ((turns == 0) & sides | is_end).any(axis=1)
     if is_on.any():

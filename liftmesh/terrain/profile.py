@@ -22,14 +22,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import as_pairs, is_after, starts_of_runs
+from liftmesh.base.arrays import as_pairs, ends_of, is_after, starts_of_runs
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
 from liftmesh.errors import InputError
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, write
-from liftmesh.planar.constrained_triangulation import ends_of
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system

@@ -44,7 +44,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.arrays import pair_keys, sides_of, used_rows
+from liftmesh.base.arrays import ends_of, pair_keys, used_rows
 from liftmesh.base.options import (
     NonFinite,
     OnDuplicate,
@@ -279,14 +279,19 @@ def _edges(surface: Surface) -> Rows:
     if mask is None:
         return edges
     is_rim = ~mask[:, None] & mask[tri.neighbors] & (tri.neighbors >= 0)
-    return np.unique(np.concatenate([edges, np.sort(sides_of(tri.simplices)[is_rim])]), axis=0)
+    return np.unique(np.concatenate([edges, ends_of(tri.simplices, *np.nonzero(is_rim))]), axis=0)
+
+
+def _sides(simplices: Rows) -> Rows:
+    """Return the side opposite each corner, (m, 3, 2), from one end to the other."""
+    return np.stack([np.roll(simplices, -1, axis=1), np.roll(simplices, 1, axis=1)], axis=-1)
 
 
 def _left_out(whole: Surface, tri: ConstrainedTriangulation, kept: Rows) -> Array:
     """Tell which triangles are left out: in regions at whose edges the whole has no faces."""
     triangles, k = np.nonzero(tri.is_constrained)
-    known = pair_keys(*sides_of(whole.faces).reshape(-1, 2).T)
-    found = pair_keys(*kept[sides_of(tri.simplices)[triangles, k]].T)
+    known = pair_keys(*_sides(whole.faces).reshape(-1, 2).T)
+    found = pair_keys(*kept[_sides(tri.simplices)[triangles, k]].T)
     is_of_face = np.isin(found, known, assume_unique=True)  # no side is of two faces
     is_shown = np.zeros(tri.nsimplex, np.bool_)  # of regions
     is_shown[tri.regions[triangles[is_of_face]]] = True
