@@ -13,7 +13,14 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_numbers, of_one_array, pair_keys, widened
+from liftmesh.base.arrays import (
+    as_coordinates,
+    as_numbers,
+    is_after,
+    of_one_array,
+    pair_keys,
+    widened,
+)
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import (
     Carve,
@@ -314,18 +321,10 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     of_polygon = np.flatnonzero(given.winding[origin])
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
-    along = _rise(points, solved.pieces[piece]) == _rise(
-        points, solved.parts[solved.members[of_polygon]]
-    )
+    pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
+    along = np.equal(*(is_after(*points[each.T]) for each in pairs))
     steps = np.where(along, 1, -1) * given.winding[origin]
     return bounds, np.bincount(piece, steps, minlength=count).astype(np.int32)
-
-
-def _rise(points: Reals, edges: Rows) -> Mask:
-    """Tell which edges lead to a lexicographically larger point."""
-    (x, y), (u, v) = points[edges[:, 0]].T, points[edges[:, 1]].T
-    rise: Mask = (x < u) | ((x == u) & (y < v))
-    return rise
 
 
 def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.base.arrays import is_after, pair_keys, starts_of_runs
 from liftmesh.base.options import part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
@@ -33,7 +33,7 @@ from liftmesh.planar.crossing_edges import TOO_NEAR
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
-from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between, is_after
+from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import ordered_corners
 from liftmesh.vector.polygons import contains

@@ -86,7 +86,8 @@ def test_two_lines_at_one_corner_follow_the_policy() -> None:
         assert surface.sample([4, 4]) == height
         assert surface.report.lines["rows_at_other_heights"] == 1
         assert "1 left out, as lines meet there at other heights" in str(surface.report)
-    again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
+    with pytest.warns(liftmesh.DataWarning, match="the points have 2 edges, not used here"):
+        again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
     assert again.report.lines["rows"] == 3
     assert again.report.lines["rows_at_other_heights"] == 1
     level = [[[1, 1, 3], [4, 4, 3]], [[4, 4, 3], [7, 2, 5]]]
@@ -202,7 +203,8 @@ def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
     far = np.hypot(*(points[:, :2] - KERB[1, :2]).T)
     assert surface.attributes["class"][-1] == values[far.argmin()]
     assert surface.colors[-1].tolist() == colors[far.argmin()].tolist()
-    again = liftmesh.triangulate(surface, breaklines=OTHER_KERB)
+    with pytest.warns(liftmesh.DataWarning, match="1 edge, not used here"):
+        again = liftmesh.triangulate(surface, breaklines=OTHER_KERB)
     assert again.attributes["breakline"][-5:].tolist() == [0, 1, 1, 1, 1]
     named = {"breakline": values.astype(float)}
     with pytest.raises(InputError, match="values named 'breakline'"):
