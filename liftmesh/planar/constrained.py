@@ -82,18 +82,19 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
         shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
-        that are floats, may stand by itself. Several pairs of integers are refused, as they may be
-        either: edges between rows are `edges`, and a list of chains, ``[chain]``, has coordinates
-        of any type. Or lines, and polygons as their rings: geometries of shapely, or a list of
-        them; a GeoDataFrame or GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the
-        path of a file: GeoJSON, GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
+        that are floats, may stand by itself. Several pairs of integers, and several triples, are
+        refused, as they may be either: edges between rows are `edges`, arrays of three rows may be
+        in a list, and a list of chains, ``[chain]``, has coordinates of any type. Or lines, and
+        polygons as their rings: geometries of shapely, or a list of them; a GeoDataFrame or
+        GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the path of a file: GeoJSON,
+        GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
     polygons : list, path or geometries, optional
         Polygons, each as a ring, or as a list of rings: the outer one, then its holes. A ring is
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
         and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
         OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
-        turn. What is in two holes of one polygon counts as inside, as an island; a hole that is
-        given twice is an error.
+        turn. What is in two holes of one polygon counts as inside, as an island; two holes with the
+        same sides are an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
         insert each crossing, rounded to the nearest float64, as a row. Where edges cross again for
@@ -288,17 +289,21 @@ def _kept(
         seeded = _seeded(solved, seeds, bounds)
     arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
     keep = _kernel.carve(*arrays, carve or "none", seeded).astype(np.bool_)
-    if carve == "holes" and given.winding.any() and not winding.any():
+    is_cancelled = carve == "holes" and given.winding.any() and not winding.any()
+    if is_cancelled:
         keep[:] = False  # holes cancel polygons out, and their parity does not count
     if not keep.any():
         unseeded = seeded[:0]
         by_seeds = len(seeded) and (carve is None or _kernel.carve(*arrays, carve, unseeded).any())
-        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds))
+        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds), bool(is_cancelled))
     return keep
 
 
-def _nothing_left(all_of_them: str, by_seeds: bool) -> InputError:
-    if by_seeds:
+def _nothing_left(all_of_them: str, by_seeds: bool, is_cancelled: bool) -> InputError:
+    if is_cancelled:
+        said = f"{Option('carve')} removes all of {all_of_them}, since the holes of "
+        said += f"{Option('polygons')} are as large as these: leave them out, or make them smaller"
+    elif by_seeds:
         said = f"{Option('seeds')} remove all of {all_of_them} that there are: leave out those in "
         said += "regions that stay, or close these regions with edges or polygons"
     else:

@@ -105,7 +105,9 @@ def test_canonical_order_depends_on_the_sets_alone(seed: int) -> None:
         (np.zeros((2, 7), int), r"the shape \(2, 7\).*give edges.T"),
         ([[0, 1], [2]], "cannot be converted to an array"),
         (np.ma.masked_equal([[0, 1]], 1), "edges hold masked values"),
-        (3, r"the shape \(\)"),
+        ("pairs.txt", r"edges are 'pairs.txt': give an array \(k, 2\) of rows"),
+        ({1: 2}, "edges are {1: 2}: give an array"),
+        (zip([0], [1], strict=True), "edges are <zip object .*>: give an array"),
     ],
 )
 def test_wrong_edges_are_named(edges: Any, said: str) -> None:
