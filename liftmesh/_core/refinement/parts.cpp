@@ -126,7 +126,16 @@ void Refinement::split(const Part& part) {
         clear_circle(part);
         e = mesh_.edge_between(part.first, part.second);
     }
-    insert_on(part, e, place(part, e));
+    insert_on(part, e, on_piece(piece_at(part.first, part.second), place(part, e)));
+}
+
+// The nearest place on a piece: so rounding does not add up from split to split.
+Point Refinement::on_piece(std::int32_t piece, Point p) const {
+    const constrained::Piece& its = pieces_[static_cast<std::size_t>(piece)];
+    Point a = at(vertex_of(its.first)), b = at(vertex_of(its.second));
+    if (before_xy(b, a)) std::swap(a, b);
+    const Vector whole = measures_.between(a, b);
+    return along(a, b, dot(measures_.between(a, p), whole) / square(whole));
 }
 
 // Takes out points that were added, and that no constraint needs, near to one that is to be split.

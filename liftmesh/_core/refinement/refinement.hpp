@@ -87,9 +87,14 @@ class Refinement {
     bool is_narrow(Edge e, Edge beside) const;
     bool has_narrow_corner(Edge e) const;
     Point place(const Part& part, Edge e) const;
+    Point on_piece(std::int32_t piece, Point p) const;
     std::optional<Point> place_across(const Part& part, Edge side) const;
     std::pair<Vertex, Vertex> ends_from(const Part& part, Vertex corner) const;
     std::vector<std::int32_t> pieces_of(Vertex v) const;
+    Vertex vertex_of(Row row) const {
+        return static_cast<Vertex>(std::lower_bound(rows_.begin(), rows_.end(), row) -
+                                   rows_.begin());
+    }
     Vertex corner_of(std::int32_t piece, std::int32_t another) const;
     bool can_be_seen(Point p) const;
     TriangleId find_beside(Edge e, Point p) const;

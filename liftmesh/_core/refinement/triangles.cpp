@@ -41,8 +41,7 @@ Vertex Refinement::corner_of(std::int32_t piece, std::int32_t another) const {
     const constrained::Piece& other = pieces_[static_cast<std::size_t>(another)];
     for (const Row end : {one.first, one.second}) {
         if (end != other.first && end != other.second) continue;
-        const auto found = std::lower_bound(rows_.begin(), rows_.end(), end);
-        return static_cast<Vertex>(found - rows_.begin());
+        return vertex_of(end);
     }
     return ghost;
 }
