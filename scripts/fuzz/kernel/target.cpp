@@ -88,6 +88,7 @@ struct Target {
 constexpr Target targets[] = {{"kernel", check_kernel},
                               {"changing", check_sequence},
                               {"constraints", check_constraints},
+                              {"refinement", check_refinement},
                               {"surface", check_surface},
                               {"simplification", check_simplification}};
 const Target* chosen = targets;
