@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Carve, Crossing
+from liftmesh.base.options import Carve, Crossing, counted
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import flag, option
 from liftmesh.cli.surfaces import is_table
@@ -105,22 +105,27 @@ def triangulated(
     **choices: Any,
 ) -> tuple[Cloud, ConstrainedTriangulation]:
     """Triangulate points with the edges of files, or their own; drop where holes are to be."""
+    from liftmesh.io.columns import edges_of
     from liftmesh.io.metadata import Provenance
 
-    files = {**lines}
+    files, entries = {**lines}, {**cloud.metadata}
+    holes = entries.pop("holes", None)  # which are made, or are of other edges
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
-    elif not {"polylines", "polygons"} & lines.keys():
+    if {"edges", "polylines", "polygons"} & lines.keys():
+        if count := len(edges_of(cloud)):
+            own = counted(count, "edge") + " and holes" * (holes is not None)
+            terminal.note(f"{source}: {own} of its own not taken, since lines are given")
+    else:
         if cloud.edges is None and needs_lines:
             raise click.BadParameter(
                 f"{source} has no edges: give --edges, --polylines or --polygons"
             )
         if not needs_lines and Provenance(cloud.metadata).carved:
             lines.setdefault("carve", "holes")
-        entries = {**cloud.metadata}
-        lines |= {"edges": cloud.edges, "seeds": entries.pop("holes", None)}
-        cloud = replace(cloud, metadata=entries)
+        lines |= {"edges": cloud.edges, "seeds": holes}
         files["edges"] = source
+    cloud = replace(cloud, edges=None, metadata=entries)
     with inputs.about(source):
         target.check_content(cloud)
         with inputs.about_lines(files):

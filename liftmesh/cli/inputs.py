@@ -22,6 +22,9 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
+_LINE = re.compile(  # that a message is about: its option begins so
+    r"(?:a ring of polygon \d+ of )?(boundary|holes|edge|polyline|polygon|(?:soft )?breakline)\b"
+)
 _ROW = re.compile(r"\b(rows?) ([0-9]+)( and ([0-9]+))?")
 
 
@@ -266,9 +269,10 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
 
 @contextmanager
 def without_warnings() -> Iterator[None]:
-    """Leave out warnings about data, which are among the notes."""
+    """Leave out warnings about data, which are among the notes, but for that of edges."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)
+        warnings.filterwarnings("always", "the points have .* edges?, not used", DataWarning)
         yield
 
 
@@ -385,13 +389,20 @@ def about_rows(sources: Sequence[Path], cloud: Cloud) -> Iterator[None]:
 
 @contextmanager
 def about_lines(lines: Mapping[str, Any]) -> Iterator[None]:
-    """Add the files of lines, if any, to an error about places where these cross."""
+    """Add the files of lines, if any, to an error about one, or about places where they cross."""
+    files = {key: each for key, each in lines.items() if isinstance(each, Path)}
+    names = {key: "stdin" if is_stream(each) else str(each) for key, each in files.items()}
     try:
         yield
     except CrossingError as error:
-        files = [each for each in lines.values() if isinstance(each, Path)]
-        if files:
-            error.within(", ".join("stdin" if is_stream(each) else str(each) for each in files))
+        if names:
+            error.within(", ".join(names.values()))
+        raise
+    except InputError as error:
+        word = found[1].replace(" ", "_") if (found := _LINE.match(error.message)) else None
+        for key, name in names.items():
+            if word is not None and key.startswith(word):
+                raise FormatError(f"{name}: {error.message.marked}") from error
         raise
 
 

@@ -31,6 +31,7 @@ _OTHERS: dict[str | Option, str] = {
     "shard_format": "--shards",
     Option("classes", "all"): "--all-classes",
     Option("classify_ground"): "triangulate --ground csf",
+    Option("constrained_delaunay"): "liftmesh constrain",
     Option("dtype", "float64"): "--double",
 }
 """How the command line names what has another name in the library, or is given in another way."""

@@ -129,7 +129,7 @@ def as_kind(
 def options_of(triangulation: Any) -> dict[str, Any]:
     """Return what a triangulation says about itself, as options of `verify`."""
     metadata = getattr(triangulation, "metadata", None)
-    if isinstance(metadata, Mapping) and metadata:
+    if isinstance(metadata, Mapping):
         return _stated(triangulation, metadata)
     if not hasattr(triangulation, "simplices"):
         return {}

@@ -2,13 +2,14 @@
 
 Triangle removes the region around each such point, up to the segments, and what can be reached from
 outside; with its option -c it keeps the latter. So a carved mesh needs a point in each region that
-edges enclose and whose triangles are missing; and in those at the convex hull only if others there
-are left, as then -c has to be given. The point is a centroid that exact predicates find strictly
-inside of its triangle, of the largest one where it is rounded least.
+edges enclose and whose triangles are missing, unless one is stated; and in those at the convex hull
+only if others there are left, as then -c has to be given. The point is a centroid that exact
+predicates find strictly inside of its triangle, of the largest one where it is rounded least.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -17,7 +18,9 @@ from liftmesh._typing import Floats, Integers, Mask
 from liftmesh.base.arrays import triangles_of_faces
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import edges_of
+from liftmesh.io.formats.text.writer import dropped_digits
 from liftmesh.io.formats.triangle_files import HOLES, REGIONS, write_numbered, write_points
+from liftmesh.io.metadata import CARVED
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.predicates import orient2d
 
@@ -30,7 +33,8 @@ _NONE = np.empty((0, 2))
 
 def write_poly(stream: BinaryIO, cloud: Cloud) -> None:
     """Write points, edges, holes, and the regions that the metadata state."""
-    holes = np.concatenate([_stated(cloud, HOLES, 2, 2), hole_points(cloud)])
+    stated = _stated(cloud, HOLES, 2, 2)
+    holes = np.concatenate([stated, hole_points(cloud, stated)])
     regions = _stated(cloud, REGIONS, 3, 4)
     write_points(stream, cloud, 2)
     edges = edges_of(cloud)
@@ -58,20 +62,39 @@ def _stated(cloud: Cloud, name: str, least: int, most: int) -> Floats:
     return rows
 
 
-def hole_points(cloud: Cloud) -> Floats:
-    """Return a point in each hole of a mesh, (h, 2): none if edges do not make its triangles."""
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Name what digits lose, and the holes of a mesh whose edges do not make its triangles."""
+    is_mesh = cloud.faces is not None and len(cloud.faces) and len(edges_of(cloud))
+    lost = ["holes between faces"] if is_mesh and _made(cloud) is None else []
+    if CARVED in cloud.metadata and (lost or cloud.metadata[CARVED] is not True):
+        lost.append(f"metadata {CARVED}")
+    return (*dropped_digits(cloud, options), *lost)
+
+
+def _made(cloud: Cloud) -> tuple[ConstrainedTriangulation, Integers] | None:
+    """Return what the edges of a mesh make, and which of it its faces are; None if others."""
     if cloud.faces is None or cloud.edges is None:
-        return _NONE
+        return None
     try:
         tri = constrained_delaunay(cloud.points[:, :2], cloud.edges)
     except InputError:
-        return _NONE
+        return None
     first = np.arange(len(cloud), dtype=np.int32)
     first[tri.duplicates[:, 0]] = tri.duplicates[:, 1]
     place = triangles_of_faces(tri.simplices, first[cloud.faces], len(cloud))
-    if (place < 0).any():
+    return None if (place < 0).any() else (tri, place)
+
+
+def hole_points(cloud: Cloud, stated: Floats) -> Floats:
+    """Return a point in each hole of a mesh, (h, 2), but for those that have one already."""
+    made = _made(cloud)
+    if made is None:
         return _NONE
-    holes = np.where(_are_holes(tri, place)[tri.regions], tri.regions, -1)
+    tri, place = made
+    are_holes = _are_holes(tri, place)
+    known = tri.find_simplex(stated)
+    are_holes[tri.regions[known[known >= 0]]] = False
+    holes = np.where(are_holes[tri.regions], tri.regions, -1)
     of_holes = np.flatnonzero(holes >= 0)
     corners = tri.points[tri.simplices[of_holes]]
     centers = (corners / 3).sum(axis=1)

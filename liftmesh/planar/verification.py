@@ -170,11 +170,10 @@ def verify(  # noqa: PLR0913 - options are keywords
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
     edges = None if constraints is None else _as_tuples(constraints, 2, "constraints", "constraint")
     is_carved = as_switch("carved", carved)
-    _refuse_members(edges is not None, is_carved, lifted_by)
     _refuse_other_results(points, simplices)
     if _is_graph_of_disks(points):
         others = (*given, simplices, constraints)
-        _refuse_more(is_farthest, *(each is not None for each in others))
+        _refuse_more(is_farthest, is_carved, *(each is not None for each in others))
         certificate: Certificate = points.verify(threads=threads, progress=progress)
         return certificate
     if simplices is None:
@@ -184,6 +183,7 @@ def verify(  # noqa: PLR0913 - options are keywords
         edges = own.pop("constraints", edges)
         is_carved = own.pop("carved", is_carved)
         lifted_by |= own
+    _refuse_members(edges is not None, is_carved, lifted_by)
     rows = as_coordinates(points)
     kind = as_kind(len(rows), **lifted_by)
     triangles = _as_tuples(simplices, 3, "simplices", "triangle")
@@ -214,7 +214,7 @@ def _refuse_more(*are_given: bool) -> None:
     if any(are_given):
         raise InputError(
             "a graph of disks has triangles and radii of its own: give it without simplices, "
-            "weights, radii, metric, furthest_site or constraints"
+            "weights, radii, metric, furthest_site, constraints or carved"
         )
 
 

@@ -32,7 +32,7 @@ from liftmesh.planar.constrained_triangulation import (
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
-from liftmesh.terrain.profile import LineCrossings, Met, between, is_after
+from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between, is_after
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import ordered_corners
 from liftmesh.vector.polygons import contains
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 BREAKLINE = "breakline"  # the values that say which rows lines have become
 OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's
 _NAMED = 10
-_TAILS, _HEADS = slice(None, -1), slice(1, None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,9 +109,7 @@ def with_lines(
     firm, loose = ([each for each in lines.all() if each.holds == is_firm] for is_firm in (1, 0))
     chains = [_whole(each, each.densified(frame, lines.densify)) for each in firm]
     if loose:
-        for each in loose:
-            each.planar(frame)  # refuses planes that round
-        corners = [each.densified(frame, lines.densify)[:, :2] for each in loose]
+        corners = [each.planar(frame, each.densified(frame, lines.densify)) for each in loose]
         chains += _laid(loose, corners, built(chains, is_last=False))
     surface = _bounded(built(chains, is_last=True), lines)
     counts = line_counts(surface, len(lifting.cloud))
@@ -175,7 +172,7 @@ class _Drape(LineCrossings):
         """Return what lines become, and which points are joined; in both directions the same."""
         if not lines:
             return []
-        tails, heads = (np.concatenate([each[part] for each in lines]) for part in (_TAILS, _HEADS))
+        tails, heads = (np.concatenate([each[part] for each in lines]) for part in (TAILS, HEADS))
         swap = is_after(tails, heads)[:, None]
         points, piece = self.of(np.where(swap, heads, tails), np.where(swap, tails, heads))
         number = np.arange(len(points))

@@ -45,20 +45,26 @@ class Line:
     closed: bool = False
 
     @property
+    def is_spatial(self) -> bool:
+        """Whether it has all heights, so that its corners are in space."""
+        return not np.isnan(self.corners[:, 2]).any()
+
+    @property
     def holds(self) -> bool:
         """Whether its heights are those of the surface."""
-        return not (self.draped or np.isnan(self.corners[:, 2]).any())
+        return self.is_spatial and not self.draped
 
-    def planar(self, frame: Frame) -> Floats:
-        """Return the corners in the plane."""
-        if self.holds:
-            return frame.planar(self.corners)
+    def planar(self, frame: Frame, corners: Floats | None = None) -> Floats:
+        """Return its corners, or others like these, in the plane."""
+        corners = self.corners if corners is None else corners
+        if self.is_spatial:
+            return frame.planar(corners)
         if frame.name not in ("xy", "xz", "yz"):
             raise InputError(
                 f"{self.name} has no heights of its own, and the plane is {frame.name!r}: give "
                 f"heights, or {Option('plane')} 'xy', 'xz' or 'yz', whose coordinates are exact"
             )
-        return self.corners[:, :2]
+        return corners[:, :2]
 
     def parts(self, frame: Frame, distance: float) -> Floats:
         """Return how many parts each piece gets, of at most a length."""

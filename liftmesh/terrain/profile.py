@@ -36,6 +36,7 @@ from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]
+TAILS, HEADS = slice(None, -1), slice(1, None)
 _BATCH = 1 << 16  # pairs of pieces and faces that are looked at together
 Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale them by
 Met: TypeAlias = tuple[Floats, Floats, Rows]  # x, y, height; kinds; pieces
@@ -206,11 +207,19 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
     >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
     [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
     """
-    corners = _corners(line)
-    before = _distances(corners)
-    points, piece = LineCrossings(surface).of(corners[:-1], corners[1:])
+    return _laid(surface, [line])
+
+
+def _laid(surface: SurfaceData, lines: Sequence[Any]) -> Profile:
+    """Drape all lines at once."""
+    corners = [_corners(line) for line in lines]
+    before = np.concatenate([_distances(each)[:-1] for each in corners])
+    p, q = (np.concatenate([each[part] for each in corners]) for part in (TAILS, HEADS))
+    points, piece = LineCrossings(surface).of(p, q)
     points[:, 3] += before[piece]
-    return _parts(points, _are_joined(surface, points, piece), plane_system(surface))
+    line = np.repeat(np.arange(len(corners)), [len(each) - 1 for each in corners])[piece]
+    joined = _are_joined(surface, points, piece) & (line[1:] == line[:-1])
+    return _parts(points, joined, line, plane_system(surface))
 
 
 def _corners(line: Any) -> Floats:
@@ -240,7 +249,7 @@ def _are_joined(surface: SurfaceData, points: Floats, piece: Array) -> Mask:
     return joined
 
 
-def _parts(points: Floats, joined: Mask, crs: str | None) -> Profile:
+def _parts(points: Floats, joined: Mask, line: Integers, crs: str | None) -> Profile:
     """Make a profile of the parts that are more than a point."""
     part = np.concatenate([[0], np.cumsum(~joined)])[: len(points)]
     fresh = starts_of_runs(points[:, :2])
@@ -248,26 +257,17 @@ def _parts(points: Floats, joined: Mask, crs: str | None) -> Profile:
     counts = np.bincount(part[fresh])
     kept = fresh & (counts > 1)[part]
     starts = np.concatenate([[0], np.cumsum(counts[counts > 1])])
-    lines = np.zeros(len(starts) - 1, np.int64)
-    return Profile(points[kept, :3], points[kept, 3], starts, lines, crs)
+    return Profile(points[kept, :3], points[kept, 3], starts, line[kept][starts[:-1]], crs)
 
 
 def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Profile:
     """Drape lines over the faces of a surface."""
-    profiles = [profile_along(surface, line) for line in lines]
-    counts = [len(each.starts) - 1 for each in profiles]
-    if not any(counts):
+    found = _laid(surface, lines)
+    if not len(found.lines):
         if not any(np.ptp(np.asarray(line, float), axis=0).any() for line in lines):
             raise InputError("all corners of a line are at one position: it has no length")
         raise InputError("no part of a line is over faces: are both in the same system?")
-    sizes = np.concatenate([np.diff(each.starts) for each in profiles])
-    return Profile(
-        np.concatenate([each.points for each in profiles]),
-        np.concatenate([each.distances for each in profiles]),
-        np.concatenate([[0], np.cumsum(sizes)]),
-        np.repeat(np.arange(len(profiles)), counts),
-        plane_system(surface),
-    )
+    return found
 
 
 class LineCrossings:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Floats, Integers
+from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_left
 from liftmesh.planar.refinement import as_constrained
 from liftmesh.terrain.profile import LineCrossings
@@ -81,10 +82,15 @@ def _heights(surface: AnySurface, result: RefineResult) -> Floats:
 
 
 def _deviation(before: AnySurface, after: AnySurface) -> float:
-    """Return the largest difference of heights: along the edges of the faces before."""
-    tri = before.triangulation
-    edges = np.sort(np.concatenate([before.faces[:, [k - 1, k]] for k in range(3)]), axis=1)
-    ends = tri.points[np.unique(edges, axis=0)]
+    """Return the largest difference of heights: along edges of the faces before that are gone."""
+    keys, kept = map(_edge_keys, (before, after))
+    gone = np.stack(pairs_of_keys(keys[~np.isin(keys, kept, assume_unique=True)]), axis=1)
+    ends = before.triangulation.points[gone]
     points, _ = LineCrossings(after).of(ends[:, 0], ends[:, 1])
     differences = np.abs(points[:, 2] - heights_at(before, points[:, :2]))
     return float(np.max(differences, where=~np.isnan(differences), initial=0.0))
+
+
+def _edge_keys(surface: AnySurface) -> Integers:
+    edges = np.sort(np.concatenate([surface.faces[:, [k - 1, k]] for k in range(3)]), axis=1)
+    return np.unique(pair_keys(*edges.T))

@@ -26,11 +26,13 @@ from liftmesh.base.options import (
     OnDuplicate,
     check_option,
     check_progress,
+    counted,
     part_of,
 )
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
+from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
 from liftmesh.planar.delaunay import Solution
@@ -210,7 +212,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     -----
     DataWarning
         The coordinate system has degrees, or units that differ; with weights or radii, values
-        named ``hidden`` are replaced; or all lines of an option lie beyond all points.
+        named ``hidden`` are replaced; all lines of an option lie beyond all points; or the cloud
+        has edges, which are not used.
 
     See Also
     --------
@@ -249,6 +252,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
     source = with_parts(read_rows(cloud, **options), given)
+    _warn_of_edges(source)
     given_lines = breaklines, soft_breaklines, boundary, holes, densify
     lines = None
     if any(each is not None for each in given_lines):
@@ -295,6 +299,18 @@ def check_system(
         )
     for each in coordinate_warnings(system):
         warnings.warn(each, DataWarning, stacklevel=stacklevel)
+
+
+def _warn_of_edges(cloud: Cloud) -> None:
+    """Name what takes the edges of a cloud."""
+    if count := len(edges_of(cloud)):
+        warnings.warn(
+            f"the points have {counted(count, 'edge')}, not used here: "
+            f"{Option('constrained_delaunay')} takes edges, and triangulate takes lines, as "
+            f"{Option('breaklines', ...)}",
+            DataWarning,
+            stacklevel=4,
+        )
 
 
 class _Options(TypedDict):

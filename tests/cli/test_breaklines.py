@@ -80,4 +80,7 @@ def test_what_is_refused(folder) -> None:
     failed(run(*plain, "--densify", "3"), 2, "--densify is for lines: give --breaklines")
     failed(run(*plain, "--breaklines", folder / "none.gpkg"), 3, "none.gpkg")
     failed(run(*words(folder), "--metric", "1,0,1"), 3, "--metric and lines are given")
+    write(folder, [[10.0, 20], [500, 30]])
+    beyond = run(*plain, "--breaklines", folder / "ditch.geojson")
+    failed(beyond, 3, f"error: {folder / 'ditch.geojson'}: breakline 0 has no heights")
     failed(run(*plain, "--boundary", folder / "ditch.geojson"), 3, "ditch.geojson", "--boundary")

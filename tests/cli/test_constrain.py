@@ -94,7 +94,7 @@ def test_crossings_are_an_error_or_split(folder: Path) -> None:
         ("0 1\n1 2 3\n", "pairs.txt: line 2: expected 2 values, found 3"),
         ("0 1\n\n1 2.5\n", "pairs.txt: line 3: the number of a row is 2.5"),
         ("0 x\n", "pairs.txt: line 1, value 2: 'x' is not a number"),
-        ("0 1\n4 8\n", "edge 1, [4, 8], has the row 8, where 0 to 7 are possible"),
+        ("0 1\n4 8\n", "error: pairs.txt: edge 1, [4, 8], has the row 8, where 0 to 7"),
     ],
 )
 def test_pairs_that_cannot_be_used(text: str, cause: str, folder: Path) -> None:
@@ -102,6 +102,23 @@ def test_pairs_that_cannot_be_used(text: str, cause: str, folder: Path) -> None:
     words = ("constrain", "points.xyz", "a.ply", "--edges", "pairs.txt")
     failed(command(*words, cwd=folder), 3, cause)
     assert not (folder / "a.ply").exists()
+
+
+def test_edges_that_other_commands_do_not_take_are_told(folder: Path) -> None:
+    points, edges = np.c_[SQUARE, np.zeros(8)], np.array([[0, 2]], np.int32)
+    liftmesh.write(folder / "a.ply", Cloud(points, edges=edges))
+    told = "the points have 1 edge, not used here: {} takes edges, and triangulate takes lines, as "
+    for name, *options in (["triangulate"], ["simplify", "--max-error", "1"]):
+        done = command(name, "a.ply", f"{name}.ply", *options, cwd=folder)
+        assert (done.returncode, done.stderr.count("not used")) == (0, 1)
+        assert f"{told.format('liftmesh constrain')}--breaklines" in done.stderr
+    with pytest.warns(liftmesh.DataWarning, match=told.format("constrained_delaunay")):
+        liftmesh.triangulate(folder / "a.ply")
+    words = ("triangulate", "points.xyz", "b.ply", "--breaklines", "lines.geojson")
+    mesh = command(*words, cwd=folder)
+    assert mesh.returncode == 0, mesh.stderr
+    kept = command("simplify", "b.ply", "c.ply", "--max-error", "1", cwd=folder)
+    assert (kept.returncode, "edge" in kept.stderr) == (0, False), kept.stderr
 
 
 def test_what_is_missing(folder: Path) -> None:
@@ -149,7 +166,12 @@ def test_a_poly_file_of_triangle(first: int, beside: bool, folder: Path) -> None
     assert told["dropped"] == []
     assert liftmesh.read(folder / "a.ply").metadata["carved"]
     copied = command("constrain", "plate.poly", "b.poly", "--json", cwd=folder)
-    assert json.loads(copied.stdout)["dropped"] == ["faces", "metadata carved"]
+    assert json.loads(copied.stdout)["dropped"] == ["faces"]  # holes say what is carved
+    assert len(liftmesh.read(folder / "b.poly").metadata["holes"]) == 1
+    others = command("constrain", "plate.poly", "d.poly", "--edges", "pairs.txt", cwd=folder)
+    assert "plate.poly: 8 edges and holes of its own not taken" in others.stderr
+    assert "holes" not in liftmesh.read(folder / "d.poly").metadata
+    assert command("constrain", "d.poly", "e.ply", cwd=folder).returncode == 0
     again = command("constrain", "b.poly", "c.ply", cwd=folder)
     assert again.returncode == 0, again.stderr
     assert np.array_equal(

@@ -167,6 +167,10 @@ def test_carved_triangles_are_valid_only_where_that_is_allowed() -> None:
     whole = liftmesh.constrained_delaunay(points, edges)
     assert whole.verify().canonical
     assert not whole.verify().carved
+    lined = liftmesh.triangulate(points, breaklines=points[:2])
+    assert liftmesh.verify(lined, carved=True).carved, "the constraints are its own"
+    with pytest.raises(liftmesh.InputError, match="carved=True is given without constraints"):
+        liftmesh.verify(liftmesh.triangulate(points), carved=True)
 
 
 def test_what_is_wrong_with_carved_triangles_is_named() -> None:
@@ -290,6 +294,13 @@ def test_constrained_triangulations_say_their_constraints() -> None:
     assert (found.carved, found.n_outside, found.n_constraints) == (True, 1, 8)
     with pytest.raises(InputError, match="constraints"):
         liftmesh.natural_neighbors(carved, [[1, 1]])
+
+
+def test_meshes_say_their_constraints() -> None:
+    rows, edges = np.c_[KITE, np.zeros(4)], np.array([[0, 2]], np.int32)
+    mesh = liftmesh.Cloud(rows, faces=np.array(ACROSS, np.int32), edges=edges)
+    assert liftmesh.verify(mesh).n_constraints == 1
+    assert not liftmesh.verify(KITE, ACROSS)
 
 
 def test_surfaces_say_their_constraints() -> None:

@@ -21,6 +21,22 @@ def terrain(n=300, *, seed=1, offset=(4.5e5, 5.2e6, 100.0)):
     return rng.random((n, 3)) * (500.0, 400.0, 30.0) + np.asarray(offset)
 
 
+def hills(seed=1):
+    """A jittered grid, 64 by 32, of dyadic coordinates, of which none is on the kerbs."""
+    rng = np.random.default_rng(seed)
+    x, y = np.meshgrid(np.arange(65.0), np.arange(33.0))
+    planar = np.column_stack([x.ravel(), y.ravel()]) + rng.integers(-24, 25, (x.size, 2)) / 64
+    points = np.column_stack([planar, rng.integers(0, 256, x.size) / 64])
+    across = points[:, 1] - points[:, 0] / 4
+    return points[(across != 8) & (across != 12)]
+
+
+def plane_area(surface):
+    corners = surface.triangulation.points[surface.faces]
+    (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
+    return float((ax * by - ay * bx).sum() / 2)
+
+
 def layered(n=200, *, seed=2):
     """Few planar positions, few heights: duplicates, overhangs and single rows."""
     rng = np.random.default_rng(seed)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import pickle
 from pathlib import Path
 
 import ezdxf
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 from hypothesis import given, settings, strategies as st
+from surfaces import hills, plane_area
 
 import liftmesh
 from liftmesh import InputError
@@ -22,26 +22,10 @@ OTHER_KERB = np.array([[0, 12, 10], [64, 28, 14]], dtype=float)
 SQUARE = np.array([[8, 4], [56, 4], [56, 28], [8, 28]], dtype=float)
 
 
-def hills(seed: int = 1) -> np.ndarray:
-    """A jittered grid, 64 by 32, of dyadic coordinates, of which none is on the kerbs."""
-    rng = np.random.default_rng(seed)
-    x, y = np.meshgrid(np.arange(65.0), np.arange(33.0))
-    planar = np.column_stack([x.ravel(), y.ravel()]) + rng.integers(-24, 25, (x.size, 2)) / 64
-    points = np.column_stack([planar, rng.integers(0, 256, x.size) / 64])
-    across = points[:, 1] - points[:, 0] / 4
-    return points[(across != 8) & (across != 12)]
-
-
 def sides(surface: liftmesh.Surface) -> set[tuple[int, int]]:
     a, b, c = surface.faces.T
     ends = np.sort(np.concatenate([np.stack(each, 1) for each in ((a, b), (b, c), (c, a))]), axis=1)
     return set(map(tuple, ends.tolist()))
-
-
-def plane_area(surface: liftmesh.Surface) -> float:
-    corners = surface.triangulation.points[surface.faces]
-    (ax, ay), (bx, by) = np.moveaxis(corners[:, 1:] - corners[:, :1], 0, -1)
-    return float((ax * by - ay * bx).sum() / 2)
 
 
 @pytest.mark.parametrize("threads", [1, 2])
@@ -196,100 +180,6 @@ def test_densified_lines_are_straight_and_the_same_in_both_directions(corners, d
     assert gaps.sum() == pytest.approx(np.hypot(*np.diff(space[:, :2], axis=0).T).sum())
 
 
-@pytest.mark.parametrize("has_heights", [False, True])
-def test_a_boundary_and_a_lake_with_an_island(has_heights: bool) -> None:
-    lake = np.array([[20, 8], [30, 8], [30, 20], [20, 20]], dtype=float)
-    island = np.array([[22, 10], [22, 14], [26, 14], [26, 10]], dtype=float)
-    rings = [SQUARE, lake, island]
-    if has_heights:
-        rings = [np.column_stack([each, np.full(4, 2.0)]) for each in rings]
-    surface = liftmesh.triangulate(hills(), boundary=rings[0], holes=[[rings[1], rings[2]]])
-    assert plane_area(surface) == pytest.approx(48 * 24 - 120 + 16, rel=1e-14)
-    shown = surface.sample([[9, 5], [7, 5], [21, 9], [24, 12], [2, 2]])
-    assert np.isnan(shown).tolist() == [False, True, True, False, True]
-    assert surface.bounds == (8, 4, 56, 28)
-    assert len(surface.boundary()) == 3
-    if has_heights:
-        assert (surface.sample(np.vstack(rings)[:, :2]) == 2).all()
-    else:
-        plain = liftmesh.triangulate(hills())
-        rows = surface.vertices[surface.attributes["breakline"] == 2]
-        np.testing.assert_allclose(plain.sample(rows[:, :2]), rows[:, 2], atol=1e-9)
-    assert surface.solid(-5.0).faces is not None
-
-
-def test_a_boundary_may_leave_the_cloud() -> None:
-    points = hills()
-    around = liftmesh.triangulate(points, boundary=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
-    assert len(around.faces) == len(liftmesh.triangulate(points).faces)
-    assert around.report.lines["rows"] == 0
-    half = liftmesh.triangulate(points, boundary=[[-9, 8], [99, 8], [99, 99], [-9, 99]])
-    assert half.bounds[1] == 8
-    assert np.isnan(half.sample([[30, 7.9], [30, 8.1]])).tolist() == [True, False]
-    with pytest.raises(InputError, match="no face is left"):
-        liftmesh.triangulate(points, holes=[[-9, -9], [99, -9], [99, 99], [-9, 99]])
-
-
-def assert_bounded_by_constraints(surface: liftmesh.Surface) -> None:
-    """What is left verifies as a carved triangulation, and so does the whole."""
-    tri = surface.triangulation
-    left = liftmesh.verify(tri.points, surface.faces, constraints=tri.constraints, carved=True)
-    assert left.canonical, left.flaws
-    assert surface.verify().canonical
-    starts, members = tri.constraint_inputs
-    assert (np.diff(starts) > 0).all()
-    ends = tri.input_edges[members]
-    assert len(ends) == starts[-1]
-    marked = np.sort(tri.simplices[:, [[1, 2], [2, 0], [0, 1]]][tri.is_constrained], axis=1)
-    assert {*map(tuple, marked.tolist())} == {*map(tuple, tri.constraints.tolist())}
-
-
-def test_a_ring_that_cuts_a_corner_of_the_hull_leaves_no_open_side() -> None:
-    for seed in range(6):
-        points = np.random.default_rng(seed).random((60, 3)) * [10, 10, 1]
-        surface = liftmesh.triangulate(points, boundary=[[-3, 4], [4, -3], [13, 6], [6, 13]])
-        assert_bounded_by_constraints(surface)
-        copy = pickle.loads(pickle.dumps(surface))
-        np.testing.assert_array_equal(
-            copy.triangulation.constraints, surface.triangulation.constraints
-        )
-
-
-def test_slivers_beside_the_hull_do_not_depend_on_the_order_of_the_rows() -> None:
-    rng = np.random.default_rng(121)
-    planar = np.unique(rng.integers(0, 17, (40, 2)), axis=0)
-    points = np.column_stack([planar, np.zeros(len(planar))])
-    angles = np.sort(rng.random(5)) * 2 * np.pi
-    ring = np.column_stack([np.cos(angles), np.sin(angles)]) * rng.uniform(2, 12)
-    ring += rng.random(2) * 16
-    found = []
-    for seed in range(8):
-        mixed = np.random.default_rng(seed).permutation(points)
-        surface = liftmesh.triangulate(mixed, holes=ring)
-        corners = surface.triangulation.points[surface.faces].tolist()
-        found.append({tuple(sorted(map(tuple, each))) for each in corners})
-    assert all(each == found[0] for each in found)
-
-
-@pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:the lines of .* lie beyond")
-def test_rings_that_leave_the_hull_cut_exactly() -> None:
-    """Also where a breakline is a side of the hull, or a ring crosses one side twice."""
-    for seed in range(60):
-        rng = np.random.default_rng(seed)
-        points = rng.random((rng.integers(5, 40), 3)) * 12
-        angles = np.sort(rng.random(4) * 2 * np.pi)
-        ring = np.column_stack([np.cos(angles), np.sin(angles)]) * 6 + rng.random(2) * 12
-        line = rng.random((3, 3)) * 12
-        hull = shapely.MultiPoint(np.vstack([points, line])[:, :2]).convex_hull
-        hidden = shapely.Polygon(ring).buffer(0)
-        if hull.within(hidden) or hidden.area < 1:
-            continue
-        surface = liftmesh.triangulate(points, breaklines=line, holes=ring)
-        assert plane_area(surface) == pytest.approx(hull.difference(hidden).area, rel=1e-9)
-        assert_bounded_by_constraints(surface)
-
-
 def test_contour_lines_leave_flat_triangles() -> None:
     ring = np.array([[0, 0], [8, 0], [8, 8], [0, 8], [0, 0]], dtype=float)
     contours = [np.column_stack([ring, np.zeros(5)]), np.column_stack([ring / 2 + 2, np.ones(5)])]
@@ -318,22 +208,6 @@ def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
         liftmesh.triangulate(points, attributes=named, breaklines=KERB)
 
 
-@pytest.mark.parametrize("seed", [41, 47, 53, 57])
-def test_no_sliver_is_left_where_a_boundary_leaves_the_hull(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    cloud = rng.random((30, 3)) * 10
-    turn = np.sort(rng.random(5)) * 2 * np.pi
-    ring = 5 + np.stack([np.cos(turn), np.sin(turn)], axis=1) * rng.uniform(3, 8)
-    surface = liftmesh.triangulate(cloud, boundary=ring)
-    a, b, c = surface.vertices[surface.faces][..., :2].transpose(1, 0, 2)
-    u, v = b - a, c - a
-    assert (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]).min() > 1e-9
-    tri = surface.triangulation
-    for k, piece in enumerate(tri.constraints):
-        tail, head = tri.points[tri.input_edges[tri.inputs_of(k)]].transpose(1, 0, 2)
-        assert not liftmesh.orient2d(tail[:, None], head[:, None], tri.points[piece]).any()
-
-
 def test_heights_of_crossings_are_those_along_the_first_line() -> None:
     lines = [[[2, 2, 10], [10, 10, 18]], [[2, 10, 0], [10, 2, 0]], [[4, 1, 3], [4, 11, 8]]]
     surface = liftmesh.triangulate(hills(), breaklines=lines, crossing="split")
@@ -351,6 +225,10 @@ def test_other_planes() -> None:
     level = liftmesh.triangulate(hills(), boundary=SQUARE).triangulation
     np.testing.assert_array_equal(draped.triangulation.points, level.points)
     np.testing.assert_array_equal(draped.frame.planar(draped.vertices), draped.triangulation.points)
+    for more in ({}, {"densify": 3.0}):  # with heights a draped line is in space, too
+        draped = liftmesh.triangulate(wall, soft_breaklines=line, plane="xz", **more)
+        level = liftmesh.triangulate(hills(), soft_breaklines=KERB, **more).triangulation
+        np.testing.assert_array_equal(draped.triangulation.points, level.points)
     tilted = liftmesh.triangulate(hills(), breaklines=KERB, plane="fit")
     assert len(tilted.triangulation.constraints) >= 1
     with pytest.raises(InputError, match="'xy', 'xz' or 'yz'"):
@@ -358,6 +236,8 @@ def test_other_planes() -> None:
     lines = [KERB, [[10, 0, 3], [10, 32, 5]]]
     with pytest.raises(InputError, match=r"new rows need a plane .*, not 'fit'"):
         liftmesh.triangulate(hills(), breaklines=lines, plane="fit", crossing="split")
+    with pytest.raises(InputError, match="new rows need a plane whose coordinates are exact"):
+        liftmesh.triangulate(hills(), soft_breaklines=KERB, plane="fit")
 
 
 @pytest.mark.parametrize(

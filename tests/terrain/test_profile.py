@@ -15,7 +15,7 @@ from oracles.surfaces import turn
 from surfaces import LATTICE, drawn, exactly, meadow, trimmed
 
 import liftmesh
-from liftmesh.terrain.profile import LineCrossings
+from liftmesh.terrain.profile import LineCrossings, drape
 
 PLACE = st.tuples(*[st.integers(-1, 14).map(lambda each: each / 2)] * 2)
 
@@ -167,6 +167,21 @@ def test_a_line_of_many_corners_meets_what_its_pieces_meet() -> None:
     expected = np.unique(np.concatenate(pieces), axis=0)
     np.testing.assert_array_equal(np.unique(found.points, axis=0), expected)
     assert (np.diff(found.distances) >= 0).all()
+
+
+def test_lines_draped_together_are_those_draped_alone() -> None:
+    surface = liftmesh.triangulate(meadow()).trim(max_edge=12)
+    rng = np.random.default_rng(4)
+    lines = [rng.uniform(-30, 130, (count, 2)) for count in (2, 5, 2, 3, 2)]
+    lines[2:2] = [np.add(lines[1][-1], [[0, 0], [5, 5]]), np.array([[500.0, 500], [600, 600]])]
+    found, alone = drape(surface, lines), [surface.profile(each) for each in lines]
+    np.testing.assert_array_equal(found.points, np.concatenate([each.points for each in alone]))
+    apart = np.concatenate([each.distances for each in alone])
+    np.testing.assert_array_equal(found.distances, apart)
+    counts = [len(each.starts) - 1 for each in alone]
+    assert found.lines.tolist() == np.repeat(np.arange(len(lines)), counts).tolist()
+    sizes = np.concatenate([np.diff(each.starts) for each in alone])
+    assert np.diff(found.starts).tolist() == sizes.tolist()
 
 
 def faces_touched(surface: liftmesh.Surface, p, q) -> set[int]:

@@ -265,11 +265,11 @@ FORMATS = (
         description="points, segments and holes of Triangle",
         keeps=("points", "edges", "attributes", "float64"),
         needs=("points", "finite"),
-        loses=_code("io.formats.text.writer", "dropped_digits"),
+        loses=_code("planar.poly_files", "dropped_parts"),
         check=_code("io.formats.triangle_files", "check"),
         expands=True,
         gzip=True,
-        entries=("holes", "regions"),
+        entries=("holes", "regions", "carved"),
     ),
     Format(
         name="ele",

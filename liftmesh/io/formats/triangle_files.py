@@ -203,7 +203,8 @@ def _points(
     table = _rows(lines, count, width, "points", name)
     first = 1 if table[0, 0] == 1 else 0
     _check_indices(table[:, 0], first, "counted from 0 or 1", name)
-    if len(names) != more or len({*names, _MARKER}) <= more or (None in names and dimension == 3):
+    taken = [*names, *[_MARKER] * markers]
+    if len(names) != more or len({*taken}) < len(taken) or (None in names and dimension == 3):
         names = [f"attribute_{k + 1}" for k in range(more)]
     values = map(np.ascontiguousarray, table[:, 1 + dimension : width - markers].T)
     columns: dict[Any, Array] = dict(zip(names, values, strict=True))

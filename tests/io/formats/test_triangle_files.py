@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -208,6 +209,15 @@ def test_names_that_do_not_fit_are_no_names() -> None:
     assert read(spatial, "node").attributes["attribute_1"].tolist() == [8, 9]
 
 
+@pytest.mark.parametrize("values", [[1.5, 1, 2], [2**40, 1, 2]])
+def test_markers_that_are_none_are_values(values: list[float]) -> None:
+    cloud = Cloud(np.eye(3), attributes={"a": np.arange(3.0), "boundary_marker": np.array(values)})
+    back = read(written(cloud)[0])
+    assert back.points.tolist() == cloud.points.tolist()
+    assert back.attributes["a"].tolist() == [0, 1, 2]
+    assert back.attributes["boundary_marker"].tolist() == values
+
+
 @pytest.mark.parametrize(
     ("values", "cause"),
     [
@@ -300,7 +310,21 @@ def test_meshes_that_edges_do_not_make_have_no_holes() -> None:
         np.eye(1, 3).repeat(3, 0), faces=np.array([[0, 1, 2]]), edges=np.zeros((1, 2), int)
     )
     for mesh in (mesh_of(whole), other, part, crossed, unbound, flat):
-        assert len(read_as_triangle(written(mesh)[0])["holes"]) == 0
+        data, result = written(mesh)
+        assert len(read_as_triangle(data)["holes"]) == 0
+        lost = "holes between faces" in result.dropped
+        assert lost == any(mesh is each for each in (other, flat))
+    for mesh, carved, is_lost in ((part, True, False), (other, True, True), (part, "oak", True)):
+        result = written(replace(mesh, metadata={"carved": carved}))[1]
+        assert ("metadata carved" in result.dropped) == is_lost
+
+
+def test_a_hole_that_is_stated_gets_no_second_point() -> None:
+    polygons = [[box(0, 9), box(1, 3), box(5, 7)]]
+    tri = constrained_delaunay([], polygons=polygons, carve="holes")
+    for stated, count in (([[1.5, 2.75]], 2), ([[1.5, 2.75], [6.5, 5.25]], 2), ([[99, 99]], 3)):
+        holes = read_as_triangle(written(mesh_of(tri, metadata={"holes": stated}))[0])["holes"]
+        assert (len(holes), holes[: len(stated)].tolist()) == (count, stated)
 
 
 def test_faces_of_later_rows_at_a_position_are_found() -> None:
