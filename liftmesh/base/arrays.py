@@ -321,6 +321,19 @@ def pairs_of_keys(keys: Integers) -> tuple[Integers, Integers]:
     return keys >> 32, keys & 0xFFFFFFFF
 
 
+def is_after(tails: Reals, heads: Reals) -> Mask:
+    """Whether the first ends come after the second ones, by x, then y."""
+    (x, y), (u, v) = tails.T[:2], heads.T[:2]
+    after: Mask = (x > u) | ((x == u) & (y > v))
+    return after
+
+
+def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
+    """Return the ends of sides opposite vertices k, the lesser row first."""
+    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    return ends
+
+
 def planar_bounds(points: Reals) -> tuple[float, float, float, float]:
     """Return xmin, ymin, xmax, ymax of the rows that are finite; NaN if there are none."""
     finite = np.isfinite(points)

@@ -12,7 +12,7 @@ from liftmesh.base.options import Carve, Crossing, counted
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import flag, option
 from liftmesh.cli.surfaces import is_table
-from liftmesh.errors import InputError
+from liftmesh.errors import FormatError, InputError
 
 if TYPE_CHECKING:
     from liftmesh._typing import Rows
@@ -37,7 +37,9 @@ EXAMPLES = [
 def _lines(
     edges: Annotated[
         Path | None,
-        option("FILE", "Edges: two rows of IN in each line, from 0; or an OBJ, PLY or NPZ file."),
+        option(
+            "FILE", "Edges: two rows of IN in each line, from 0; or an OBJ, PLY, NPZ or .poly file."
+        ),
     ] = None,
     polylines: Annotated[
         Path | None,
@@ -139,20 +141,23 @@ def _edges(path: Path) -> Rows:
     from liftmesh.io.read import read
     from liftmesh.io.text_tables import BLOCK, HASH, Lines as TextLines, exact_values, number_table
 
-    if path.suffix.lower() in (".obj", ".ply", ".npz"):
+    if path.suffix.lower() in (".obj", ".ply", ".npz", ".poly"):
         edges = read(path).edges
-        if edges is None:
-            raise InputError(f"{path} has no edges")
+        if edges is None or not len(edges):
+            raise FormatError(f"{path} has no edges")
         return edges
-    parts = [np.empty((0, 2), np.int32)]
+    parts = []
     with path.open("rb") as stream:
         text = TextLines(stream, str(path), HASH)
         while len(block := text.take(BLOCK)):
-            values = number_table(block, str(path), width=2).reshape(-1)
+            mark = "," if "," in block.texts[0] else None
+            values = number_table(block, str(path), width=2, delimiter=mark).reshape(-1)
             line_of = [int(each) for each in np.repeat(block.numbers, 2)].__getitem__
             kind = np.dtype(np.int32)
             rows = exact_values(values, kind, str(path), "the number of a row", line_of)
             parts.append(rows.reshape(-1, 2))
+    if not parts:
+        raise FormatError(f"{path} has no edges: give two rows in each line")
     return np.concatenate(parts)
 
 

@@ -55,6 +55,7 @@ class Summary:
 
     n_rows: int
     n_faces: int
+    n_edges: int
     n_not_finite: int
     holds: tuple[str, ...]
     not_read: tuple[str, ...]
@@ -93,6 +94,7 @@ class Summary:
 
 def summarise(cloud: Cloud) -> Summary:
     """Compute the statistics of a cloud."""
+    from liftmesh.io.columns import edges_of
     from liftmesh.io.metadata import Provenance
     from liftmesh.planar.points import find_positions
 
@@ -103,6 +105,7 @@ def summarise(cloud: Cloud) -> Summary:
     return Summary(
         n_rows=len(cloud),
         n_faces=0 if cloud.faces is None else len(cloud.faces),
+        n_edges=len(edges_of(cloud)),
         n_not_finite=len(cloud) - len(points),
         crs=cloud.crs,
         units=_units(cloud),
@@ -205,8 +208,8 @@ def _memory(cloud: Cloud) -> int:
 
 def _lines(summary: Summary) -> list[tuple[str, str]]:
     lines = [("rows", f"{summary.n_rows:,}" + _count_note(summary.n_not_finite, "not finite"))]
-    if summary.n_faces:
-        lines.append(("faces", f"{summary.n_faces:,}"))
+    parts = (("faces", summary.n_faces), ("edges", summary.n_edges))
+    lines += [(name, f"{count:,}") for name, count in parts if count]
     lines.append(("holds", ", ".join(("coordinates", *summary.holds))))
     if summary.columns:
         pairs = (f"{part} = {name}" for part, name in summary.columns.items())

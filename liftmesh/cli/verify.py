@@ -106,7 +106,7 @@ def _verify_file(
     from liftmesh.terrain.frame import resolve_plane
 
     if cloud.faces is None or not len(cloud.faces):
-        raise _no_triangles(source)
+        raise _no_triangles(source, "triangulate" if cloud.edges is None else "constrain")
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
         planar = resolve_plane(plane, cloud.points).planar(cloud.points)
         certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
@@ -143,11 +143,12 @@ def _check_format(source: Path, file_format: str | None) -> None:
         return
     kind = find_format(file_format or suffix_of(source.name), str(source))
     if "faces" not in kind.keeps:
-        raise _no_triangles(source).within(source)
+        command = "constrain" if "edges" in kind.keeps else "triangulate"
+        raise _no_triangles(source, command).within(source)
 
 
-def _no_triangles(source: Path) -> InputError:
-    return InputError(f"holds no triangles: make some with liftmesh triangulate {source} OUT")
+def _no_triangles(source: Path, command: str) -> InputError:
+    return InputError(f"holds no triangles: make some with liftmesh {command} {source} OUT")
 
 
 def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:

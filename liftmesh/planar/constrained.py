@@ -13,7 +13,15 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_numbers, of_one_array, pair_keys, widened
+from liftmesh.base.arrays import (
+    as_coordinates,
+    as_numbers,
+    is_after,
+    of_one_array,
+    pair_keys,
+    widened,
+)
+from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import (
     Carve,
     Crossing,
@@ -70,26 +78,28 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, as for `delaunay`.
     edges : array_like of int, of shape (k, 2), optional
-        Edges as pairs of rows of `points`.
+        Edges as pairs of rows of `points`; those of a `Cloud` by default, if there are no lines.
     polylines : list, path or geometries, optional
         Chains of edges, each as rows of `points`, in one dimension, or as coordinates, an array of
         shape (c, 2) or (c, 3), whose heights are left out; one chain of rows, or of coordinates
-        that are floats, may stand by itself. Several pairs of integers are refused, as they may be
-        either: edges between rows are `edges`, and a list of chains, ``[chain]``, has coordinates
-        of any type. Or lines, and polygons as their rings: geometries of shapely, or a list of
-        them; a GeoDataFrame or GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the
-        path of a file: GeoJSON, GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
+        that are floats, may stand by itself. Several pairs of integers, and several triples, are
+        refused, as they may be either: edges between rows are `edges`, arrays of three rows may be
+        in a list, and a list of chains, ``[chain]``, has coordinates of any type. Or lines, and
+        polygons as their rings: geometries of shapely, or a list of them; a GeoDataFrame or
+        GeoSeries; GeoJSON as a mapping; a ``trimesh.path.Path2D``; or the path of a file: GeoJSON,
+        GeoPackage, shapefile, DXF, or OBJ, whose ``l`` elements are read.
     polygons : list, path or geometries, optional
         Polygons, each as a ring, or as a list of rings: the outer one, then its holes. A ring is
         given as a polyline is; it may repeat its first corner, turn either way, and touch itself
         and others. Or polygons in any of the other forms. Where there are only lines, as in DXF and
         OBJ, those that end where they begin are the rings; nested ones are outer rings and holes in
-        turn. What is in two holes of one polygon counts as inside, as an island; a hole that is
-        given twice is an error.
+        turn. What is in two holes of one polygon counts as inside, as an island; two holes with the
+        same sides are an error.
     crossing : {"error", "split"}, default "error"
         What is done where edges cross and no row is: raise an error that names all crossings, or
-        insert each crossing, rounded to the nearest float64, as a row. Then the result is exact for
-        the rounded rows; ``displacement`` tells how far they are from the edges.
+        insert each crossing, rounded to the nearest float64, as a row. Where edges cross again for
+        that rounding, a row that is near may be taken instead. Then the result is exact for the
+        rounded rows; ``displacement`` tells how far they are from the edges.
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
@@ -116,10 +126,9 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     InputError
         As for `delaunay`; an edge has a row that is out of range or skipped; a line or polygon
         cannot be read, has too few corners, or one that is not finite; an option is unknown; a seed
-        is not finite, outside, or on an edge; nothing would be left; edges still cross after many
-        splits.
+        is not finite, outside, or on an edge; nothing would be left.
     CrossingError
-        Edges cross, and `crossing` is "error".
+        Edges cross, and `crossing` is "error"; or still do after many rounds of splits.
     NonFiniteError
         A row is not finite and `nonfinite` is "error".
     DegenerateInputError
@@ -166,6 +175,8 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         points = np.empty((0, 2))  # corners of lines are enough
     rows = as_coordinates(rows_of(points))
     planar = rows if rows.shape[1] == 2 else rows[:, :2]
+    if isinstance(points, Cloud) and edges is polylines is polygons is None:
+        edges = points.edges
     given = gather(planar, edges, polylines, polygons)
     if len(given.added):
         rows = planar = np.concatenate([widened(planar), given.added])
@@ -278,17 +289,21 @@ def _kept(
         seeded = _seeded(solved, seeds, bounds)
     arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
     keep = _kernel.carve(*arrays, carve or "none", seeded).astype(np.bool_)
-    if carve == "holes" and given.winding.any() and not winding.any():
+    is_cancelled = carve == "holes" and given.winding.any() and not winding.any()
+    if is_cancelled:
         keep[:] = False  # holes cancel polygons out, and their parity does not count
     if not keep.any():
         unseeded = seeded[:0]
         by_seeds = len(seeded) and (carve is None or _kernel.carve(*arrays, carve, unseeded).any())
-        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds))
+        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds), bool(is_cancelled))
     return keep
 
 
-def _nothing_left(all_of_them: str, by_seeds: bool) -> InputError:
-    if by_seeds:
+def _nothing_left(all_of_them: str, by_seeds: bool, is_cancelled: bool) -> InputError:
+    if is_cancelled:
+        said = f"{Option('carve')} removes all of {all_of_them}, since the holes of "
+        said += f"{Option('polygons')} are as large as these: leave them out, or make them smaller"
+    elif by_seeds:
         said = f"{Option('seeds')} remove all of {all_of_them} that there are: leave out those in "
         said += "regions that stay, or close these regions with edges or polygons"
     else:
@@ -306,18 +321,10 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     of_polygon = np.flatnonzero(given.winding[origin])
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
-    along = _rise(points, solved.pieces[piece]) == _rise(
-        points, solved.parts[solved.members[of_polygon]]
-    )
+    pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
+    along = np.equal(*(is_after(*points[each.T]) for each in pairs))
     steps = np.where(along, 1, -1) * given.winding[origin]
     return bounds, np.bincount(piece, steps, minlength=count).astype(np.int32)
-
-
-def _rise(points: Reals, edges: Rows) -> Mask:
-    """Tell which edges lead to a lexicographically larger point."""
-    (x, y), (u, v) = points[edges[:, 0]].T, points[edges[:, 1]].T
-    rise: Mask = (x < u) | ((x == u) & (y < v))
-    return rise
 
 
 def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Integers, Mask, Reals, Rows
-from liftmesh.base.arrays import pair_keys, read_only
+from liftmesh.base.arrays import ends_of, pair_keys, read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.errors import InputError
 from liftmesh.planar.triangulation import Triangulation
@@ -388,12 +388,6 @@ def pieces_of(tri: ConstrainedTriangulation, rows: Rows, indptr: Rows, members: 
         tri.displacement,
         tri._steiner,  # noqa: SLF001 - of this module
     )
-
-
-def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
-    """Return the ends of sides opposite vertices k, the lesser row first."""
-    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
-    return ends
 
 
 def bits_of(sides: Mask) -> Bits:

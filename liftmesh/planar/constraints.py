@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Mask, Reals, Rows
-from liftmesh.base.arrays import MOST_ROWS, is_masked_array, starts_of_runs, widened
+from liftmesh.base.arrays import MOST_ROWS, is_masked_array, pair_keys, starts_of_runs, widened
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError, Option
 from liftmesh.vector.geojson import planar_corners
@@ -93,6 +93,8 @@ def _as_edges(edges: Any, rows: int) -> Rows:
         array = np.asanyarray(edges)
     except ValueError as error:
         raise InputError(f"{Option('edges')} cannot be converted to an array: {error}") from error
+    if not array.ndim:
+        raise InputError(f"{Option('edges')} are {shown(edges)}: give an array (k, 2) of rows")
     if array.size == 0 and array.ndim < 3:
         return np.empty((0, 2), dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != 2:
@@ -155,7 +157,8 @@ def _check_holes(areas: Sequence[Sequence[Line]], rings: Sequence[Rows]) -> None
     for polygon, area in enumerate(areas):
         known: dict[bytes, int] = {}
         for hole, ring in enumerate(rings[start + 1 : start + len(area)]):
-            first = known.setdefault(np.sort(ring).tobytes(), hole)
+            sides = np.sort([ring, np.roll(ring, 1)], axis=0)
+            first = known.setdefault(np.sort(pair_keys(*sides)).tobytes(), hole)
             if first != hole:
                 raise InputError(
                     f"holes {first} and {hole} of polygon {polygon} have the same corners: give "
@@ -179,11 +182,12 @@ def _lines(given: Any) -> list[Any]:
     items = _items("polylines", given)
     if _is_chain(items):
         return [given]
-    if len(items) > 1 and all(_is_pair_of_integers(each) for each in items):
+    if _are_integers(items, 2, fewest=2):
         raise InputError(
             f"{Option('polylines')} are {shown(given)}, pairs of integers, which may be rows or "
             f"corners: give edges between rows as {Option('edges', ...)}, and corners as floats"
         )
+    _check_triples("polylines", given, fewest=2)
     lines: list[Any] = []
     for each in items:
         shapes = lines_in(each)
@@ -204,6 +208,7 @@ def _polygons(given: Any) -> tuple[list[Sequence[Any]], bool]:
     items = _items("polygons", given)
     if _is_chain(items) or (len(items) and _is_corner(items[0]) and len(items[0]) == 2):
         return [[given]], False
+    _check_triples("polygons", given, fewest=3)
     polygons: list[Sequence[Any]] = []
     is_unsaid = False
     for each in items:
@@ -242,9 +247,25 @@ def _is_corner(given: Any) -> bool:
     return is_flat and all(isinstance(each, Number) for each in given)
 
 
-def _is_pair_of_integers(given: Any) -> bool:
-    is_pair = isinstance(given, list | tuple | np.ndarray) and len(given) == 2
-    return is_pair and all(isinstance(each, int | np.integer) for each in given)
+def _are_integers(items: Sequence[Any], count: int, fewest: int) -> bool:
+    """Whether these are some pairs or triples of integers."""
+    return len(items) >= fewest and all(
+        isinstance(item, list | tuple | np.ndarray)
+        and len(item) == count
+        and all(isinstance(each, int | np.integer) for each in item)
+        for item in items
+    )
+
+
+def _check_triples(name: str, given: Sequence[Any], fewest: int) -> None:
+    """Raise if these may be rows or corners; in a list, arrays of integers are rows."""
+    is_list = isinstance(given, list | tuple)
+    are_arrays = is_list and any(isinstance(each, np.ndarray) for each in given)
+    if not are_arrays and _are_integers(given, 3, fewest):
+        raise InputError(
+            f"{Option(name)} are {shown(given)}, triples of integers, which may be rows or corners "
+            "x, y, z: give a list of arrays of rows, or corners as floats"
+        )
 
 
 def _is_ring(given: Any, polygon: int) -> bool:

@@ -2,10 +2,12 @@
 
 A crossing has rational coordinates, and the new row is the nearest float64 of each. The parts of
 both edges then bend by that rounding, and may cross others: so the crossings are sought again,
-until there are none. Where many edges lie within a few units in the last place, there would be more
-in each round: then an error names a place. The result is exact for the rounded points.
-Displacements are distances of the rows from the edges that the caller gave, so they tell of all
-rounds together.
+until there are none. Edges that are the same line but for rounding would cross anew in each round,
+one unit in the last place further out: so from the second round on, the end of a part that is near
+is taken instead, within a bound that grows. Where many edges lie within a few such units, there may
+still be more crossings in each round: then an error names a place. The result is exact for the
+rounded points. Displacements are distances of the rows from the edges that the caller gave, so they
+tell of all rounds together.
 """
 
 from __future__ import annotations
@@ -20,14 +22,18 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Reals, Rows
 from liftmesh.base.arrays import pair_keys, widened
 from liftmesh.base.options import Part, counted, part_of
-from liftmesh.errors import CrossingError, InputError, Option
+from liftmesh.errors import CrossingError, Option
 from liftmesh.planar.constraints import Constraints, match_rows
 
 Build: TypeAlias = Callable[[Reals, Rows, Part | None], Any]  # its last item are the crossings
 
 _MOST_ROUNDS = 64
+_MOST_DOUBLINGS = 30  # of the bound, two in each round
 _GROWTH, _ALLOWANCE = 4, 200  # crossings of a round, by those of the first
 _NAMED, _MOST_PLACES = 10, 10_000
+TOO_NEAR = (
+    "edges there are nearer to each other than float64 can tell apart; move them, or leave some out"
+)
 
 
 def crossing_error(
@@ -96,7 +102,7 @@ def split_crossings(
             most = _GROWTH * len(crossings) + _ALLOWANCE
         if number == _MOST_ROUNDS or len(crossings) > most:
             raise _unending(split, given, crossings[0], number)
-        _insert(split, crossings, points, edges)
+        _insert(split, crossings, points, edges, number)
         if part is not None:
             part(1.0)
         if number == 0:  # later, ends of parts may be at one position
@@ -104,32 +110,49 @@ def split_crossings(
         number += 1
 
 
-def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> InputError:
+def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> CrossingError:
     """Name a place where edges still cross."""
-    e, f = split.origins[pair].tolist()
-    (place,) = _places(split.points, split.edges[pair].reshape(1, 4)).tolist()
-    return InputError(
+    places = _places(split.points, split.edges[pair].reshape(1, 4))
+    pair = split.origins[pair]
+    one, two = map(given.named, pair.tolist())
+    return CrossingError(
         f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}, as "
-        f"{given.named(e)} and {given.named(f)} do at {tuple(place)}: too many edges are nearer to "
-        "each other than float64 can tell apart; move them, or leave some out"
+        f"{one} and {two} do at {tuple(places[0].tolist())}: {TOO_NEAR}",
+        crossings=pair[None],
+        rows=given.edges[pair].reshape(1, 4),
+        places=places,
     )
 
 
-def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
-    """Put a row at each crossing, and split both edges there."""
-    places = _places(split.points, split.edges[crossings].reshape(-1, 4))
-    rows, added = match_rows(widened(split.points), places)
+def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows, number: int) -> None:
+    """Put a row at each crossing, or take one near it, and split both edges there."""
+    rows = split.edges[crossings].reshape(-1, 4)
+    places = _places(split.points, rows)
+    if number:
+        places = _or_ends(places, split.points[rows], min(2 * number, _MOST_DOUBLINGS))
+    taken, added = match_rows(widened(split.points), places)
     split.points = np.concatenate([widened(split.points), places[added]])
-    edge, row = crossings.ravel(), np.repeat(rows, 2)
+    edge, row = crossings.ravel(), np.repeat(taken, 2)
     far = distances(points[edges[split.origins[edge]]], split.points[row]).max()
     split.displacement = max(split.displacement, float(far))
+    is_inside = (row[:, None] != split.edges[edge]).all(axis=1)
+    _divide(split, edge[is_inside], row[is_inside])
+
+
+def _divide(split: Split, edge: Integers, row: Integers) -> None:
+    """Put parts between the rows of each edge in its place."""
     cut = np.unique(edge)
     tail, head = split.edges[cut].T
+    rank = np.repeat([0, 1, 2], [len(cut), len(edge), len(cut)])
     edge, row = np.concatenate([cut, edge, cut]), np.concatenate([tail, row, head])
-    # Rounding keeps the order of crossings along both axes, or makes them equal.
-    (from_x, from_y), (to_x, to_y) = (split.points[each[edge]].T for each in split.edges.T)
-    x, y = split.points[row].T
-    order = np.lexsort([np.where(from_y <= to_y, y, -y), np.where(from_x <= to_x, x, -x), edge])
+    # Along the longer axis first: rounding keeps the order there, or makes places equal.
+    ends = split.points[split.edges[edge]] / 2
+    steps, places = ends[:, 1] - ends[:, 0], split.points[row]
+    is_steep = np.abs(steps[:, 1]) > np.abs(steps[:, 0])
+    steps = np.where(steps == 0, steps[:, ::-1], steps)  # turned around, the order is the same
+    along = np.where(steps < 0, -places, places)
+    along[is_steep] = along[is_steep, ::-1]
+    order = np.lexsort([*along.T[::-1], rank, edge])
     edge, row = edge[order], row[order]
     is_part = (edge[1:] == edge[:-1]) & (row[1:] != row[:-1])
     parts = np.stack([row[:-1], row[1:]], axis=1)[is_part]
@@ -137,6 +160,15 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows) -> None:
     kept[cut] = False
     split.edges = np.concatenate([split.edges[kept], parts.astype(np.int32)])
     split.origins = np.concatenate([split.origins[kept], split.origins[edge[:-1][is_part]]])
+
+
+def _or_ends(places: Floats, ends: Reals, doublings: int) -> Floats:
+    """Replace places by the nearest end of both parts within so many doublings of an ulp."""
+    gaps = np.abs(ends / 2 - places[:, None] / 2).max(axis=2)
+    nearest = np.lexsort((ends[..., 1], ends[..., 0], gaps), axis=1)[:, :1]
+    bound = np.ldexp(np.spacing(np.abs(ends).max(axis=(1, 2))), doublings - 1)
+    is_near = np.take_along_axis(gaps, nearest, axis=1) <= bound[:, None]
+    return np.where(is_near, np.take_along_axis(ends, nearest[..., None], axis=1)[:, 0], places)
 
 
 def _places(points: Array, rows: Rows) -> Floats:

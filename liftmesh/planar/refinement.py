@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import MOST_ROWS, as_numbers, pair_keys, pairs_of_keys
+from liftmesh.base.arrays import MOST_ROWS, as_numbers, ends_of, pair_keys, pairs_of_keys
 from liftmesh.base.options import (
     as_count,
     as_number,
@@ -33,7 +33,6 @@ from liftmesh.planar.constrained_triangulation import (
     Bits,
     ConstrainedTriangulation,
     Pieces,
-    ends_of,
     left_first,
     members_of,
     pieces_of,

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, starts_of_runs
+from liftmesh.base.arrays import is_after, pair_keys, starts_of_runs
 from liftmesh.base.options import part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
@@ -29,10 +29,11 @@ from liftmesh.planar.constrained_triangulation import (
     with_rows,
     with_sides,
 )
+from liftmesh.planar.crossing_edges import TOO_NEAR
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
 from liftmesh.terrain.lines import check_plain
-from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between, is_after
+from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import ordered_corners
 from liftmesh.vector.polygons import contains
@@ -222,7 +223,12 @@ class Following:
             except CrossingError as error:
                 self._refuse(error, planar, edges)
         if tri is None:
-            tri = constrained_delaunay(planar, edges, crossing="split", **run, progress=progress)
+            try:
+                tri = constrained_delaunay(
+                    planar, edges, crossing="split", **run, progress=progress
+                )
+            except CrossingError as error:
+                raise self._unending(error) from error
             if len(tri.crossing_rows):
                 rows = in_space(self.frame, tri.points[tri.crossing_rows], self._at_crossings(tri))
                 self.points = np.concatenate([self.points, rows])
@@ -261,7 +267,7 @@ class Following:
         named = []
         for k in firm[:_NAMED].tolist():
             pair = error.crossings[k]
-            one, two = (network.lines[each].name for each in network.line[pair].tolist())
+            one, two = self._names(pair)
             place = error.places[k] if k < len(error.places) else planar[edges[pair[0], 0]]
             low, high = self._along(planar, edges[pair], np.stack([place, place])).tolist()
             x, y = place.tolist()
@@ -276,6 +282,19 @@ class Following:
             rows=error.rows[firm],
             places=error.places[firm[firm < len(error.places)]],
         ) from error
+
+    def _names(self, edges: Rows) -> list[str]:
+        return [self.network.lines[each].name for each in self.network.line[edges].tolist()]
+
+    def _unending(self, error: CrossingError) -> CrossingError:
+        """Name the lines that still cross after many splits."""
+        (x, y), (one, two) = error.places[0].tolist(), self._names(error.crossings[0])
+        return CrossingError(
+            f"{one} and {two} still cross after many splits, at ({x!r}, {y!r}): {TOO_NEAR}",
+            crossings=error.crossings,
+            rows=error.rows,
+            places=error.places,
+        )
 
     def _along(self, planar: Floats, edges: Rows, places: Floats) -> Floats:
         """Return the heights of edges at places on them."""

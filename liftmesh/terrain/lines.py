@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Floats
+from liftmesh.base.arrays import is_after
 from liftmesh.base.options import Crossing, as_positive, refused, shown
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, FormatError, InputError, Option
 from liftmesh.terrain.lifting import DIVIDING, Lifting
-from liftmesh.terrain.profile import between, is_after
+from liftmesh.terrain.profile import between
 from liftmesh.vector.files import check_system, read_shapes, stated_system
 from liftmesh.vector.geojson import coordinates_of, spatial_corners
 

@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import as_pairs, starts_of_runs
+from liftmesh.base.arrays import as_pairs, ends_of, is_after, starts_of_runs
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import shown
@@ -308,8 +308,7 @@ class LineCrossings:
         if not len(p):
             return entries
         face, k = np.nonzero(tri.neighbors < 0)
-        ends = tri.simplices[face[:, None], (k[:, None] + [1, 2]) % 3]
-        a, b = self._points[ends[:, 0]], self._points[ends[:, 1]]
+        a, b = self._points[ends_of(tri.simplices, face, k).T]
         for piece, side in _near(_boxes(p, q), _boxes(a, b)):
             line, rim = (p[piece], q[piece]), (a[side], b[side])
             across = orient2d(*line, rim[0]) * orient2d(*line, rim[1])
@@ -413,13 +412,6 @@ def _scaled(origins: Floats, points: Floats) -> Wide:
     offsets = points.T * half - origins.T * half
     scale = np.frexp(np.abs(offsets).max(axis=0))[1]
     return np.ldexp(offsets, -scale), scale - np.frexp(half)[1]
-
-
-def is_after(tails: Floats, heads: Floats) -> Mask:
-    """Whether the first ends come after the second ones, by x, then y."""
-    (x, y), (u, v) = tails.T[:2], heads.T[:2]
-    after: Mask = (x > u) | ((x == u) & (y > v))
-    return after
 
 
 def between(tails: Floats, heads: Floats, share: Floats) -> Floats:

@@ -44,7 +44,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.arrays import pair_keys, used_rows
+from liftmesh.base.arrays import ends_of, pair_keys, used_rows
 from liftmesh.base.options import (
     NonFinite,
     OnDuplicate,
@@ -279,7 +279,7 @@ def _edges(surface: Surface) -> Rows:
     if mask is None:
         return edges
     is_rim = ~mask[:, None] & mask[tri.neighbors] & (tri.neighbors >= 0)
-    return np.unique(np.concatenate([edges, np.sort(_sides(tri.simplices)[is_rim])]), axis=0)
+    return np.unique(np.concatenate([edges, ends_of(tri.simplices, *np.nonzero(is_rim))]), axis=0)
 
 
 def _sides(simplices: Rows) -> Rows:

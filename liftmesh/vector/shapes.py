@@ -27,7 +27,7 @@ def lines_in(given: Any) -> list[Floats] | None:
 
     None for what is no shape.
     """
-    return _taken(given, "lines", _lines)
+    return _taken(given, "lines", _some_lines)
 
 
 def areas_in(given: Any) -> tuple[list[Polygon], bool] | None:
@@ -62,18 +62,21 @@ def _lines_of_path(path: Any) -> Iterator[Any]:
             yield entity.discrete(path.vertices, scale=path.scale)
 
 
+def _some_lines(tree: Any) -> list[Floats]:
+    if not (lines := _lines(tree)):
+        raise InputError("there is no line in what is given: give LineString or Polygon")
+    return lines
+
+
 def _lines(tree: Any) -> list[Floats]:
     try:
-        lines = [
+        return [
             planar_corners(each, "a line", "a line", 2)
             for kind, coordinates, _ in geometries(tree)
             for each in _flat(coordinates, _DEPTH.get(kind, 0))
         ]
     except (TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"no GeoJSON ({shown(tree)}): a line has type and coordinates") from error
-    if not lines:
-        raise InputError("there is no line in what is given: give LineString or Polygon")
-    return lines
 
 
 def _areas(tree: Any) -> tuple[list[Polygon], bool]:

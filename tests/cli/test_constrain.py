@@ -43,8 +43,13 @@ def test_edges_of_rows(folder: Path) -> None:
     assert again.returncode == 0, again.stderr
     assert "8 vertices" in again.stdout
     assert np.array_equal(liftmesh.read(folder / "b.ply").edges, mesh.edges)
-    same = command("constrain", "points.xyz", "c.npz", "--edges", "a.obj", cwd=folder)
-    assert same.returncode == 0, same.stderr
+    copied = command("constrain", "a.obj", "a.poly", cwd=folder)
+    assert copied.returncode == 0, copied.stderr
+    for name in ("a.obj", "a.poly"):
+        words = ("c.npz", "--edges", name, "--overwrite")
+        same = command("constrain", "points.xyz", *words, cwd=folder)
+        assert same.returncode == 0, same.stderr
+        assert np.array_equal(liftmesh.read(folder / "c.npz").edges, mesh.edges)
 
 
 def test_polygons_are_carved(folder: Path) -> None:
@@ -95,6 +100,8 @@ def test_crossings_are_an_error_or_split(folder: Path) -> None:
         ("0 1\n\n1 2.5\n", "pairs.txt: line 3: the number of a row is 2.5"),
         ("0 x\n", "pairs.txt: line 1, value 2: 'x' is not a number"),
         ("0 1\n4 8\n", "error: pairs.txt: edge 1, [4, 8], has the row 8, where 0 to 7"),
+        ("0,1\n4, 8\n", "error: pairs.txt: edge 1, [4, 8], has the row 8"),
+        ("# none\n", "error: pairs.txt has no edges: give two rows in each line"),
     ],
 )
 def test_pairs_that_cannot_be_used(text: str, cause: str, folder: Path) -> None:

@@ -41,6 +41,13 @@ def test_the_terrain():
     assert told["memory"] == "about 13 MB to triangulate"
 
 
+def test_edges_are_counted(tmp_path):
+    lines = lm.Cloud(np.eye(3), edges=np.array([[0, 1], [1, 2]], np.int32))
+    lm.write(tmp_path / "a.ply", lines)
+    assert lines_of("a.ply", cwd=tmp_path)["edges"] == "2"
+    assert summary_of(tmp_path / "a.ply")["n_edges"] == 2
+
+
 def test_a_raster_and_how_far_apart_its_samples_are(tmp_path):
     turned = rasterio.Affine.translation(5, 7) @ rasterio.Affine.rotation(30)
     placed = {"a.tif": rasterio.Affine(0.5, 0, 5, 0, -2, 7), "b.tif": turned}

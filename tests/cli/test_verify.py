@@ -112,6 +112,11 @@ def test_what_cannot_be_verified_is_said(tmp_path: Path) -> None:
     liftmesh.write(tmp_path / "cloud.ply", np.eye(3))
     found = run("verify", "cloud.ply", cwd=tmp_path)
     assert found.stderr.startswith("liftmesh: error: cloud.ply: holds no triangles: make some")
+    lines = Cloud(np.eye(3), edges=np.array([[0, 1]], np.int32))
+    for name in ("lines.ply", "lines.poly"):
+        liftmesh.write(tmp_path / name, lines)
+        found = run("verify", name, cwd=tmp_path)
+        assert f"make some with liftmesh constrain {name} OUT" in " ".join(found.stderr.split())
     points = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [np.nan, 0.0]])
     path = mesh(tmp_path / "mesh.ply", points, [[0, 1, 2]])
     found = run("verify", path)

@@ -105,7 +105,9 @@ def test_canonical_order_depends_on_the_sets_alone(seed: int) -> None:
         (np.zeros((2, 7), int), r"the shape \(2, 7\).*give edges.T"),
         ([[0, 1], [2]], "cannot be converted to an array"),
         (np.ma.masked_equal([[0, 1]], 1), "edges hold masked values"),
-        (3, r"the shape \(\)"),
+        ("pairs.txt", r"edges are 'pairs.txt': give an array \(k, 2\) of rows"),
+        ({1: 2}, "edges are {1: 2}: give an array"),
+        (zip([0], [1], strict=True), "edges are <zip object .*>: give an array"),
     ],
 )
 def test_wrong_edges_are_named(edges: Any, said: str) -> None:
@@ -134,6 +136,14 @@ def test_points_on_one_line_and_columns() -> None:
         constrained_delaunay([[0, 0], [1, 1], [2, 2]], [[0, 1]], crossing="split")
     with pytest.raises(liftmesh.UnsupportedTypeError, match=r"np.column_stack"):
         constrained_delaunay([0.0, 1.0], [1.0, 2.0])
+
+
+def test_a_cloud_gives_its_edges() -> None:
+    rows = np.c_[SQUARE, np.zeros(4)].astype(float)
+    cloud = liftmesh.Cloud(rows, edges=np.array([[1, 3]], np.int32))
+    assert constrained_delaunay(cloud).constraints.tolist() == [[1, 3]]
+    assert constrained_delaunay(cloud, [[0, 2]]).constraints.tolist() == [[0, 2]]
+    assert constrained_delaunay(cloud, polylines=[0, 2]).constraints.tolist() == [[0, 2]]
 
 
 def test_edges_of_skipped_rows_are_errors() -> None:

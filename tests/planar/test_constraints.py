@@ -210,6 +210,12 @@ def test_positions_are_matched_exactly(seed: int) -> None:
             "pairs of integers, .* as edges=, and corners as",
         ),
         ({"polylines": np.array([[0, 1], [2, 3]])}, "polylines are .*, pairs of integers"),
+        (
+            {"polylines": [[0, 0, 5], [3, 3, 5]]},
+            "polylines are .*, triples of integers, .*: give a list of arrays of rows, or corners",
+        ),
+        ({"polygons": [[0, 0, 5], [3, 0, 5], [3, 3, 5]]}, "polygons are .*, triples of integers"),
+        ({"polygons": np.arange(9).reshape(3, 3)}, "triples of integers"),
         ({"polylines": "missing"}, None),
         ({"polylines": [0, 1, 7]}, "polyline 0 has the row 7, where 0 to 3 are possible"),
         ({"polylines": [[0, 1], [0]]}, r"polyline 1 is \[0\]: give 2 rows or more"),
@@ -226,6 +232,8 @@ def test_positions_are_matched_exactly(seed: int) -> None:
         ({"polygons": [[[0, 1, 2], [1, 2, 3], [0, 1, 2]]]}, "rings of three rows or corners x, y,"),
         ({"polygons": [[SQUARE, [0, -2, 1]]]}, "a ring of polygon 0 has the row -2"),
         ({"polygons": [LINE]}, "there is no polygon in what is given"),
+        ({"polygons": [shapely.Point(0, 0)]}, "there is no polygon in what is given"),
+        ({"polygons": {"type": "Feature", "geometry": None}}, "there is no polygon in what is"),
         ({"polygons": 1.5}, "polygons are 1.5"),
         (
             {
@@ -242,6 +250,24 @@ def test_wrong_lines_are_named(options: dict[str, Any], said: str | None) -> Non
     error = liftmesh.InputError if said else FileNotFoundError
     with pytest.raises(error, match=said):
         gathered(**options)
+
+
+def test_arrays_of_three_rows_are_rows() -> None:
+    triangles = np.array([[0, 1, 2], [0, 2, 3], [1, 2, 3]])
+    found = gathered(polygons=list(triangles), polylines=list(triangles))
+    assert (len(found.added), found.edges[:2].tolist()) == (0, [[0, 1], [1, 2]])
+    assert len(gathered(polygons=triangles[:2].tolist()).added) == 0  # too few for corners
+
+
+def test_holes_that_share_all_corners_may_differ() -> None:
+    corners = [[1, 1], [2, 1], [2, 2], [1, 2], [1.5, 1.75]]
+    other = [corners[k] for k in (0, 4, 1, 2, 3)]
+    assert len(gathered(polygons=[[SQUARE, corners, other]]).added) == 5
+
+
+def test_a_hole_as_large_as_its_polygon_is_named() -> None:
+    with pytest.raises(liftmesh.InputError, match="the holes of polygons are as large as these"):
+        constrained_delaunay([], polygons=[[SQUARE, SQUARE[::-1]]], carve="holes")
 
 
 def test_rings_of_rows_that_are_not_finite() -> None:

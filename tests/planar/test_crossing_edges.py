@@ -177,11 +177,55 @@ def test_edges_are_chains_from_end_to_end(seed: int, kind: str) -> None:
     assert not crosses.any()
 
 
+def turned_parcels(offset: tuple[float, float], seed: int) -> list[np.ndarray]:
+    """Squares side by side, turned, with corners of their own on shared sides, and roads."""
+    rng = np.random.default_rng(seed)
+    turn = np.array([[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]])
+    lines = []
+    for square in np.argwhere(np.ones((12, 12))):
+        corners = (square + np.array([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])) * 25.0 @ turn
+        middle = corners[:-1] + rng.random((4, 1)) * np.diff(corners, axis=0)
+        lines.append(np.insert(corners, [1, 2, 3, 4], middle, axis=0) + offset)
+    return [*lines, *(rng.random((10, 2, 2)) * 300 @ turn + offset)]
+
+
+ALONG_ONE_LINE = [
+    np.array([[6.0, 0], [3, 7]]),
+    np.array([[3.9000000000000004, 4.9], [5.1000000000000005, 2.0999999999999996]]),
+    np.array([[7.0, 1], [1.4482758620689655, 5.758620689655173]]),
+]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ALONG_ONE_LINE,
+        turned_parcels((0, 0), 2),
+        turned_parcels((500000, 5400000), 0),
+        turned_parcels((500000, 5400000), 5),
+    ],
+)
+def test_lines_that_are_the_same_but_for_rounding_are_split(lines: list[np.ndarray]) -> None:
+    tri = constrained_delaunay([], polylines=lines, crossing="split")
+    assert tri.displacement <= 4 * np.spacing(np.abs(tri.points).max())
+    liftmesh.verify(tri)
+    order = np.random.default_rng(1).permutation(len(lines))
+    again = constrained_delaunay([], polylines=[lines[k][::-1] for k in order], crossing="split")
+    assert sides(again) == sides(tri)
+
+
+def sides(tri: liftmesh.ConstrainedTriangulation) -> set[frozenset[tuple[float, float]]]:
+    return {frozenset(map(tuple, side)) for side in tri.points[tri.constraints].tolist()}
+
+
 @pytest.mark.parametrize("bounds", [{"_MOST_ROUNDS": 0}, {"_GROWTH": 0, "_ALLOWANCE": 0}])
 def test_rounds_are_bounded(bounds: dict[str, int], monkeypatch: pytest.MonkeyPatch) -> None:
     for name, value in bounds.items():
         monkeypatch.setattr(crossing_edges, name, value)
     with pytest.raises(
-        liftmesh.InputError, match=r"after 0 rounds .*edge 0 and edge 1 do at \(1.5"
-    ):
+        liftmesh.CrossingError, match=r"after 0 rounds .*edge 0 and edge 1 do at \(1.5"
+    ) as caught:
         constrained_delaunay(SQUARE, [[0, 2], [1, 3]], crossing="split")
+    assert caught.value.crossings.tolist() == [[0, 1]]
+    assert caught.value.rows.tolist() == [[0, 2, 1, 3]]
+    assert caught.value.places.tolist() == [[1.5, 1.5]]

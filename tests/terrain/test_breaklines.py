@@ -16,6 +16,7 @@ from surfaces import hills, plane_area
 import liftmesh
 from liftmesh import InputError
 from liftmesh.errors import FormatError
+from liftmesh.planar import crossing_edges
 
 KERB = np.array([[0, 8, 10], [64, 24, 14]], dtype=float)
 OTHER_KERB = np.array([[0, 12, 10], [64, 28, 14]], dtype=float)
@@ -85,7 +86,8 @@ def test_two_lines_at_one_corner_follow_the_policy() -> None:
         assert surface.sample([4, 4]) == height
         assert surface.report.lines["rows_at_other_heights"] == 1
         assert "1 left out, as lines meet there at other heights" in str(surface.report)
-    again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
+    with pytest.warns(liftmesh.DataWarning, match="the points have 2 edges, not used here"):
+        again = liftmesh.triangulate(surface, breaklines=[[2, 6, 3], [3, 6, 3], [2, 6, 4]])
     assert again.report.lines["rows"] == 3
     assert again.report.lines["rows_at_other_heights"] == 1
     level = [[[1, 1, 3], [4, 4, 3]], [[4, 4, 3], [7, 2, 5]]]
@@ -201,7 +203,8 @@ def test_values_of_rows_of_lines_are_those_of_the_nearest_row() -> None:
     far = np.hypot(*(points[:, :2] - KERB[1, :2]).T)
     assert surface.attributes["class"][-1] == values[far.argmin()]
     assert surface.colors[-1].tolist() == colors[far.argmin()].tolist()
-    again = liftmesh.triangulate(surface, breaklines=OTHER_KERB)
+    with pytest.warns(liftmesh.DataWarning, match="1 edge, not used here"):
+        again = liftmesh.triangulate(surface, breaklines=OTHER_KERB)
     assert again.attributes["breakline"][-5:].tolist() == [0, 1, 1, 1, 1]
     named = {"breakline": values.astype(float)}
     with pytest.raises(InputError, match="values named 'breakline'"):
@@ -377,3 +380,13 @@ def test_drawings(tmp_path: Path, suffix: str) -> None:
         hidden = liftmesh.triangulate(hills(), holes=rings)
         whole = plane_area(liftmesh.triangulate(hills()))
         assert plane_area(hidden) == pytest.approx(whole - 48 * 24 * 3 / 4)
+
+
+def test_lines_that_cross_without_end_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crossing_edges, "_MOST_ROUNDS", 0)
+    lines = [[[8.0, 4.0], [56.0, 28.0]], [[8.0, 28.0], [56.0, 4.0]]]
+    with pytest.raises(
+        liftmesh.CrossingError,
+        match=r"soft breakline 0 and soft breakline 1 still cross after many splits, at \(32.*move",
+    ):
+        liftmesh.triangulate(hills(), soft_breaklines=lines)

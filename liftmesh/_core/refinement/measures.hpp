@@ -72,12 +72,16 @@ class Measures {
     double first_ = 1, second_ = 1;  // two factors: one might overflow
 };
 
+inline Point along(Point from, Point to, double share) {
+    return {std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)};
+}
+
 // The point between two others, from the first on at the power of two that is the nearest to the
 // middle.
 inline Point at_shell(Point from, Point to, const Measures& measures) {
     const double whole = length(measures.between(from, to));
     const double part = std::ldexp(1.0, std::ilogb(whole / 1.5)) / whole;
-    return {std::lerp(from.x, to.x, part), std::lerp(from.y, to.y, part)};
+    return along(from, to, part);
 }
 
 inline Point middle(Point a, Point b) {

@@ -58,7 +58,8 @@ Point Refinement::place(const Part& part, Edge e) const {
     return at_first ? at_shell(a, b, measures_) : at_shell(b, a, measures_);
 }
 
-// Where the apex is on another piece, and the two meet in a small angle: as far from there as it.
+// Where the apex is on another piece, and the two meet in a small angle: as far from there as it. A
+// place nearer to an end than half the way across would make shorter and shorter parts.
 std::optional<Point> Refinement::place_across(const Part& part, Edge side) const {
     const Vertex v = slots().apex(side);
     if (!counts(triangle_of(side)) || !is_encroached(side, at(v))) return {};
@@ -71,11 +72,13 @@ std::optional<Point> Refinement::place_across(const Part& part, Edge side) const
         const auto [from, to] = ends_from(part, corner);
         if (!Corner(between(corner, to), between(corner, v)).is_less(of_sixty_degrees2)) continue;
         const double distance = length(between(corner, v));
-        const double first = length(between(corner, from)), last = length(between(corner, to));
-        if (!(first < distance && distance < last && distance < nearest)) continue;
+        const double before = distance - length(between(corner, from));
+        const double after = length(between(corner, to)) - distance;
+        if (!(before > 0 && after > 0 && distance < nearest)) continue;
+        const Point p = along(at(from), at(to), before / (before + after));
+        if (2 * std::min(before, after) < length(measures_.between(at(v), p))) continue;
         nearest = distance;
-        const double share = (distance - first) / (last - first);
-        found = {std::lerp(at(from).x, at(to).x, share), std::lerp(at(from).y, at(to).y, share)};
+        found = p;
     }
     return found;
 }

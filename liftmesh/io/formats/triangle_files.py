@@ -18,7 +18,7 @@ Triangle reads lines of up to 1,023 characters.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -38,7 +38,6 @@ from liftmesh.io.text_tables import (
     HASH,
     Lines,
     check_end,
-    exact_values,
     is_count,
     leading_comments,
     number_table,
@@ -81,7 +80,7 @@ def read_ele(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cl
     skipped += ["midpoints of edges"] * (corners == 6)
     return replace(
         cloud,
-        faces=checked_faces(_whole(faces, name), len(cloud), name),
+        faces=checked_faces(_whole(faces, "triangle", name), len(cloud), name),
         metadata=noted({}, not_read=tuple(skipped)),
     )
 
@@ -107,7 +106,7 @@ def read_poly(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> C
             cloud, first = _nodes(nodes, beside, max_bytes)
     count, markers = _header(lines, name, "segments and their markers", 2, 1)
     table = _rows(lines, count, 3 + (markers > 0), "segments", name)
-    edges = checked_edges(_whole(table[:, 1:3] - first, name), len(cloud), name)
+    edges = checked_edges(_whole(table[:, 1:3] - first, "segment", name), len(cloud), name)
     (count,) = _header(lines, name, "holes", 1, 1)
     entries: dict[str, Any] = {HOLES: _rows(lines, count, 3, "holes", name)[:, 1:]}
     (count,) = _header(lines, name, "regions", 1, 0)
@@ -213,7 +212,7 @@ def _points(
     if None in columns:
         points[:, 2] = columns.pop(None)
     if markers:
-        columns[_MARKER] = _whole(table[:, -1], name)
+        columns[_MARKER] = _whole(table[:, -1], "point", name)
     return Cloud(points, attributes=columns), first
 
 
@@ -248,13 +247,17 @@ def _check_indices(indices: Floats, first: int, counted: str, name: str) -> None
         )
 
 
-def _whole(values: Array, name: str) -> Rows:
-    """Convert to int32; an error gives the row, counted from 1."""
-    width = values[:1].size or 1
-    where: Callable[[int], int] = lambda position: position // width + 1  # noqa: E731
-    flat = exact_values(values.reshape(-1), np.dtype(np.int32), name, "an index or marker", where)
-    whole: Rows = flat.reshape(values.shape)
-    return whole
+def _whole(values: Array, of: str, name: str) -> Rows:
+    """Convert indices or markers to int32; an error gives the row, counted from 1."""
+    with np.errstate(invalid="ignore"):
+        converted: Rows = values.astype(np.int32)
+    differ = converted != values
+    if differ.any():
+        raise FormatError(
+            f"{name}: {of} {np.argwhere(differ)[0, 0] + 1}: an index or marker is "
+            f"{values[differ][0]}, which is not int32"
+        )
+    return converted
 
 
 @contextmanager

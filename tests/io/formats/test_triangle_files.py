@@ -140,7 +140,12 @@ def test_regions_are_kept() -> None:
         ("8 2 1 1\n", "8 3 1 1\n", "line 4: expected 6 values, found 5"),
         ("8 2 1 1\n", "0 2 1 1\n", r"points are in a \.node file .* give a path"),
         ("1   1 2   5", "1   1 9   5", "edge 0 refers to vertex 8"),
-        ("1   1 2   5", "1   1 2.5   5", "which is not int32"),
+        (
+            "1   1 2   5",
+            "1   1 2.5   5",
+            "segment 1: an index or marker is 1.5, which is not int32",
+        ),
+        ("3.5  33", "3.5  3.5", "point 4: an index or marker is 3.5, which is not int32"),
         ("\n8 1\n", "\n9 1\n", "line 24: expected 4 values, found 1"),
         ("\n8 1\n", "\n7 1\n", "line 22: expected the numbers of holes, found '8 2 4 0'"),
         ("1   1.5 1.5\n", "", "the header promises 1 holes, but 0"),
