@@ -1,6 +1,7 @@
 """Draw the pictures of CONSTRAINTS.md: ``python scripts/draw_constraints.py [NAME ...]``.
 
-The coast is the contour of fractal noise, and the hills with their road are made up.
+The coast is the contour of fractal noise, and the hills with their road are made up. The wing is
+the section NACA 0012.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 import liftmesh
 
@@ -52,13 +54,18 @@ def exact_area(ring: Array) -> Fraction:
     return sum((a * d - b * c for (a, b), (c, d) in pairwise([*corners, corners[0]])), Fraction())
 
 
-def coast() -> Figure:
-    """A coast with lakes and islands in them, whole and carved."""
+def rings_of_coast() -> tuple[list[Array], Array, Array]:
+    """A coast with lakes and islands in them: its rings, their points and their edges."""
     rings = coastline(150, np.random.default_rng(8))
-    points = np.concatenate(rings)
     ends = np.cumsum([len(ring) for ring in rings])
     lines = [np.arange(end - len(ring), end) for ring, end in zip(rings, ends, strict=True)]
     edges = np.concatenate([np.column_stack([line, np.roll(line, -1)]) for line in lines])
+    return rings, np.concatenate(rings), edges
+
+
+def coast() -> Figure:
+    """The coast, whole and carved."""
+    rings, points, edges = rings_of_coast()
     whole = liftmesh.constrained_delaunay(points, edges)
     land = liftmesh.constrained_delaunay(points, edges, carve="holes")
     a, b, c = (points[land.simplices[:, k]] for k in range(3))
@@ -113,7 +120,89 @@ def road() -> Figure:
     return figure
 
 
-PICTURES: dict[str, Callable[[], Figure]] = {"coast": coast, "road": road}
+def quality() -> Figure:
+    """The land, refined, coloured by the smallest angles."""
+    _, points, edges = rings_of_coast()
+    land = liftmesh.constrained_delaunay(points, edges, carve="holes")
+    fine = liftmesh.refine(land, min_angle=30)
+    print(f"quality: {fine!r}, {len(land.simplices):,} before, valid: {bool(fine.verify())}")
+    figure, sides = sheet(2, 5.35)
+    for axes, tri, title in (
+        (sides[0], land, "the land"),
+        (sides[1], fine.triangulation, "min_angle=30"),
+    ):
+        axes.set_facecolor(WATER)
+        shown = colored(axes, tri, smallest_angles(tri), "RdYlBu", (0, 60))
+        axes.set_title(f"{title}: {len(tri.simplices):,} triangles", color=INK, fontsize=9)
+    bar = figure.colorbar(
+        shown, ax=sides, orientation="horizontal", shrink=0.4, aspect=40, pad=0.03
+    )
+    bar.set_label("smallest angle in degrees", color=INK, fontsize=8)
+    bar.ax.tick_params(labelsize=8, colors=INK)
+    return figure
+
+
+def smallest_angles(tri: liftmesh.ConstrainedTriangulation) -> Array:
+    """Return the smallest angle of each triangle in degrees."""
+    corners = tri.points[tri.simplices]
+    ahead = np.roll(corners, -1, axis=1) - corners
+    back = np.roll(corners, 1, axis=1) - corners
+    (ux, uy), (vx, vy) = ahead.transpose(2, 0, 1), back.transpose(2, 0, 1)
+    return np.degrees(np.arctan2(ux * vy - uy * vx, ux * vx + uy * vy)).min(axis=1)
+
+
+def colored(
+    axes: Axes,
+    tri: liftmesh.ConstrainedTriangulation,
+    values: Array,
+    colors: str,
+    bounds: tuple[float, float],
+) -> PolyCollection:
+    """Fill the triangles with colours of values."""
+    corners = tri.points[tri.simplices]
+    shown = PolyCollection(corners, array=values, cmap=colors, edgecolors=INK, linewidths=0.1)
+    shown.set_clim(*bounds)
+    axes.add_collection(shown)
+    lines = LineCollection(list(tri.points[tri.constraints]), colors=INK, linewidths=0.5)
+    axes.add_collection(lines)
+    axes.autoscale_view()
+    return shown
+
+
+def graded() -> Figure:
+    """A wing in a channel, with edges that are short along it."""
+    x = (1 - np.cos(np.linspace(0, np.pi, 60))) / 2
+    half = 0.6 * (0.2969 * np.sqrt(x) - 0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+    wing = np.concatenate([np.column_stack([x, half])[:-1], np.column_stack([x, -half])[:0:-1]])
+    turn = np.array([[np.cos(0.2), -np.sin(0.2)], [np.sin(0.2), np.cos(0.2)]])
+    wing @= turn
+    channel = np.array([[-1.0, -1], [3, -1], [3, 1], [-1, 1]])
+    nearest = cKDTree(wing)
+
+    def size(places: Array) -> Array:
+        return 0.008 + 0.15 * nearest.query(places)[0]
+
+    mesh = liftmesh.refine([[channel, wing]], min_angle=30, size=size)
+    print(f"graded: {mesh!r}, valid: {bool(mesh.verify())}")
+    tri = mesh.triangulation
+    sides = tri.points[tri.edges]
+    lengths = np.hypot(*(sides[:, 1] - sides[:, 0]).T)
+    share = lengths / size(sides.mean(axis=1))
+    print(f"        edges from half to twice as long: {np.mean((share > 0.5) & (share < 2)):.2%}")
+    figure, (axes,) = sheet(1, 4.6)
+    figure.set_size_inches(8.8, 4.6)
+    corners = tri.points[tri.simplices]
+    longest = np.hypot(*(np.roll(corners, -1, axis=1) - corners).T).max(axis=0)
+    colored(axes, tri, np.log(longest), "YlGnBu_r", (np.log(0.006), np.log(0.5)))
+    return figure
+
+
+PICTURES: dict[str, Callable[[], Figure]] = {
+    "coast": coast,
+    "road": road,
+    "quality": quality,
+    "graded": graded,
+}
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ KINDS = ("ply", "obj", "xyz", "numbers")
 PARTS = (
     "changing",
     "constraints",
+    "refinement",
     "surface",
     "simplification",
 )  # of the kernel, by targets of their own

@@ -32,7 +32,7 @@ SQUARE = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
 SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]], dtype=np.int32)
 GRADED = 30  # degrees
 SPREAD = 20  # of lengths
-FILLING = 1.35  # triangles made, for each equilateral one of the wanted length
+FILLING = 1.4  # triangles made, for each equilateral one of the wanted length
 MOST_ROUNDS = 30
 Mesh = tuple[Points, Edges]
 
@@ -92,7 +92,7 @@ def graded(program: Any, options: Namespace) -> list[list[str]]:
     scale = unit_length(options.triangles)
 
     def wanted(places: Points) -> Any:
-        return scale * (1 + (SPREAD - 1) * np.hypot(*places.T) / np.sqrt(2))
+        return lengths(scale, places)
 
     def ours() -> Mesh:
         tri = liftmesh.constrained_delaunay(SQUARE, SIDES, threads=1)
@@ -118,11 +118,16 @@ def graded(program: Any, options: Namespace) -> list[list[str]]:
     return rows
 
 
+def lengths(least: float, places: Points) -> Any:
+    """Return the lengths that are wanted at places in the square."""
+    return least * (1 + (SPREAD - 1) * np.hypot(*places.T) / np.sqrt(2))
+
+
 def unit_length(triangles: int) -> float:
     """Return the least length with which a mesh has about so many triangles."""
     places = (np.indices((512, 512)).reshape(2, -1) + 0.5) / 512
-    lengths = 1 + (SPREAD - 1) * np.hypot(*places) / np.sqrt(2)
-    return float(np.sqrt(FILLING * (4 / np.sqrt(3) / lengths**2).mean() / triangles))
+    many = 4 / np.sqrt(3) / lengths(1.0, places.T) ** 2
+    return float(np.sqrt(FILLING * many.mean() / triangles))
 
 
 def in_turn(

@@ -85,11 +85,10 @@ struct Target {
     void (*check)(Bytes);
 };
 
-constexpr Target targets[] = {{"kernel", check_kernel},
-                              {"changing", check_sequence},
-                              {"constraints", check_constraints},
-                              {"surface", check_surface},
-                              {"simplification", check_simplification}};
+constexpr Target targets[] = {
+    {"kernel", check_kernel},           {"changing", check_sequence},
+    {"constraints", check_constraints}, {"refinement", check_refinement},
+    {"surface", check_surface},         {"simplification", check_simplification}};
 const Target* chosen = targets;
 
 }  // namespace

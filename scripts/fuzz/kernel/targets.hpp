@@ -11,6 +11,9 @@ void check_sequence(Bytes bytes);
 // Edges between rows that a triangulation must have.
 void check_constraints(Bytes bytes);
 
+// Domains between edges, refined.
+void check_refinement(Bytes bytes);
+
 // Heights, pixels, lines, rings and volumes of a surface.
 void check_surface(Bytes bytes);
 
