@@ -168,13 +168,22 @@ bool Refinement::remove_apex(Edge e) {
     return true;
 }
 
-// Whether all of the border of the cavity can be seen from a point, which is off the line of the
-// part that it divides as far as it was rounded.
-bool Refinement::can_be_seen(Point p) const {
-    return std::all_of(mesh_.border().begin(), mesh_.border().end(), [&](const BorderEdge& each) {
-        return each.tail == ghost || each.head == ghost ||
-               orient2d(at(each.tail), at(each.head), p) > 0;
-    });
+// Whether the star of a point that divides a part would be a triangulation, and Delaunay but for
+// the part: it is off the line as far as it was rounded.
+bool Refinement::fits(const Part& part, Point p) const {
+    const auto& border = mesh_.border();
+    bool has_first = false, has_second = false;
+    for (std::size_t i = 0; i < border.size(); ++i) {
+        const auto [tail, head, beyond] = border[i];
+        has_first |= tail == part.first;
+        has_second |= tail == part.second;
+        if (tail == ghost || head == ghost) continue;
+        if (orient2d(at(tail), at(head), p) <= 0) return false;
+        const Vertex further = border[i + 1 == border.size() ? 0 : i + 1].head;
+        if (head == part.first || head == part.second || further == ghost) continue;
+        if (incircle_canonical(at(tail), at(head), p, at(further), Guard::anywhere())) return false;
+    }
+    return has_first && has_second;
 }
 
 // The triangle that a point beside the middle of an edge is in, which may be a ghost; or `nothing`
@@ -198,23 +207,26 @@ TriangleId Refinement::find_beside(Edge e, Point p) const {
     return nothing;
 }
 
-// Digs the cavity of a point that divides a part; false if it was rounded so far from it that the
-// ends cannot be seen from there.
+// Whether the triangle of an edge is in the cavity.
+bool Refinement::is_dug(Edge e) const {
+    const auto& cavity = mesh_.cavity();
+    return std::find(cavity.begin(), cavity.end(), triangle_of(e)) != cavity.end();
+}
+
+// Digs the cavity of a point that divides a part; false if it was rounded so far from it that it is
+// beyond an end in x or y, or cannot see both.
 bool Refinement::dig_across(const Part& part, Edge e, Point p) {
-    if (p == at(part.first) || p == at(part.second)) return false;
+    const Point a = at(part.first), b = at(part.second);
+    const auto is_between = [](double x, double from, double to) {
+        return std::min(from, to) <= x && x <= std::max(from, to);
+    };
+    if (p == a || p == b || !is_between(p.x, a.x, b.x) || !is_between(p.y, a.y, b.y)) return false;
     mesh_.unmark(e);
     const TriangleId t = find_beside(e, p);
     if (t != nothing) mesh_.dig(p, t);
-    if (t != nothing && can_be_seen(p) && is_at_border(part.first) && is_at_border(part.second))
-        return true;
+    if (t != nothing && (is_dug(e) || is_dug(slots().twin(e))) && fits(part, p)) return true;
     mesh_.mark(e);
     return false;
-}
-
-bool Refinement::is_at_border(Vertex v) const {
-    const auto& border = mesh_.border();
-    return std::any_of(border.begin(), border.end(),
-                       [v](const BorderEdge& each) { return each.tail == v; });
 }
 
 void Refinement::insert_on(const Part& part, Edge e, Point middle) {

@@ -96,10 +96,10 @@ class Refinement {
                                    rows_.begin());
     }
     Vertex corner_of(std::int32_t piece, std::int32_t another) const;
-    bool can_be_seen(Point p) const;
+    bool fits(const Part& part, Point p) const;
+    bool is_dug(Edge e) const;
     TriangleId find_beside(Edge e, Point p) const;
     bool dig_across(const Part& part, Edge e, Point p);
-    bool is_at_border(Vertex v) const;
     void insert_on(const Part& part, Edge e, Point middle);
     void divide(const Part& part, std::int32_t left, std::int32_t right);
     void look_around();
