@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.lifting import Lifting
     from liftmesh.terrain.lines import Line, Lines
-    from liftmesh.terrain.surface import Surface
+    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 BREAKLINE = "breakline"  # the values that say which rows lines have become
 OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's
@@ -95,13 +95,13 @@ class Network:
 
 
 def with_lines(
-    lines: Lines, lifting: Lifting, algorithm: str, frame: Frame, build: Callable[..., Surface]
-) -> Surface:
+    lines: Lines, lifting: Lifting, algorithm: str, frame: Frame, build: Callable[..., AnySurface]
+) -> AnySurface:
     """Make the surface that follows lines."""
     check_plain(lifting, algorithm)
     lines.check(frame, frame.planar(lifting.cloud.points))
 
-    def built(chains: list[Chain], *, is_last: bool) -> Surface:
+    def built(chains: list[Chain], *, is_last: bool) -> AnySurface:
         network = Network.of(chains, lines.crossing)
         has_edges = len(network.edges) > 0
         source = Following(lifting.cloud, frame, network) if has_edges else lifting
@@ -126,7 +126,7 @@ def _whole(line: Line, points: Floats) -> Chain:
     return Chain(line, points, np.arange(len(points)) > 0)
 
 
-def _laid(lines: list[Line], corners: list[Floats], surface: Surface) -> Iterator[Chain]:
+def _laid(lines: list[Line], corners: list[Floats], surface: SurfaceData) -> Iterator[Chain]:
     """Give lines the heights of a surface, at their corners or wherever they cross sides."""
     draped = [k for k, line in enumerate(lines) if line.draped]
     parts = dict(zip(draped, _Drape(surface).parts([corners[k] for k in draped]), strict=True))
@@ -161,7 +161,7 @@ def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
 class _Drape(LineCrossings):
     """What lines meet of a surface, but for sides that lines are: those are split later."""
 
-    def __init__(self, surface: Surface) -> None:
+    def __init__(self, surface: SurfaceData) -> None:
         super().__init__(surface)
         tri = surface.triangulation
         pieces = getattr(tri, "constraints", np.empty((0, 2), dtype=np.int32))
@@ -362,7 +362,7 @@ def _nearest(points: Floats, places: Floats) -> Integers:
     return nearest
 
 
-def line_counts(surface: Surface, first: int) -> dict[str, int]:
+def line_counts(surface: SurfaceData, first: int) -> dict[str, int]:
     """Count what lines have brought, whose rows begin with the first."""
     flags = surface.attributes.get(BREAKLINE, np.empty(0))[first:]
     heights = surface.frame.heights(surface.vertices)
@@ -380,7 +380,7 @@ def line_counts(surface: Surface, first: int) -> dict[str, int]:
     }
 
 
-def _bounded(surface: Surface, lines: Lines) -> Surface:
+def _bounded(surface: AnySurface, lines: Lines) -> AnySurface:
     """Leave out the faces that are outside of the boundary, or in holes."""
     if not (lines.boundary or lines.holes):
         return surface
@@ -400,8 +400,8 @@ def _bounded(surface: Surface, lines: Lines) -> Surface:
 
 
 def _without_slivers(
-    surface: Surface, tri: ConstrainedTriangulation, shown: Mask, is_open: Mask
-) -> Surface:
+    surface: AnySurface, tri: ConstrainedTriangulation, shown: Mask, is_open: Mask
+) -> AnySurface:
     """Leave out slivers where a ring leaves the hull."""
     with np.errstate(all="ignore"):  # the order of the rows changes no bit
         a, b, c = np.moveaxis(ordered_corners(tri.points[tri.simplices]), 1, 0)
