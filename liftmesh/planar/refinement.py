@@ -87,6 +87,7 @@ def refine(
         at most the square root of two times the length at its centroid.
     conforming : bool, default False
         Whether the triangles are to be Delaunay also across constraints, which takes more rows.
+        Parts of constraints that float64 cannot halve may stay without.
     max_points : int, optional
         The most rows to be added, by default 10,000,000. Where they do not suffice, a warning
         counts the triangles that are left.
