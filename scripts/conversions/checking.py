@@ -57,7 +57,8 @@ def went_through(passage: Passage, cloud: Cloud) -> Cloud | None:
     missing = unnamed(lost - by_table, arrival.named)
     _demand(not missing, passage, f"loses {missing}, but names {arrival.named}")
     # What the object before had, and the cloud made of it has not, is named once more.
-    now = [each for each in arrival.named if each not in Provenance(arrival.sent.metadata).lost]
+    before = {*Provenance(arrival.sent.metadata).lost, "holes between faces"}  # may have none
+    now = [each for each in arrival.named if each not in before]
     false = untrue(lost, now)
     _demand(not false, passage, f"names {false}, but loses {lost}")
     return arrival.cloud

@@ -77,6 +77,6 @@ def _surface(path: Path) -> Cloud:
         warnings.simplefilter("ignore")
         cloud = read(path)
         try:
-            return triangulate(cloud).to_cloud()
+            return triangulate(replace(cloud, edges=None)).to_cloud()
         except LiftmeshError:
             return cloud

@@ -253,7 +253,9 @@ MAKERS: dict[str, dict[str, Callable[[Cloud], Any]]] = {
         "Open3D tensor PointCloud": to_tensor_points,
         "Open3D Tensor": lambda cloud: o3d.core.Tensor(np.array(cloud.points)),
     },
-    "own mesh": {"Surface": lambda cloud: triangulate(cloud, nonfinite="skip")},
+    "own mesh": {
+        "Surface": lambda cloud: triangulate(replace(cloud, edges=None), nonfinite="skip")
+    },
     "object with to_cloud()": {"object with to_cloud()": CloudLike},
     "object with vertices and faces": {"object with vertices": to_mesh_like},
     "array-like": {"array-like object": lambda cloud: ArrayLike(cloud.points)},
@@ -290,5 +292,5 @@ def _through_object(make: Callable[[Cloud], Any], cloud: Cloud) -> Arrival:
 
 
 def _through_surface(convert: Callable[[Surface], Any], cloud: Cloud) -> Arrival:
-    surface = triangulate(cloud, nonfinite="skip")
+    surface = triangulate(replace(cloud, edges=None), nonfinite="skip")
     return Arrival(as_cloud(convert(surface)), sent=surface.to_cloud())

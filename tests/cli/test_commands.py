@@ -47,6 +47,7 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 
 IN_THE_LIBRARY_ALONE = {
+    "constrained_delaunay",
     "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
     "density", "dtype", "folder", "furthest_site", "heights", "incremental", "light", "masses",
     "max_iter", "max_proofs", "order", "origin", "planar", "progress", "row", "rows", "shape",

@@ -267,7 +267,7 @@ def test_the_commands(tmp_path: Path) -> None:
     done = command("raster", "out", "a.tif", "--resolution", "0.5", "--json", cwd=tmp_path)
     expected = surface.raster(0.5, dtype="float32")
     told = json.loads(done.stdout)
-    assert (told["rows"], told["columns"]) == expected.values.shape
+    assert (told["n_rows"], told["n_columns"]) == expected.values.shape
     with rasterio.open(tmp_path / "a.tif") as file:
         assert file.read(1).tobytes() == expected.values.tobytes()
     options = ("--resolution", "0.5", "--interpolation", "sibson", "--cog", "--double")
