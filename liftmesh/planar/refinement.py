@@ -42,6 +42,7 @@ from liftmesh.planar.crossing_edges import distances
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.refined import RefineResult, below_angle, cosine_of
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.verification import verify
 
 Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regions
 
@@ -86,8 +87,8 @@ def refine(
         of points, (k, 2), that returns the lengths there, (k,). The longest side of a triangle is
         at most the square root of two times the length at its centroid.
     conforming : bool, default False
-        Whether the triangles are to be Delaunay also across constraints, which takes more rows.
-        Parts of constraints that float64 cannot halve may stay without.
+        Whether the triangles are to be Delaunay also across constraints, which takes more rows. A
+        warning counts the constraints across which they are not, as float64 has no row between.
     max_points : int, optional
         The most rows to be added, by default 10,000,000. Where they do not suffice, a warning
         counts the triangles that are left.
@@ -167,6 +168,8 @@ def refine(
     refined, regions = _result(tri, outcome, angle)
     if refined.capped:
         _warn(refined, regions, largest, lengths)
+    elif is_conforming:
+        _warn_of_others(refined.triangulation)
     if progress is not None:
         progress(1.0)
     return refined
@@ -354,3 +357,16 @@ def _warn(refined: RefineResult, regions: Rows, largest: Floats, lengths: Length
         DataWarning,
         stacklevel=3,
     )
+
+
+def _warn_of_others(tri: ConstrainedTriangulation) -> None:
+    """Count the constraints across which triangles that are to conform are not Delaunay."""
+    whole = tri._whole[0]  # noqa: SLF001 - of this room
+    flaws = verify(tri.points, whole, nonfinite="skip").flaws
+    if count := sum(flaw.count for flaw in flaws if flaw.kind == "not_delaunay"):
+        warnings.warn(
+            f"triangles are not Delaunay across {counted(count, 'constraint')}: float64 has no row "
+            "that would divide them",
+            DataWarning,
+            stacklevel=3,
+        )

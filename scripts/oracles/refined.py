@@ -29,6 +29,7 @@ class Refined:
     before: Any
     causes: NDArray[Any]  # of each triangle
     cosine: float
+    told: str = ""  # by warnings
 
     @property
     def points(self) -> NDArray[Any]:

@@ -4,12 +4,6 @@
 
 namespace liftmesh::refinement {
 
-namespace {
-
-constexpr double of_sixty_degrees2 = 0.25;  // the square of the cosine
-
-}  // namespace
-
 // Whether a point is so near to a constraint that this is to be split.
 bool Refinement::is_encroached(Edge e, Point p) const {
     const auto to = [&](Vertex v) { return measures_.between(p, at(v)); };

@@ -7,10 +7,12 @@
 // Ungor, "Off-centers", 2004). Where a constraint hides the place, or comes under a point that is
 // too near, the constraint is split instead: in the middle, or, where it meets another one in a
 // small angle, at a distance from there that is a power of two, so that both are split alike (J. R.
-// Shewchuk, "Delaunay refinement algorithms for triangular mesh generation", 2002). Points that no
-// constraint needs give way to its split (Chew). Across a small angle between constraints no
-// triangle is split again (G. Miller, S. Pav and N. Walkington, "When and why Ruppert's algorithm
-// works", 2003). What cannot be split for want of digits is left.
+// Shewchuk, "Delaunay refinement algorithms for triangular mesh generation", 2002). If it is a
+// point of that other one that came too near, the split is as far from the corner as this point:
+// each finds its match, and a needle takes few points, where splits in the middle would answer each
+// other along all of it. Points that no constraint needs give way to its split (Chew). Across a
+// small angle between constraints no triangle is split again (G. Miller, S. Pav and N. Walkington,
+// "When and why Ruppert's algorithm works", 2003). What cannot be split for want of digits is left.
 //
 // The triangulation is constrained Delaunay at every moment, exactly, of the points as they are
 // rounded. What is next is decided by lengths, then by coordinates: so the outcome depends on the

@@ -16,6 +16,9 @@ using dynamic::nothing;
 inline constexpr std::int32_t outside = -1;  // in place of a region
 inline constexpr std::int32_t given = -2;    // in place of the piece that a vertex divides
 
+// The square of its cosine: pieces that meet in less need no further split across their angle.
+inline constexpr double of_sixty_degrees2 = 0.25;
+
 // A triangle over its shortest side.
 struct Shape {
     Edge base;

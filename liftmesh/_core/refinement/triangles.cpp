@@ -25,13 +25,15 @@ Shape Refinement::shape(TriangleId t) const {
 }
 
 // Whether the triangle over a base cannot be helped: its ends are as far from the corner of the two
-// pieces that they divide.
+// pieces that they divide, which meet in a small angle.
 bool Refinement::is_between_constraints(Edge base) const {
     const Vertex a = slots().tail(base), b = slots().head(base);
     if (divided_[a] < 0 || divided_[b] < 0 || divided_[a] == divided_[b]) return false;
     const Vertex corner = corner_of(divided_[a], divided_[b]);
     if (corner == ghost) return false;
-    const double to_a = square(between(corner, a)), to_b = square(between(corner, b));
+    const Vector along_one = between(corner, a), along_other = between(corner, b);
+    if (!Corner(along_one, along_other).is_less(of_sixty_degrees2)) return false;
+    const double to_a = square(along_one), to_b = square(along_other);
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
 }
 
