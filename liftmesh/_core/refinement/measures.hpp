@@ -72,6 +72,12 @@ class Measures {
     double first_ = 1, second_ = 1;  // two factors: one might overflow
 };
 
+// The distance of doubles near a point, or twice as much.
+inline double digit_at(Point p) {
+    constexpr double least = std::numeric_limits<double>::denorm_min();
+    return std::max(std::max(std::abs(p.x), std::abs(p.y)) * std::numeric_limits<double>::epsilon(), least);
+}
+
 inline Point along(Point from, Point to, double share) {
     return {std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)};
 }

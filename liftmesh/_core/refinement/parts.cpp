@@ -14,7 +14,7 @@ bool Refinement::is_encroached(Edge e, Point p) const {
 void Refinement::look_at_side(Edge e) {
     const TriangleId t = triangle_of(e);
     if (!slots().is_marked(e) || !counts(t)) return;
-    if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
+    if (is_encroached(e, at(slots().apex(e))) && !has_tiny_side(e)) ask_to_split(e);
 }
 
 // False if it cannot be split.
@@ -22,7 +22,7 @@ bool Refinement::ask_to_split(Edge e) {
     Vertex a = slots().tail(e), b = slots().head(e);
     if (before_xy(at(b), at(a))) std::swap(a, b);
     const Part part{square(between(a, b)), a, b};
-    if (!stuck_.empty() && stuck_.contains(key(part))) return false;
+    if (is_tiny(e) || (!stuck_.empty() && stuck_.contains(key(part)))) return false;
     parts_.push(part);
     return true;
 }
@@ -267,6 +267,7 @@ bool Refinement::conforms() {
         for (unsigned k = 0; k < 3; ++k) {
             const Edge e = edge(t, k), f = slots().twin(e);
             if (!slots().is_marked(e) || slots().apex(f) == ghost || f < e) continue;
+            if (has_tiny_side(e) || has_tiny_side(f)) continue;
             if (incircle_canonical(at(slots().vertex(t, 0)), at(slots().vertex(t, 1)),
                                    at(slots().vertex(t, 2)), at(slots().apex(f)), guard))
                 all &= !ask_to_split(e);

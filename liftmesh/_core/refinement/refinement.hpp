@@ -67,6 +67,8 @@ class Refinement {
     void push(std::vector<Waiting>& all);
     void measure();
     bool is_between_constraints(Edge base) const;
+    bool is_tiny(Edge e) const;
+    bool has_tiny_side(Edge e) const { return is_tiny(next(e)) || is_tiny(previous(e)); }
     std::int32_t piece_at(Vertex a, Vertex b) const;
 
     void treat(const Waiting& waiting);
