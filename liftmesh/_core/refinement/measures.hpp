@@ -72,10 +72,11 @@ class Measures {
     double first_ = 1, second_ = 1;  // two factors: one might overflow
 };
 
-// The distance of doubles near a point, or twice as much.
-inline double digit_at(Point p) {
-    constexpr double least = std::numeric_limits<double>::denorm_min();
-    return std::max(std::max(std::abs(p.x), std::abs(p.y)) * std::numeric_limits<double>::epsilon(), least);
+// The distance between doubles as large as a coordinate, or up to twice as much.
+inline double ulp_at(Point p) {
+    using Limits = std::numeric_limits<double>;
+    return std::max(std::max(std::abs(p.x), std::abs(p.y)) * Limits::epsilon(),
+                    Limits::denorm_min());
 }
 
 inline Point along(Point from, Point to, double share) {

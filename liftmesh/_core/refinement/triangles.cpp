@@ -37,11 +37,11 @@ bool Refinement::is_between_constraints(Edge base) const {
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
 }
 
-// Whether points as far from each other as the ends of an edge are rounded too much to refine well.
+// Whether it is so short that a new point near its ends would be rounded too far.
 bool Refinement::is_tiny(Edge e) const {
-    constexpr double digits = 64;  // the off-centre leaves a fiftieth
+    constexpr double ulps = 64;  // off-centres leave a fiftieth of the base
     const Vertex a = slots().tail(e), b = slots().head(e);
-    const double least = measures_.scaled(digits * std::max(digit_at(at(a)), digit_at(at(b))));
+    const double least = measures_.scaled(ulps * std::max(ulp_at(at(a)), ulp_at(at(b))));
     return square(between(a, b)) < least * least;
 }
 
