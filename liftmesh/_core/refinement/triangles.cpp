@@ -37,12 +37,10 @@ bool Refinement::is_between_constraints(Edge base) const {
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
 }
 
-// Whether it is so short that a new point near its ends would be rounded too far.
-bool Refinement::is_tiny(Edge e) const {
-    constexpr double ulps = 64;  // off-centres leave a fiftieth of the base
-    const Vertex a = slots().tail(e), b = slots().head(e);
-    const double least = measures_.scaled(ulps * std::max(ulp_at(at(a)), ulp_at(at(b))));
-    return square(between(a, b)) < least * least;
+// Whether points are so near to each other that a new one beside them would be rounded too far.
+bool Refinement::is_tiny(Point a, Point b, double ulps) const {
+    const double least = measures_.scaled(ulps * std::max(ulp_at(a), ulp_at(b)));
+    return square(measures_.between(a, b)) < least * least;
 }
 
 // Where two pieces meet, or the ghost.
