@@ -176,7 +176,8 @@ def test_a_sliver_of_a_unit_in_the_last_place(is_conforming: bool) -> None:
 @pytest.mark.parametrize("width", [1e-4, 2.5e-6, 1e-7])
 def test_needles_conform_at_map_coordinates(width: float) -> None:
     """No rows that match exactly, so that circles would be empty, are there in float64."""
-    needle = np.array([[0.0, 0.0], [0.22, 0.06 + width], [1.83, 0.5]]) + [450000, 5200000]
+    needle = np.array([[0.0, 0.0], [0.22, 0.06 + width], [1.83, 0.5]])
+    needle += [450000, 5200000]
     result = refine([needle], min_angle=28, conforming=True, max_points=1000)
     assert not result.capped
     assert set(result.causes) == {"input angle"}
