@@ -193,7 +193,7 @@ TriangleId Refinement::find_beside(Edge e, Point p) const {
         for (const Edge side : {e, next(e), previous(e)}) {
             if (!is_right_of(side, p)) continue;
             is_in = false;
-            if (!slots().is_marked(side)) crossed = side;
+            if (crossed == nothing && !slots().is_marked(side)) crossed = side;
         }
         if (is_in) return t;
         if (crossed == nothing) break;
