@@ -68,8 +68,9 @@ std::optional<Point> Refinement::place_across(const Part& part, Edge side) const
         const double distance = length(between(corner, v));
         const double before = distance - length(between(corner, from));
         const double after = length(between(corner, to)) - distance;
-        if (!(before > 0 && after > 0 && distance < nearest)) continue;
+        if (!(before > 0 && after > 0 && distance <= nearest)) continue;
         const Point p = along(at(from), at(to), before / (before + after));
+        if (found && distance == nearest && before_xy(*found, p)) continue;
         if (2 * std::min(before, after) < length(measures_.between(at(v), p))) continue;
         nearest = distance;
         found = p;
