@@ -137,7 +137,9 @@ def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
     if demand.conforming and not mesh.result.capped:
         every = in_place(mesh.points, liftmesh.delaunay(mesh.points, threads=1).simplices)
         others = in_place(mesh.points, mesh.simplices) - every
-        assert not others or "not Delaunay across" in mesh.told, "not conforming, and not told"
+        assert not others or "not those of `delaunay` across" in mesh.told, (
+            "not conforming, and not told"
+        )
     points, edges = case
     order = rng.permutation(len(points))
     rank = np.argsort(order)

@@ -360,13 +360,14 @@ def _warn(refined: RefineResult, regions: Rows, largest: Floats, lengths: Length
 
 
 def _warn_of_others(tri: ConstrainedTriangulation) -> None:
-    """Count the constraints across which triangles that are to conform are not Delaunay."""
+    """Count the constraints across which triangles that are to conform are not `delaunay`'s."""
     whole = tri._whole[0]  # noqa: SLF001 - of this room
     flaws = verify(tri.points, whole, nonfinite="skip").flaws
-    if count := sum(flaw.count for flaw in flaws if flaw.kind == "not_delaunay"):
+    kinds = {"not_delaunay", "not_canonical"}
+    if count := sum(flaw.count for flaw in flaws if flaw.kind in kinds):
         warnings.warn(
-            f"triangles are not Delaunay across {counted(count, 'constraint')}: float64 has no row "
-            "that would divide them",
+            f"triangles are not those of `delaunay` across {counted(count, 'constraint')}: float64 "
+            "has no row that would divide them",
             DataWarning,
             stacklevel=3,
         )
