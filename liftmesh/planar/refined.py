@@ -25,6 +25,7 @@ from liftmesh.planar.certificate import Certificate, Flaw, Violation
 from liftmesh.planar.crossing_edges import distances
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 
 _AT_ONCE = 1 << 14  # triangles
@@ -103,6 +104,29 @@ class RefineResult(FrozenResult):
         check_numbers(0, tri.npoints, self.steiner)
         check_numbers(-1, len(tri.input_edges), self.steiner_edges)
         check_numbers(0, tri.nsimplex, self.below)
+
+    def to_cloud(self) -> Cloud:
+        """Convert the surface, or else the triangulation, to a cloud with faces and edges.
+
+        Returns
+        -------
+        Cloud
+            That of `Surface.to_cloud`, or of `ConstrainedTriangulation.to_cloud`, which takes
+            markers of edges.
+
+        See Also
+        --------
+        liftmesh.write : Takes the result itself, too.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.refine([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).to_cloud()
+        <Cloud of 4 points, 2 faces, 4 edges>
+        """
+        made = self.triangulation if self.surface is None else self.surface
+        cloud: Cloud = made.to_cloud()
+        return cloud
 
     @property
     def angles(self) -> Floats:
