@@ -86,6 +86,17 @@ Status Refinement::run() {
     return Status::ok;
 }
 
+// Brings what is next near: the triangle after the next one, and what is around the next one.
+void Refinement::prefetch() const {
+    constexpr std::size_t early = 3;
+    const auto next = waiting_.next(early);
+    if (next.size() < early) return;
+    const TriangleId t = triangle_of(next[0].base);
+    mesh_.prefetch(t);
+    liftmesh::prefetch(stamp_.data() + slot_of(t));
+    mesh_.prefetch_around(triangle_of(next[early - 1].base));
+}
+
 // How far it is, by what waits now: more may.
 void Refinement::tell() {
     constexpr std::size_t whole = 1000;
@@ -102,9 +113,11 @@ bool Refinement::does_step() {
         const Part first = parts_.top();
         parts_.pop();
         split(first);
-    } else if (!waiting_.empty())
-        treat(waiting_.pop());
-    else if (!unmeasured_.empty())
+    } else if (!waiting_.empty()) {
+        const Waiting first = waiting_.pop();
+        prefetch();
+        treat(first);
+    } else if (!unmeasured_.empty())
         measure();
     else if (!wanted_.is_conforming || conforms())
         return false;
