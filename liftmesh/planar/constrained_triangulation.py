@@ -458,9 +458,9 @@ def bits_of(sides: Mask) -> Bits:
 def left_first(keep: Mask, simplices: Rows, neighbors: Rows) -> tuple[Integers, Rows, Rows]:
     """Put the triangles that are left before the others; return that order, too."""
     order = np.concatenate([np.flatnonzero(keep), np.flatnonzero(~keep)])
-    name = np.full(len(keep) + 1, -1, dtype=np.int32)
-    name[order] = np.arange(len(keep))
-    return order, simplices[order], name[neighbors[order]]
+    name = np.empty(len(keep) + 1, dtype=np.int32)
+    name[order], name[-1] = np.arange(len(keep), dtype=np.int32), -1
+    return order, simplices.take(order, axis=0), name.take(neighbors.take(order, axis=0))
 
 
 def _in_order(rows: Rows, indptr: Rows, members: Rows) -> tuple[Rows, Rows, Rows]:
