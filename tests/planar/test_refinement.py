@@ -336,7 +336,9 @@ def test_doubtful_angles_are_decided_in_integers() -> None:
     assert (len(result.steiner), len(result.below)) == (0, 0)
     root = np.sqrt(0.5)
     made = result.triangulation
-    assert [len(below_angle(made, c)) for c in (np.nextafter(root, 0), root)] == [2, 0]
+    every = np.arange(2)
+    roots = np.nextafter(root, 0), root
+    assert [len(below_angle(made, c, every)) for c in roots] == [2, 0]
 
 
 @pytest.mark.parametrize(

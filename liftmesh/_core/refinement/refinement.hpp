@@ -62,6 +62,7 @@ class Refinement {
     void look_at_all();
     void tell();
     bool does_step();
+    void prefetch() const;
 
     Shape shape(TriangleId t) const;
     std::optional<Waiting> need(TriangleId t);
