@@ -257,7 +257,8 @@ class Cloud(FrozenResult):
                 f"give rows from 0 to {len(self) - 1}"
             )
         ends = place[edges]
-        return ends[(ends >= 0).all(axis=1)]
+        found: Rows = ends[(ends >= 0).all(axis=1)]
+        return found
 
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]

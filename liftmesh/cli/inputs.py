@@ -285,7 +285,7 @@ def without_warnings() -> Iterator[list[str]]:
             told.append(worded(message.args[0]))
             other(message, *rest)
 
-        warnings.showwarning = show
+        warnings.showwarning = show  # type: ignore[assignment]
         yield told
 
 

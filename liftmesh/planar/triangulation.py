@@ -506,7 +506,7 @@ def check_unwritten(tri: Triangulation) -> None:
     turns = np.stack([hull, np.roll(hull, -1), np.roll(hull, -2)], axis=1)
     for rows, least in ((tri.simplices, 1), (turns, 0)):
         corners = tri.points[rows]
-        is_wrong = ~np.isfinite(corners).all(axis=(1, 2))
+        is_wrong = np.asarray(~np.isfinite(corners).all(axis=(1, 2)))
         is_wrong[~is_wrong] = orient2d(*np.moveaxis(corners[~is_wrong], 1, 0)) < least
         if is_wrong.any():
             named = rows[np.argmax(is_wrong)].tolist()

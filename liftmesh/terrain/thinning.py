@@ -96,8 +96,9 @@ def thin(  # noqa: PLR0913 - options are keywords
     Returns
     -------
     Cloud
-        The rows that stay, in their order, and the edges between them, without faces. Rows that are not finite stay where a
-        cell or a distance decides. ``metadata["thinning"]`` has "n_rows", "n_kept", and how.
+        The rows that stay, in their order, and the edges between them, without faces. Rows that
+        are not finite stay where a cell or a distance decides. ``metadata["thinning"]`` has
+        "n_rows", "n_kept", and how.
 
     Raises
     ------

@@ -121,7 +121,7 @@ def test_heights_that_are_none_any_more_are_refused() -> None:
     rows = SOUND.copy()
     surface = liftmesh.triangulate(rows)
     rows[7, 2] = np.nan
-    with pytest.raises(liftmesh.NonFiniteError, match="row 7 is not finite: .*; remove such rows"):
+    with pytest.raises(liftmesh.NonFiniteError, match=r"row 7 is not finite: .*; remove such rows"):
         liftmesh.simplify(surface, max_points=500)
 
 
