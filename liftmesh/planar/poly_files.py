@@ -1,4 +1,4 @@
-"""Writer for Triangle's .poly files: points, edges, and of a carved mesh a point in each hole.
+"""Writer for Triangle's .poly files: points, edges, markers, and of a carved mesh points in holes.
 
 Triangle removes the region around each such point, up to the segments, and what can be reached from
 outside; with its option -c it keeps the latter. So a carved mesh needs a point in each region that
@@ -19,6 +19,7 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import edges_of
 from liftmesh.io.formats.triangle_files import HOLES, REGIONS, write_numbered, write_points
 from liftmesh.io.metadata import CARVED
+from liftmesh.io.tags import stated_markers
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.predicates import orient2d
 
@@ -39,8 +40,9 @@ def write_poly(stream: BinaryIO, cloud: Cloud) -> frozenset[str]:
     regions = _stated(cloud, REGIONS, 3, 4)
     write_points(stream, cloud, 2)
     edges = edges_of(cloud)
-    stream.write(b"%d 0\n" % len(edges))
-    write_numbered(stream, [edges])
+    markers = stated_markers(cloud)
+    stream.write(b"%d %d\n" % (len(edges), markers is not None))
+    write_numbered(stream, [edges] if markers is None else [edges, markers])
     for rows in (holes, regions) if len(regions) else (holes,):
         stream.write(b"%d\n" % len(rows))
         write_numbered(stream, [rows])

@@ -49,7 +49,7 @@ Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regi
 _LARGEST_ANGLE = 45.0  # where nothing is proved, and the cap on rows may be reached
 _MOST_MADE = 10_000_000
 _CAUSES = np.array(["", "input angle", "cap", "precision"])  # by the kernel's numbers
-_CAP, _PRECISION = 2, 3
+_CAP = 2
 _SIZE = "give a positive number, one for each row, or a function of points that returns as many"
 
 
@@ -305,14 +305,13 @@ def _result(
     is_on = divided >= 0
     edges[is_on] = members[indptr[divided[is_on]]]
     lines = tri.points[tri.input_edges[edges[is_on]]]
-    below = below_angle(made, cosine_of(angle)).astype(np.int32)
-    cause = np.where(causes[below] > 0, causes[below], _PRECISION)  # by rounding of the kernel
+    below = below_angle(made, cosine_of(angle), np.flatnonzero(causes[:left])).astype(np.int32)
     result = RefineResult(
         made,
         np.arange(tri.npoints, made.npoints, dtype=np.int32),
         edges,
         below,
-        _CAUSES[cause],
+        _CAUSES[causes[below]],
         angle,
         float(distances(lines, added[is_on]).max(initial=0.0)),
         capped,
@@ -324,10 +323,10 @@ def _parts(
     tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
 ) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    number = np.arange(len(marks), dtype=np.int32)[:, None]
-    is_part = marks[:, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
-    face, k = np.nonzero(is_part & (neighbors < number))  # of both sides the later one
-    keys = np.sort(pair_keys(*ends_of(simplices, face, k).T))
+    marked = np.flatnonzero(marks)
+    is_part = marks[marked, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
+    face, k = np.nonzero(is_part & (neighbors[marked] < marked[:, None]))  # of both sides the later
+    keys = np.sort(pair_keys(*ends_of(simplices, marked[face], k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)
     of_row = np.concatenate([np.full(tri.npoints, -1, dtype=np.int32), divided])
     piece = of_row[ends].max(axis=1)  # a row that was added is on one piece at most
@@ -361,13 +360,14 @@ def _warn(refined: RefineResult, regions: Rows, largest: Floats, lengths: Length
 
 
 def _warn_of_others(tri: ConstrainedTriangulation) -> None:
-    """Count the constraints across which triangles that are to conform are not Delaunay."""
+    """Count the constraints across which triangles that are to conform are not `delaunay`'s."""
     whole = tri._whole[0]  # noqa: SLF001 - of this room
     flaws = verify(tri.points, whole, nonfinite="skip").flaws
-    if count := sum(flaw.count for flaw in flaws if flaw.kind == "not_delaunay"):
+    kinds = {"not_delaunay", "not_canonical"}
+    if count := sum(flaw.count for flaw in flaws if flaw.kind in kinds):
         warnings.warn(
-            f"triangles are not Delaunay across {counted(count, 'constraint')}: float64 has no row "
-            "that would divide them",
+            f"triangles are not those of `delaunay` across {counted(count, 'constraint')}: float64 "
+            "has no row that would divide them",
             DataWarning,
             stacklevel=3,
         )

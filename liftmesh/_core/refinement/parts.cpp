@@ -12,9 +12,8 @@ bool Refinement::is_encroached(Edge e, Point p) const {
 
 // A side of a triangle, seen from inside.
 void Refinement::look_at_side(Edge e) {
-    const TriangleId t = triangle_of(e);
-    if (!slots().is_marked(e) || !counts(t)) return;
-    if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
+    if (!slots().is_marked(e) || !counts(triangle_of(e))) return;
+    if (is_encroached_by_apex(e)) ask_to_split(e);
 }
 
 // False if it cannot be split.
@@ -22,7 +21,7 @@ bool Refinement::ask_to_split(Edge e) {
     Vertex a = slots().tail(e), b = slots().head(e);
     if (before_xy(at(b), at(a))) std::swap(a, b);
     const Part part{square(between(a, b)), a, b};
-    if (!stuck_.empty() && stuck_.contains(key(part))) return false;
+    if (is_tiny(e) || (!stuck_.empty() && stuck_.contains(key(part)))) return false;
     parts_.push(part);
     return true;
 }
@@ -56,8 +55,9 @@ Point Refinement::place(const Part& part, Edge e) const {
 // place nearer to an end than half the way across would make shorter and shorter parts.
 std::optional<Point> Refinement::place_across(const Part& part, Edge side) const {
     const Vertex v = slots().apex(side);
-    if (!counts(triangle_of(side)) || !is_encroached(side, at(v))) return {};
+    if (!counts(triangle_of(side)) || !is_encroached_by_apex(side)) return {};
     const std::int32_t piece = piece_at(part.first, part.second);
+    if (const Point foot = on_piece(piece, at(v)); is_tiny(at(v), foot)) return foot;
     double nearest = std::numeric_limits<double>::infinity();
     std::optional<Point> found;
     for (const std::int32_t other : pieces_of(v)) {
@@ -68,8 +68,9 @@ std::optional<Point> Refinement::place_across(const Part& part, Edge side) const
         const double distance = length(between(corner, v));
         const double before = distance - length(between(corner, from));
         const double after = length(between(corner, to)) - distance;
-        if (!(before > 0 && after > 0 && distance < nearest)) continue;
+        if (!(before > 0 && after > 0 && distance <= nearest)) continue;
         const Point p = along(at(from), at(to), before / (before + after));
+        if (found && distance == nearest && before_xy(*found, p)) continue;
         if (2 * std::min(before, after) < length(measures_.between(at(v), p))) continue;
         nearest = distance;
         found = p;
@@ -184,19 +185,20 @@ bool Refinement::fits(const Part& part, Point p) const {
 // if that is behind a constraint, or far.
 TriangleId Refinement::find_beside(Edge e, Point p) const {
     constexpr unsigned far = 16;
-    TriangleId t = triangle_of(slots().is_ghost(triangle_of(e)) ? slots().twin(e) : e);
+    if (slots().is_ghost(triangle_of(e))) e = slots().twin(e);
     for (unsigned step = 0; step < far; ++step) {
+        const TriangleId t = triangle_of(e);
         if (slots().is_ghost(t)) return t;
         Edge crossed = nothing;
         bool is_in = true;
-        for (unsigned k = 0; k < 3; ++k) {
-            if (!is_right_of(edge(t, k), p)) continue;
+        for (const Edge side : {e, next(e), previous(e)}) {
+            if (!is_right_of(side, p)) continue;
             is_in = false;
-            if (!slots().is_marked(edge(t, k))) crossed = edge(t, k);
+            if (crossed == nothing && !slots().is_marked(side)) crossed = side;
         }
         if (is_in) return t;
         if (crossed == nothing) break;
-        t = triangle_of(slots().twin(crossed));
+        e = slots().twin(crossed);
     }
     return nothing;
 }
@@ -267,6 +269,7 @@ bool Refinement::conforms() {
         for (unsigned k = 0; k < 3; ++k) {
             const Edge e = edge(t, k), f = slots().twin(e);
             if (!slots().is_marked(e) || slots().apex(f) == ghost || f < e) continue;
+            if (has_tiny_side(e) || has_tiny_side(f)) continue;
             if (incircle_canonical(at(slots().vertex(t, 0)), at(slots().vertex(t, 1)),
                                    at(slots().vertex(t, 2)), at(slots().apex(f)), guard))
                 all &= !ask_to_split(e);
