@@ -103,10 +103,10 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
-        enclosed between them. What is in more holes than polygons is in a hole, so one may be
-        given twice, overlap others or be within one. Without polygons, `edges` bound regions, and without these polylines
-        that end at the position where they begin: "holes" then also removes what is an even number
-        of crossings away. Other edges never count: they divide no region.
+        enclosed between them. What is in more holes than polygons is in a hole, so one may be given
+        twice, overlap others or be within one. Without polygons, `edges` bound regions, and without
+        these polylines that end at the position where they begin: "holes" then also removes what is
+        an even number of crossings away. Other edges never count: they divide no region.
     seeds : array_like of shape (s, 2), optional
         A point in each region to be removed besides; regions are bounded as for `carve`.
     nonfinite : {"error", "skip"}, default "error"
