@@ -32,7 +32,8 @@ enum class Carving : std::uint8_t { none, outside, holes };
 // Which triangles are left. Without the outside: those that cannot be reached from beyond the hull
 // except across a piece that bounds. Without holes: those around which outer rings wind more often
 // than holes or, where there are no polygons, those that an odd number of such pieces separates
-// from the outside, and no fewer. Regions with one of the seeds, which are triangles, are left out besides.
+// from the outside, and no fewer. Regions with one of the seeds, which are triangles, are left out
+// besides.
 std::vector<std::uint8_t> carve(const Marked& mesh, const std::int32_t* simplices,
                                 const Bounds& bounds, Carving carving,
                                 std::span<const std::int32_t> seeds);
