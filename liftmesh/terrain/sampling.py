@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -46,6 +46,8 @@ from liftmesh.terrain.surface_data import (
     unit_names,
 )
 from liftmesh.terrain.values import Values, columns_over, heights_on_hull, over_values, values_of
+
+Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x and y
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -188,20 +190,36 @@ def _extrapolate(
     heights[beyond] = found
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Interpolator:
-    """A function of points, with the calls of SciPy's ``LinearNDInterpolator``.
+def interpolator_of(
+    surface: SurfaceData,
+    values: Values | None = None,
+    interpolation: Interpolation = "linear",
+    *,
+    extrapolate: Extrapolation | None = None,
+) -> Interpolator:
+    """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
 
     Parameters
     ----------
     surface : Surface
         The triangulated cloud.
     values, interpolation, extrapolate
-        As for `Surface.sample`.
+        As for `heights_at`.
+
+    Returns
+    -------
+    Interpolator
+        Called with points, (..., 2), or with x and y, two arrays that broadcast, it returns what
+        `heights_at` does.
+
+    Raises
+    ------
+    InputError
+        When it is called, as for `heights_at`.
 
     See Also
     --------
-    Surface.interpolator : Makes it.
+    Surface.sample : The same at once.
 
     Examples
     --------
@@ -211,23 +229,13 @@ class Interpolator:
     >>> height(1, 1), height([[1, 1], [5, 0]]), height([0, 1], 1)
     (np.float64(5.0), array([5., 9.]), array([4., 5.]))
     """
+    ways: Any = {"values": values, "extrapolate": extrapolate}
 
-    surface: SurfaceData
-    values: Values | None = None
-    interpolation: Interpolation = "linear"
-    extrapolate: Extrapolation | None = None
-
-    def __call__(self, *points: ArrayLike, threads: int | None = None) -> Floats:
-        """Interpolate at points, (..., 2), or at x and y, two arrays that broadcast."""
+    def interpolate(*points: ArrayLike, threads: int | None = None) -> Floats:
         at = points[0] if len(points) == 1 else np.stack(np.broadcast_arrays(*points), axis=-1)
-        return heights_at(
-            self.surface,
-            at,
-            self.interpolation,
-            values=self.values,
-            extrapolate=self.extrapolate,
-            threads=threads,
-        )
+        return heights_at(surface, at, interpolation, threads=threads, **ways)
+
+    return interpolate
 
 
 def _check_delaunay(surface: SurfaceData, interpolation: Interpolation) -> None:

@@ -167,13 +167,14 @@ class Surface(SurfaceData):
     ) -> Interpolator:
         """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
 
-        Returns an `liftmesh.terrain.sampling.Interpolator`: f(points), or f(x, y).
+        Returns an Interpolator: call it with points, or with x and y.
+        In full: `liftmesh.terrain.sampling.interpolator_of`.
 
         Parameters
         ----------
         values, interpolation, extrapolate : as for `sample`
         """
-        return sampling.Interpolator(self, values, interpolation, extrapolate)
+        return sampling.interpolator_of(self, values, interpolation, extrapolate=extrapolate)
 
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
