@@ -41,7 +41,7 @@ from liftmesh.planar.constrained_triangulation import (
 from liftmesh.planar.crossing_edges import distances
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.refined import RefineResult, below_angle, cosine_of
-from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.triangulation import Triangulation, check_unwritten
 from liftmesh.planar.verification import verify
 
 Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regions
@@ -189,6 +189,7 @@ def _triangulated(domain: Any, threads: int | None) -> ConstrainedTriangulation:
 
 def as_constrained(tri: Triangulation) -> ConstrainedTriangulation:
     """Return a triangulation as one with constraints, of which it may have none."""
+    check_unwritten(tri)
     if isinstance(tri, ConstrainedTriangulation):
         return tri
     if others := options_of(tri):
