@@ -72,6 +72,13 @@ class Measures {
     double first_ = 1, second_ = 1;  // two factors: one might overflow
 };
 
+// The distance between doubles as large as a coordinate, or up to twice as much.
+inline double ulp_at(Point p) {
+    using Limits = std::numeric_limits<double>;
+    return std::max(std::max(std::abs(p.x), std::abs(p.y)) * Limits::epsilon(),
+                    Limits::denorm_min());
+}
+
 inline Point along(Point from, Point to, double share) {
     return {std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)};
 }

@@ -12,9 +12,8 @@ bool Refinement::is_encroached(Edge e, Point p) const {
 
 // A side of a triangle, seen from inside.
 void Refinement::look_at_side(Edge e) {
-    const TriangleId t = triangle_of(e);
-    if (!slots().is_marked(e) || !counts(t)) return;
-    if (is_encroached(e, at(slots().apex(e)))) ask_to_split(e);
+    if (!slots().is_marked(e) || !counts(triangle_of(e))) return;
+    if (is_encroached_by_apex(e)) ask_to_split(e);
 }
 
 // False if it cannot be split.
@@ -22,7 +21,7 @@ bool Refinement::ask_to_split(Edge e) {
     Vertex a = slots().tail(e), b = slots().head(e);
     if (before_xy(at(b), at(a))) std::swap(a, b);
     const Part part{square(between(a, b)), a, b};
-    if (!stuck_.empty() && stuck_.contains(key(part))) return false;
+    if (is_tiny(e) || (!stuck_.empty() && stuck_.contains(key(part)))) return false;
     parts_.push(part);
     return true;
 }
@@ -56,8 +55,9 @@ Point Refinement::place(const Part& part, Edge e) const {
 // place nearer to an end than half the way across would make shorter and shorter parts.
 std::optional<Point> Refinement::place_across(const Part& part, Edge side) const {
     const Vertex v = slots().apex(side);
-    if (!counts(triangle_of(side)) || !is_encroached(side, at(v))) return {};
+    if (!counts(triangle_of(side)) || !is_encroached_by_apex(side)) return {};
     const std::int32_t piece = piece_at(part.first, part.second);
+    if (const Point foot = on_piece(piece, at(v)); is_tiny(at(v), foot)) return foot;
     double nearest = std::numeric_limits<double>::infinity();
     std::optional<Point> found;
     for (const std::int32_t other : pieces_of(v)) {
@@ -270,9 +270,9 @@ bool Refinement::conforms() {
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
         for (unsigned k = 0; k < 3; ++k) {
-            const Edge e = edge(t, k);
-            if (!slots().is_marked(e) || slots().twin(e) < e) continue;
-            if (!is_delaunay_across(e)) all &= !ask_to_split(e);
+            const Edge e = edge(t, k), f = slots().twin(e);
+            if (!slots().is_marked(e) || f < e || is_delaunay_across(e)) continue;
+            if (!has_tiny_side(e) && !has_tiny_side(f)) all &= !ask_to_split(e);
         }
     }
     return all;

@@ -33,7 +33,8 @@ Refinement::Refinement(const Start& start, const Wanted& wanted, Interrupt& inte
     const double cosine = wanted.cosine, cosine2 = cosine * cosine;
     const double of_twice = std::max(2 * cosine2 - 1, 0.0);
     sharp_ = cosine < 1 ? cosine2 : none;
-    wide_ = wanted.is_conforming ? 0 : of_twice * of_twice;
+    constexpr double margin = 1e-4;  // half a degree beyond the right angle
+    wide_ = wanted.is_conforming ? margin : of_twice * of_twice;
     off_center_ = cosine < 1 ? nearer * std::sqrt((1 + cosine) / (1 - cosine)) : none;
 }
 

@@ -12,7 +12,12 @@
 // each finds its match, and a needle takes few points, where splits in the middle would answer each
 // other along all of it. Points that no constraint needs give way to its split (Chew). Across a
 // small angle between constraints no triangle is split again (G. Miller, S. Pav and N. Walkington,
-// "When and why Ruppert's algorithm works", 2003). What cannot be split for want of digits is left.
+// "When and why Ruppert's algorithm works", 2003).
+//
+// What is shorter than 64 units in the last place of its coordinates is left: rounded points would
+// come ever nearer to each other. Where triangles are to conform, circles around constraints have
+// to be empty but for a margin, as float64 may have no point on the circle itself; what conforms is
+// in the end decided by the test for Delaunay triangles.
 //
 // The triangulation is constrained Delaunay at every moment, exactly, of the points as they are
 // rounded. What is next is decided by lengths, then by coordinates: so the outcome depends on the

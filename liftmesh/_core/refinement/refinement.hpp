@@ -19,6 +19,8 @@ inline constexpr std::int32_t given = -2;    // in place of the piece that a ver
 // The square of its cosine: pieces that meet in less need no further split across their angle.
 inline constexpr double of_sixty_degrees2 = 0.25;
 
+inline constexpr double tiny = 64;  // ulps: off-centres leave a fiftieth of the base
+
 // A triangle over its shortest side.
 struct Shape {
     Edge base;
@@ -68,6 +70,14 @@ class Refinement {
     void push(std::vector<Waiting> all);
     std::vector<Waiting> too_long();
     bool is_between_constraints(Edge base) const;
+    bool is_tiny(Point a, Point b, double ulps = tiny) const;
+    bool is_tiny(Edge e, double ulps = tiny) const {
+        return is_tiny(at(slots().tail(e)), at(slots().head(e)), ulps);
+    }
+    // Whether the apex is that near to an end: farther than a row on the edge beside it.
+    bool has_tiny_side(Edge e) const {
+        return is_tiny(next(e), 2 * tiny) || is_tiny(previous(e), 2 * tiny);
+    }
     std::int32_t piece_at(Vertex a, Vertex b) const;
 
     void treat(const Waiting& waiting);
@@ -85,6 +95,9 @@ class Refinement {
     void stamp(const std::vector<TriangleId>& triangles);
 
     bool is_encroached(Edge e, Point p) const;
+    bool is_encroached_by_apex(Edge e) const {
+        return is_encroached(e, at(slots().apex(e))) && !has_tiny_side(e);
+    }
     void look_at_side(Edge e);
     bool ask_to_split(Edge e);
     void split(const Part& part);

@@ -101,13 +101,14 @@ bool Refinement::is_better(Point p, TriangleId conflict, double before) {
     return unmeasured_.empty() || too_long().empty();
 }
 
-// Whether neither the triangle nor a constraint at its sides has to be split.
+// Whether neither the triangle nor a constraint at its sides is to be split, or could be if digits
+// sufficed.
 bool Refinement::is_fine(TriangleId t) {
-    if (need(t)) return false;
+    if (need(t) || is_tiny(shape(t).base)) return false;
     for (unsigned k = 0; k < 3; ++k) {
         const Edge e = edge(t, k);
         if (!slots().is_marked(e)) continue;
-        if (is_encroached(e, at(slots().apex(e)))) return false;
+        if (is_encroached_by_apex(e)) return false;
         if (wanted_.is_conforming && !is_delaunay_across(e)) return false;
     }
     return true;

@@ -37,6 +37,12 @@ bool Refinement::is_between_constraints(Edge base) const {
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
 }
 
+// Whether points are so near to each other that a new one beside them would be rounded too far.
+bool Refinement::is_tiny(Point a, Point b, double ulps) const {
+    const double least = measures_.scaled(ulps * std::max(ulp_at(a), ulp_at(b)));
+    return square(measures_.between(a, b)) < least * least;
+}
+
 // Where two pieces meet, or the ghost.
 Vertex Refinement::corner_of(std::int32_t piece, std::int32_t another) const {
     const constrained::Piece& one = pieces_[static_cast<std::size_t>(piece)];
@@ -54,7 +60,10 @@ std::optional<Waiting> Refinement::need(TriangleId t) {
     const Shape found = shape(t);
     const Edge base = found.base;
     const Waiting named{found.base2, base, stamp_[slot_of(t)]};
-    if (found.is_sharp) return is_between_constraints(base) ? std::nullopt : std::optional(named);
+    if (found.is_sharp) {
+        const bool is_left = is_between_constraints(base) || is_tiny(base);
+        return is_left ? std::nullopt : std::optional(named);
+    }
     if (!largest_.empty() && found.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))])
         return named;
     if (wanted_.lengths) unmeasured_.push_back(named);

@@ -1,0 +1,92 @@
+"""Refinement where float64 has too few digits."""
+
+from __future__ import annotations
+
+import warnings
+from typing import Any
+
+import numpy as np
+import pytest
+
+import liftmesh
+from liftmesh import constrained_delaunay, refine
+
+
+def in_place(tri: liftmesh.Triangulation) -> set[Any]:
+    """The triangles by the positions of their corners."""
+    return {tuple(sorted(map(tuple, each))) for each in tri.points[tri.simplices].tolist()}
+
+
+@pytest.mark.parametrize("n", [5, 20, 50])
+def test_it_ends_where_digits_run_out(n: int) -> None:
+    """Slivers of a few units in the last place."""
+    sliver = np.array([[0, 0], [n, n - 1], [2 * n + 1, 2 * n - 2], [n, n - 2]])
+    tri = liftmesh.delaunay(1 + 2.0**-52 * sliver)
+    result = refine(tri, max_points=1000)
+    assert result.verify().valid
+    assert not result.capped
+
+
+def test_clusters_are_left_to_their_digits() -> None:
+    """Rows a few units in the last place apart; rounded rows between them would never do."""
+    rng = np.random.default_rng(3)
+    units = 2.0**-52 * rng.integers(-20, 20, (2, 8, 2))
+    points = np.concatenate([[1.5, 1.5] + units[0], [1.25, 1.75] + units[1]])
+    result = refine(liftmesh.delaunay(points), max_points=1000)
+    assert (result.capped, result.verify().valid) == (False, True)
+    left = result.below[result.causes == "precision"]
+    assert len(left)
+    places = result.triangulation.points[result.triangulation.simplices[left]]
+    lengths = np.hypot(*(places - np.roll(places, 1, axis=1)).transpose(2, 0, 1))
+    assert (lengths.min(axis=1) < 2.0**-45).all()
+
+
+@pytest.mark.parametrize("is_conforming", [False, True])
+def test_a_sliver_of_a_unit_in_the_last_place(is_conforming: bool) -> None:
+    """The rows on both of its sides are matched, but for rounding."""
+    sliver = [[0.0, 0.0], [0.1, 0.3], [0.7, np.nextafter(2.1, 3)], [-4.0, 2.0]]
+    tri = constrained_delaunay(sliver, [[0, 1], [1, 2], [2, 0]])
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", liftmesh.DataWarning)  # where it cannot conform
+        result = refine(tri, min_angle=28, conforming=is_conforming, max_points=1000)
+    assert not result.capped
+    assert result.verify().valid
+
+
+@pytest.mark.parametrize("width", [1e-4, 2.5e-6, 1e-7])
+def test_needles_conform_at_map_coordinates(width: float) -> None:
+    """No rows that match exactly, so that circles would be empty, are there in float64."""
+    needle = np.array([[0.0, 0.0], [0.22, 0.06 + width], [1.83, 0.5]])
+    needle += [450000, 5200000]
+    result = refine([needle], min_angle=28, conforming=True, max_points=1000)
+    assert not result.capped
+    assert set(result.causes) == {"input angle"}
+    made = result.triangulation
+    assert in_place(made) <= in_place(liftmesh.delaunay(made.points))
+
+
+@pytest.mark.parametrize("width", [16, 400])
+def test_rows_few_ulps_apart(width: int) -> None:
+    """Rows on an edge are rounded to beside it, where others are as near."""
+    for seed in range(60):
+        rng = np.random.default_rng(seed)
+        points = np.unique(1 + 2.0**-52 * rng.integers(0, width, (24, 2)), axis=0)
+        try:
+            tri = constrained_delaunay(points, rng.integers(0, len(points), (3, 2)))
+        except liftmesh.CrossingError:
+            continue
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", liftmesh.DataWarning)  # of the cap
+            result = refine(tri, min_angle=28, max_points=20)
+        assert result.verify().valid, seed
+
+
+def test_what_cannot_conform_is_told() -> None:
+    far, near = 2.0**1000, 2.0**-1074
+    points = np.array(
+        [[5, 5], [3, 5], [6, 3], [3, 2], [2, 3], [7, 5], [0, 3], [6, 0], [1, 5], [2, 0]]
+    )
+    edges = [[7, 3], [7, 0], [1, 9], [9, 4], [3, 9], [8, 0], [9, 7], [8, 6], [9, 1]]
+    tri = constrained_delaunay(points * [far, near], edges, carve="holes")
+    with pytest.warns(liftmesh.DataWarning, match=r"not Delaunay across \d+ constraint"):
+        refine(tri, min_angle=28, conforming=True, max_points=500)
