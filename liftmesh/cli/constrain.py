@@ -112,11 +112,13 @@ def triangulated(
 
     files, entries = {**lines}, {**cloud.metadata}
     holes = entries.pop("holes", None)  # which are made, or are of other edges
+    markers = entries.pop("markers", None)
     if "edges" in lines:
         lines["edges"] = _edges(lines["edges"])
     if {"edges", "polylines", "polygons"} & lines.keys():
         if count := len(edges_of(cloud)):
             own = counted(count, "edge") + " and holes" * (holes is not None)
+            own += " and markers" * (markers is not None)
             terminal.note(f"{source}: {own} of its own not taken, since lines are given")
     else:
         if cloud.edges is None and needs_lines:
@@ -126,6 +128,7 @@ def triangulated(
         if not needs_lines and Provenance(cloud.metadata).carved:
             lines.setdefault("carve", "holes")
         lines |= {"edges": cloud.edges, "seeds": holes}
+        entries |= {} if markers is None else {"markers": markers}
         files["edges"] = source
     cloud = replace(cloud, edges=None, metadata=entries)
     with inputs.about(source):
@@ -173,23 +176,19 @@ def _triangulated(cloud: Cloud, **choices: Any) -> ConstrainedTriangulation:
 
 def mesh_of(cloud: Cloud, tri: ConstrainedTriangulation, said: str, remedy: str) -> Cloud:
     """Make the mesh: rows of lines have no heights, and no values."""
-    import numpy as np
-
-    from liftmesh.base.cloud import Cloud
     from liftmesh.io.metadata import with_carved
 
-    faces, edges, new = tri.simplices, tri.constraints, tri.npoints - len(cloud)
-    cloud = replace(cloud, metadata=with_carved(cloud.metadata, tri.carved))
+    mesh, new = tri.to_cloud(markers=cloud.metadata.get("markers")), tri.npoints - len(cloud)
+    cloud = replace(cloud, metadata={**with_carved(cloud.metadata, False), **mesh.metadata})
     if not new:
-        return replace(cloud, faces=faces, edges=edges)
+        return replace(cloud, faces=mesh.faces, edges=mesh.edges)
     if cloud.points[:, 2].any():
         raise InputError(
             f"{new:,} {said}, so that they have no height, but the rows have: {remedy}"
         )
     if cloud.attributes or cloud.colors is not None or cloud.normals is not None:
         terminal.note(f"{new:,} rows are new, and have no values: those of the others are left out")
-    points = np.column_stack([tri.points, np.zeros(tri.npoints)])
-    return Cloud(points, faces=faces, edges=edges, metadata=cloud.metadata, crs=cloud.crs)
+    return replace(mesh, metadata=cloud.metadata, crs=cloud.crs)
 
 
 def _report(written: WriteResult, tri: ConstrainedTriangulation, *, as_json: bool) -> None:

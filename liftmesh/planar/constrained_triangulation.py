@@ -11,18 +11,20 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Integers, Mask, Reals, Rows
-from liftmesh.base.arrays import ends_of, pair_keys, read_only
+from liftmesh.base.arrays import as_rows3, ends_of, pair_keys, read_only
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
+from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.planar.triangulation import Triangulation
 
 if TYPE_CHECKING:
     import scipy.spatial
 
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.lifting import LowerHull
 
 Bits = NDArray[np.uint8]
@@ -242,6 +244,64 @@ class ConstrainedTriangulation(Triangulation):
         number = range(len(self.constraints))[constraint]
         return members[indptr[number] : indptr[number + 1]]
 
+    def to_cloud(self, *, markers: ArrayLike | None = None) -> Cloud:
+        """Convert the triangulation to a cloud with faces and edges, as files have them.
+
+        Parameters
+        ----------
+        markers : array_like of int of shape (k,), optional
+            A number for each of `input_edges`, or for the first of them; 0 stands for none. Those
+            of the constraints, each that of its first input edge that has one, are "markers" of the
+            metadata, which MSH, SU2, VTU and .poly hold.
+
+        Returns
+        -------
+        Cloud
+            The rows with z = 0, the triangles that are left as faces, and the constraints as edges.
+
+        Raises
+        ------
+        InputError
+            `markers` are no whole numbers of 32 bits, or more than there are input edges.
+
+        See Also
+        --------
+        liftmesh.write : Takes the triangulation itself, too.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> points = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0]]
+        >>> tri = liftmesh.constrained_delaunay(points, [[0, 1], [3, 0], [1, 2]])
+        >>> cloud = tri.to_cloud(markers=[7, 8])
+        >>> cloud.edges.tolist(), cloud.metadata["markers"]
+        ([[0, 3], [0, 4], [1, 2], [1, 4]], array([8, 7, 0, 7], dtype=int32))
+        """
+        from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
+        from liftmesh.io.metadata import with_carved  # noqa: PLC0415
+
+        entries = {} if markers is None else {"markers": self._markers(markers)}
+        return Cloud(
+            as_rows3(self.points),
+            faces=self.simplices,
+            edges=self.constraints,
+            metadata=with_carved(entries, self.carved),
+        )
+
+    def _markers(self, given: ArrayLike) -> Rows:
+        """Return the markers of constraints: that of the first input edge with one."""
+        from liftmesh.io.tags import whole_numbers  # noqa: PLC0415 - as above
+
+        numbers, (indptr, members) = whole_numbers(given), self.constraint_inputs
+        if numbers is None or numbers.ndim != 1 or len(numbers) > len(self.input_edges):
+            wanted = f"whole numbers of 32 bits, at most {len(self.input_edges):,}"
+            raise refused("markers", given, f"give one for each input edge: {wanted}")
+        found = np.zeros(len(self.input_edges) + 1, np.int32)
+        found[: len(numbers)] = numbers
+        found = np.append(found[members], np.int32(0))
+        places = np.where(found != 0, np.arange(len(found)), len(members))
+        return found[np.minimum.reduceat(places, indptr[:-1]) if len(indptr) > 1 else []]
+
     def _left(self, found: Rows) -> Rows:
         found[found >= self.nsimplex] = -1
         return found
@@ -398,9 +458,9 @@ def bits_of(sides: Mask) -> Bits:
 def left_first(keep: Mask, simplices: Rows, neighbors: Rows) -> tuple[Integers, Rows, Rows]:
     """Put the triangles that are left before the others; return that order, too."""
     order = np.concatenate([np.flatnonzero(keep), np.flatnonzero(~keep)])
-    name = np.full(len(keep) + 1, -1, dtype=np.int32)
-    name[order] = np.arange(len(keep))
-    return order, simplices[order], name[neighbors[order]]
+    name = np.empty(len(keep) + 1, dtype=np.int32)
+    name[order], name[-1] = np.arange(len(keep), dtype=np.int32), -1
+    return order, simplices.take(order, axis=0), name.take(neighbors.take(order, axis=0))
 
 
 def _in_order(rows: Rows, indptr: Rows, members: Rows) -> tuple[Rows, Rows, Rows]:

@@ -25,6 +25,7 @@ from liftmesh.planar.certificate import Certificate, Flaw, Violation
 from liftmesh.planar.crossing_edges import distances
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 
 _AT_ONCE = 1 << 14  # triangles
@@ -104,11 +105,34 @@ class RefineResult(FrozenResult):
         check_numbers(-1, len(tri.input_edges), self.steiner_edges)
         check_numbers(0, tri.nsimplex, self.below)
 
+    def to_cloud(self) -> Cloud:
+        """Convert the surface, or else the triangulation, to a cloud with faces and edges.
+
+        Returns
+        -------
+        Cloud
+            That of `Surface.to_cloud`, or of `ConstrainedTriangulation.to_cloud`, which takes
+            markers of edges.
+
+        See Also
+        --------
+        liftmesh.write : Takes the result itself, too.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.refine([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).to_cloud()
+        <Cloud of 4 points, 2 faces, 4 edges>
+        """
+        made = self.triangulation if self.surface is None else self.surface
+        cloud: Cloud = made.to_cloud()
+        return cloud
+
     @property
     def angles(self) -> Floats:
         """The angles of the triangles at their corners in degrees, (m, 3) float64."""
         found = np.empty(self.triangulation.simplices.shape)
-        for part, dot, _, cross in _products(self.triangulation):
+        for part, dot, _, cross in _products(self.triangulation, self.triangulation.simplices):
             found[part] = np.degrees(np.arctan2(cross, dot)).T
         return found
 
@@ -185,7 +209,8 @@ class RefineResult(FrozenResult):
         """
         tri = self.triangulation
         certificate = tri.verify(threads=threads, progress=progress)
-        small = np.setdiff1d(below_angle(tri, cosine_of(self.asked_angle)), self.below)
+        others = np.delete(np.arange(tri.nsimplex), self.below)
+        small = below_angle(tri, cosine_of(self.asked_angle), others)
         far = max(self.displacement, tri.displacement)
         said = f"an angle under {self.asked_angle:g} degrees and {{verb}} not listed"
         found = (
@@ -219,7 +244,9 @@ def cosine_of(degrees: float) -> float:
     return float(np.cos(np.radians(degrees)))
 
 
-def _products(tri: ConstrainedTriangulation) -> Iterator[tuple[slice, Floats, Floats, Floats]]:
+def _products(
+    tri: ConstrainedTriangulation, simplices: Rows
+) -> Iterator[tuple[slice, Floats, Floats, Floats]]:
     """Return the dot product and that of the squares of the sides at corners, and cross products.
 
     Of parts of the triangles, (3, k), (3, k) and (k,), scaled by one power of two.
@@ -227,9 +254,9 @@ def _products(tri: ConstrainedTriangulation) -> Iterator[tuple[slice, Floats, Fl
     points = tri.points[: tri.npoints]
     exponent = int(np.frexp(np.abs(points[tri.convex_hull]).max())[1])
     x, y = np.ldexp(points.T, _SCALE - exponent)
-    for start in range(0, tri.nsimplex, _AT_ONCE):
+    for start in range(0, len(simplices), _AT_ONCE):
         part = slice(start, start + _AT_ONCE)
-        corners = tri.simplices[part].T
+        corners = simplices[part].T
         ux, uy = (p - np.roll(p, 1, axis=0) for p in (x[corners], y[corners]))  # from the last one
         vx, vy = np.roll(ux, -1, axis=0), np.roll(uy, -1, axis=0)
         squares = ux * ux + uy * uy
@@ -237,19 +264,20 @@ def _products(tri: ConstrainedTriangulation) -> Iterator[tuple[slice, Floats, Fl
         yield part, -(ux * vx + uy * vy), squares, ux[0] * vy[0] - uy[0] * vx[0]
 
 
-def below_angle(tri: ConstrainedTriangulation, cosine: float) -> Indices:
-    """Return the triangles with an angle whose cosine is larger, exactly."""
+def below_angle(tri: ConstrainedTriangulation, cosine: float, among: Array) -> Indices:
+    """Return those of some triangles that have an angle whose cosine is larger, exactly."""
     found = [np.empty(0, dtype=np.intp)]
     if cosine >= 1:
         return found[0]
-    for part, dot, squares, _ in _products(tri):
+    simplices = tri.simplices[among]
+    for part, dot, squares, _ in _products(tri, simplices):
         excess = dot * np.abs(dot) - cosine**2 * squares
         is_below = np.any(excess > 0, axis=0)
         is_sure = (np.abs(excess) > _DOUBT * squares) & (squares > _TINY)
         for k in np.flatnonzero(~is_sure.all(axis=0)).tolist():
-            corners = tri.points[tri.simplices[part.start + k]]
+            corners = tri.points[simplices[part.start + k]]
             is_below[k] = _is_below(corners.tolist(), Fraction(cosine))
-        found.append(part.start + np.flatnonzero(is_below))
+        found.append(among[part][is_below])
     return np.concatenate(found)
 
 

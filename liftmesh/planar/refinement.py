@@ -41,7 +41,7 @@ from liftmesh.planar.constrained_triangulation import (
 from liftmesh.planar.crossing_edges import distances
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.refined import RefineResult, below_angle, cosine_of
-from liftmesh.planar.triangulation import Triangulation
+from liftmesh.planar.triangulation import Triangulation, check_unwritten
 from liftmesh.planar.verification import verify
 
 Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regions
@@ -50,7 +50,7 @@ _LARGEST_ANGLE = 45.0  # where nothing is proved, and the cap on rows may be rea
 _MOST_MADE = 10_000_000
 _MOST_ROUNDS = 1000
 _CAUSES = np.array(["", "input angle", "cap", "precision"])  # by the kernel's numbers
-_CAP, _PRECISION = 2, 3
+_CAP = 2
 _SIZE = "give a positive number, one for each row, or a function of points that returns as many"
 
 
@@ -202,6 +202,7 @@ def _triangulated(domain: Any, threads: int | None) -> ConstrainedTriangulation:
 
 def as_constrained(tri: Triangulation) -> ConstrainedTriangulation:
     """Return a triangulation as one with constraints, of which it may have none."""
+    check_unwritten(tri)
     if isinstance(tri, ConstrainedTriangulation):
         return tri
     if others := options_of(tri):
@@ -317,14 +318,13 @@ def _result(
     is_on = divided >= 0
     edges[is_on] = members[indptr[divided[is_on]]]
     lines = tri.points[tri.input_edges[edges[is_on]]]
-    below = below_angle(made, cosine_of(angle)).astype(np.int32)
-    cause = np.where(causes[below] > 0, causes[below], _PRECISION)  # by rounding of the kernel
+    below = below_angle(made, cosine_of(angle), np.flatnonzero(causes[:left])).astype(np.int32)
     result = RefineResult(
         made,
         np.arange(tri.npoints, made.npoints, dtype=np.int32),
         edges,
         below,
-        _CAUSES[cause],
+        _CAUSES[causes[below]],
         angle,
         float(distances(lines, added[is_on]).max(initial=0.0)),
         capped,
@@ -336,10 +336,10 @@ def _parts(
     tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
 ) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    number = np.arange(len(marks), dtype=np.int32)[:, None]
-    is_part = marks[:, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
-    face, k = np.nonzero(is_part & (neighbors < number))  # of both sides the later one
-    keys = np.sort(pair_keys(*ends_of(simplices, face, k).T))
+    marked = np.flatnonzero(marks)
+    is_part = marks[marked, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
+    face, k = np.nonzero(is_part & (neighbors[marked] < marked[:, None]))  # of both sides the later
+    keys = np.sort(pair_keys(*ends_of(simplices, marked[face], k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)
     of_row = np.concatenate([np.full(tri.npoints, -1, dtype=np.int32), divided])
     piece = of_row[ends].max(axis=1)  # a row that was added is on one piece at most
@@ -373,13 +373,14 @@ def _warn(refined: RefineResult, regions: Rows, largest: Floats, lengths: Length
 
 
 def _warn_of_others(tri: ConstrainedTriangulation) -> None:
-    """Count the constraints across which triangles that are to conform are not Delaunay."""
+    """Count the constraints across which triangles that are to conform are not `delaunay`'s."""
     whole = tri._whole[0]  # noqa: SLF001 - of this room
     flaws = verify(tri.points, whole, nonfinite="skip").flaws
-    if count := sum(flaw.count for flaw in flaws if flaw.kind == "not_delaunay"):
+    kinds = {"not_delaunay", "not_canonical"}
+    if count := sum(flaw.count for flaw in flaws if flaw.kind in kinds):
         warnings.warn(
-            f"triangles are not Delaunay across {counted(count, 'constraint')}: float64 has no row "
-            "that would divide them",
+            f"triangles are not those of `delaunay` across {counted(count, 'constraint')}: float64 "
+            "has no row that would divide them",
             DataWarning,
             stacklevel=3,
         )

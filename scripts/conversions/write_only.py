@@ -68,10 +68,7 @@ def vtu(data: bytes) -> Cloud:
     """Read points, triangles, lines and values with meshio, which reads no file without cells."""
     if b'NumberOfCells="0"' in data:
         raise InputError("meshio does not read this")
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "a.vtu")
-        path.write_bytes(data)
-        found = meshio.read(path)
+    found = _by_meshio(data, "vtu")
     values: dict[str, Any] = {name: _native(each) for name, each in found.point_data.items()}
     colors, normals = values.pop("Colors", None), values.pop("Normals", None)
     cells = {each.type: each.data.astype(np.int32) for each in found.cells}
@@ -86,9 +83,41 @@ def vtu(data: bytes) -> Cloud:
     )
 
 
+def msh(data: bytes) -> Cloud:
+    """Read cells with meshio; the nodes, which it leaves in the order of the file, by hand."""
+    at = data.index(b"$Nodes\n") + 7
+    blocks = int(np.frombuffer(data, np.uint64, 1, at)[0])
+    at, tags = at + 32, []
+    for _ in range(blocks):
+        count = int(np.frombuffer(data, np.uint64, 1, at + 12)[0])
+        tags.append(np.frombuffer(data, np.uint64, count, at + 20).astype(int) - 1)
+        at += 20 + 32 * count
+    rows = np.concatenate(tags)
+    found = _by_meshio(data, "msh")
+    points = np.empty_like(found.points)
+    points[rows] = found.points
+    parts: dict[str, list[Any]] = {"triangle": [], "line": []}
+    for each in found.cells:
+        parts[each.type].append(rows[each.data].astype(np.int32))
+    faces, edges = (np.concatenate(each) if each else None for each in parts.values())
+    return Cloud(points, faces=faces, edges=edges)
+
+
+def _by_meshio(data: bytes, kind: str) -> Any:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, f"a.{kind}")
+        path.write_bytes(data)
+        return meshio.read(path, {"msh": "gmsh"}.get(kind, kind))
+
+
 def _native(values: Any) -> Any:
     """Return an array whose type says no byte order, as meshio's do."""
     return values.astype(values.dtype.newbyteorder("="))
 
 
-READERS: dict[str, Callable[[bytes], Cloud]] = {"landxml": landxml, "3mf": three_mf, "vtu": vtu}
+READERS: dict[str, Callable[[bytes], Cloud]] = {
+    "landxml": landxml,
+    "3mf": three_mf,
+    "vtu": vtu,
+    "msh": msh,
+}

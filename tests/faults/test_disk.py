@@ -19,7 +19,22 @@ from liftmesh import Cloud
 from liftmesh.cli import exit_codes
 from liftmesh.io.atomic import replacing
 
-FORMATS = ["ply", "obj", "npz", "off", "stl", "glb", "gltf", "las", "laz", "xml", "3mf", "vtu"]
+FORMATS = [
+    "ply",
+    "obj",
+    "npz",
+    "off",
+    "stl",
+    "glb",
+    "gltf",
+    "las",
+    "laz",
+    "xml",
+    "3mf",
+    "vtu",
+    "msh",
+    "su2",
+]
 
 
 def run(

@@ -269,6 +269,19 @@ def test_random_polygons(seed: int) -> None:
     assert result.triangulation.convex_hull.max() < result.triangulation.npoints
 
 
+def test_symmetric_needles_depend_on_no_order() -> None:
+    """A row is as far from both corners of the edge that it encroaches upon."""
+    rng = np.random.default_rng(1)
+    x = [24, 72, 78, 82, 88, 96, 96, 96, 120]
+    y = [90, 24, 102, 89, 72, 48, 96, 144, 144]
+    points, edges = np.column_stack([x, y]), np.array([[6, 5], [5, 4], [4, 6]])
+    found = set()
+    for order in [rng.permutation(9) for _ in range(40)]:
+        tri = constrained_delaunay(points[order], rng.permutation(np.argsort(order)[edges]))
+        found.add(frozenset(as_set(refine(tri, min_angle=33))))
+    assert len(found) == 1
+
+
 def test_parts_know_their_edges() -> None:
     points = [[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]]
     tri = constrained_delaunay(points, [[0, 2], [1, 2], [2, 2], [0, 3]])
@@ -323,7 +336,9 @@ def test_doubtful_angles_are_decided_in_integers() -> None:
     assert (len(result.steiner), len(result.below)) == (0, 0)
     root = np.sqrt(0.5)
     made = result.triangulation
-    assert [len(below_angle(made, c)) for c in (np.nextafter(root, 0), root)] == [2, 0]
+    every = np.arange(2)
+    roots = np.nextafter(root, 0), root
+    assert [len(below_angle(made, c, every)) for c in roots] == [2, 0]
 
 
 @pytest.mark.parametrize(

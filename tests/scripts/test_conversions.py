@@ -29,7 +29,7 @@ def test_every_adapter_and_every_format_has_a_way() -> None:
     assert {each.name for each in (*ADAPTERS, *FALLBACKS)} == {*MAKERS, *REFUSING}
     ways = {way.place for way in WAYS}
     written = {name for name, each in known_formats().items() if each.write is not None}
-    assert written <= ways
+    assert written - ways == {"su2"}  # which holds all of the boundary, whatever the edges
     readable = {name: each for name, each in known_formats().items() if each.read is not None}
     own = {name for name, each in readable.items() if each.read.__module__.startswith("liftmesh.")}
     assert own <= ways

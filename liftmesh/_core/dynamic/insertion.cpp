@@ -14,7 +14,11 @@ void Triangulation::dig(Point p, TriangleId conflict, Edge split) {
     border_.clear();
     stack_.clear();
     const bool has_marks = slots_.has_marks();
-    for (unsigned k = 3; k-- > 0;) stack_.push_back(edge(conflict, k));
+    const auto push = [this](Edge e) {
+        slots_.prefetch(triangle_of(slots_.twin(e)));
+        stack_.push_back(e);
+    };
+    for (unsigned k = 3; k-- > 0;) push(edge(conflict, k));
     while (!stack_.empty()) {
         const Edge e = stack_.back(), beyond = slots_.twin(e);
         stack_.pop_back();
@@ -24,8 +28,8 @@ void Triangulation::dig(Point p, TriangleId conflict, Edge split) {
             continue;
         }
         cavity_.push_back(triangle_of(beyond));
-        stack_.push_back(previous(beyond));
-        stack_.push_back(next(beyond));
+        push(previous(beyond));
+        push(next(beyond));
     }
 }
 

@@ -68,8 +68,9 @@ std::optional<Point> Refinement::place_across(const Part& part, Edge side) const
         const double distance = length(between(corner, v));
         const double before = distance - length(between(corner, from));
         const double after = length(between(corner, to)) - distance;
-        if (!(before > 0 && after > 0 && distance < nearest)) continue;
+        if (!(before > 0 && after > 0 && distance <= nearest)) continue;
         const Point p = along(at(from), at(to), before / (before + after));
+        if (found && distance == nearest && before_xy(*found, p)) continue;
         if (2 * std::min(before, after) < length(measures_.between(at(v), p))) continue;
         nearest = distance;
         found = p;
@@ -189,19 +190,20 @@ bool Refinement::fits(const Part& part, Point p) const {
 // if that is behind a constraint, or far.
 TriangleId Refinement::find_beside(Edge e, Point p) const {
     constexpr unsigned far = 16;
-    TriangleId t = triangle_of(slots().is_ghost(triangle_of(e)) ? slots().twin(e) : e);
+    if (slots().is_ghost(triangle_of(e))) e = slots().twin(e);
     for (unsigned step = 0; step < far; ++step) {
+        const TriangleId t = triangle_of(e);
         if (slots().is_ghost(t)) return t;
         Edge crossed = nothing;
         bool is_in = true;
-        for (unsigned k = 0; k < 3; ++k) {
-            if (!is_right_of(edge(t, k), p)) continue;
+        for (const Edge side : {e, next(e), previous(e)}) {
+            if (!is_right_of(side, p)) continue;
             is_in = false;
-            if (!slots().is_marked(edge(t, k))) crossed = edge(t, k);
+            if (crossed == nothing && !slots().is_marked(side)) crossed = side;
         }
         if (is_in) return t;
         if (crossed == nothing) break;
-        t = triangle_of(slots().twin(crossed));
+        e = slots().twin(crossed);
     }
     return nothing;
 }

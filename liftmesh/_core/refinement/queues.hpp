@@ -66,6 +66,11 @@ class Buckets {
         first_ = std::min(first_, i);
         ++count_;
     }
+    // Those that are popped soon, at most so many, the next one last.
+    std::span<const Waiting> next(std::size_t most) const {
+        const std::vector<Waiting>& bucket = buckets_[first_];
+        return std::span(bucket).last(std::min(most, bucket.size()));
+    }
     Waiting pop() {
         while (buckets_[first_].empty()) ++first_;
         const Waiting last = buckets_[first_].back();

@@ -87,6 +87,17 @@ Status Refinement::run() {
     return Status::ok;
 }
 
+// Brings what is next near: the triangle after the next one, and what is around the next one.
+void Refinement::prefetch() const {
+    constexpr std::size_t early = 3;
+    const auto next = waiting_.next(early);
+    if (next.size() < early) return;
+    const TriangleId t = triangle_of(next[0].base);
+    mesh_.prefetch(t);
+    liftmesh::prefetch(stamp_.data() + slot_of(t));
+    mesh_.prefetch_around(triangle_of(next[early - 1].base));
+}
+
 // How far it is: while points are added, by what waits now, and more may.
 void Refinement::tell(std::size_t stage, std::size_t done, std::size_t all) {
     constexpr std::size_t whole = 1000;
@@ -103,9 +114,11 @@ bool Refinement::does_step() {
         const Part first = parts_.top();
         parts_.pop();
         split(first);
-    } else if (!waiting_.empty())
-        treat(waiting_.pop());
-    else if (!unmeasured_.empty())
+    } else if (!waiting_.empty()) {
+        const Waiting first = waiting_.pop();
+        prefetch();
+        treat(first);
+    } else if (!unmeasured_.empty())
         push(too_long());
     else if (!wanted_.is_conforming || conforms())
         return false;
@@ -130,13 +143,15 @@ Refined Refinement::result() {
     };
     rename(found.result.simplices, 3 * found.result.triangle_count);
     rename(found.result.hull, found.result.hull_count);
+    sharp_ *= 1 - 0x1p-40;  // those in doubt, too
+    constexpr double tiny = 0x1p-400;
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
         found.regions.push_back(region(t));
         Cause cause = Cause::none;
         if (is_inside(t)) {
             const Shape its = shape(t);
-            if (its.is_sharp)
+            if (its.is_sharp || its.base2 < tiny)
                 cause = is_between_constraints(its.base) ? Cause::between_constraints
                         : is_capped_                     ? Cause::cap
                                                          : Cause::precision;

@@ -54,7 +54,7 @@ struct Start {
     std::span<const std::int32_t> regions;
 };
 
-// Why a triangle has an angle under the bound.
+// Why a triangle has an angle under the bound, or may have one: doubles do not decide it.
 enum class Cause : std::uint8_t { none, between_constraints, cap, precision };
 
 struct Refined {

@@ -63,6 +63,7 @@ class Refinement {
     void look_at_all();
     void tell(std::size_t stage, std::size_t done, std::size_t all);
     bool does_step();
+    void prefetch() const;
 
     Shape shape(TriangleId t) const;
     std::optional<Waiting> need(TriangleId t);

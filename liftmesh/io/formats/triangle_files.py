@@ -34,6 +34,7 @@ from liftmesh.io.markup import ascii_string, parsed_or_none
 from liftmesh.io.metadata import OWN, noted
 from liftmesh.io.options import check_columns
 from liftmesh.io.streams import decompressed
+from liftmesh.io.tags import MARKERS
 from liftmesh.io.text_tables import (
     HASH,
     Lines,
@@ -95,7 +96,7 @@ def _nodes(stream: BinaryIO, name: str, max_bytes: int | None) -> tuple[Cloud, i
 
 
 def read_poly(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
-    """Read the points and segments of a .poly file; holes and regions are metadata."""
+    """Read the points and segments of a .poly file; the rest is metadata."""
     names = _stated_names(stream, name)
     lines = Lines(stream, name, HASH)
     header = _header(lines, name, _NODES, 4)
@@ -114,9 +115,10 @@ def read_poly(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> C
     if entries[REGIONS].shape[1] not in _OF_REGION:
         raise FormatError(f"{name}: a region has x, y, an attribute and at most one further value")
     check_end(lines, name)
-    skipped = ("markers of segments",) * (markers > 0)
+    if markers:
+        entries[MARKERS] = _whole(table[:, 3], "segment", name)
     kept = {key: rows for key, rows in entries.items() if len(rows)}
-    return replace(cloud, edges=edges, metadata=noted(kept, not_read=skipped))
+    return replace(cloud, edges=edges, metadata=kept)
 
 
 def write_node(stream: BinaryIO, cloud: Cloud) -> None:

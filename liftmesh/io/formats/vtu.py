@@ -2,7 +2,9 @@
 
 Arrays follow the tree, each with its length, every bit of them in base64: raw bytes would be a
 quarter shorter, but then the file is no XML, and few programs read it. Rows without faces become
-cells of one point each, edges cells of two, which come last. meshio, which reads such files, writes
+cells of one point each, edges cells of two, which come last. Where there are edges and faces, cells
+have values: `region` of faces, and `marker` of edges, as `io.tags` has them; those of others are -1
+and 0. meshio, which reads such files, writes
 them to paths only, and holds all of the text in memory: so this is written here, a block at a time.
 
 Source: VTK File Formats, docs.vtk.org.
@@ -19,9 +21,10 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits
-from liftmesh.io.columns import edges_of
+from liftmesh.io.columns import edges_of, faces_of
 from liftmesh.io.format import dropped_values
 from liftmesh.io.markup import attribute, is_possible
+from liftmesh.io.tags import markers_of, regions_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -37,13 +40,14 @@ _ROWS = 1 << 18  # written at a time
 
 def write_vtu(stream: BinaryIO, cloud: Cloud) -> None:
     """Write a mesh or a cloud as VTU."""
-    cells = _cells(cloud)
-    arrays = [*_of_points(cloud), ("", cloud.points), *cells]
+    cells, values = _cells(cloud), _of_cells(cloud)
+    arrays = [*_of_points(cloud), ("", cloud.points), *cells, *values]
     places = np.cumsum([0, *(4 * -(-(8 + each.nbytes) // 3) for _, each in arrays)]).tolist()
     tags = [
         _tag(name, each, place) for (name, each), place in zip(arrays, places[:-1], strict=True)
     ]
-    count = len(tags) - 4
+    end = len(tags) - len(values)
+    count = end - 4
     byte_order = "LittleEndian" if sys.byteorder == "little" else "BigEndian"
     head = f'type="UnstructuredGrid" version="1.0" header_type="UInt64" byte_order="{byte_order}"'
     lines = [
@@ -51,7 +55,8 @@ def write_vtu(stream: BinaryIO, cloud: Cloud) -> None:
         f'<Piece NumberOfPoints="{len(cloud)}" NumberOfCells="{len(cells[1][1])}">',
         "<PointData>", *tags[:count], "</PointData>",
         "<Points>", tags[count], "</Points>",
-        "<Cells>", *tags[count + 1 :], "</Cells>",
+        "<Cells>", *tags[count + 1 : end], "</Cells>",
+        *(["<CellData>", *tags[end:], "</CellData>"] if values else []),
         "</Piece>", "</UnstructuredGrid>", '<AppendedData encoding="base64">', "_",
     ]  # fmt: skip
     stream.write("\n".join(lines).encode())
@@ -91,6 +96,18 @@ def _cells(cloud: Cloud) -> list[tuple[str, Array]]:
     ends = np.cumsum(np.repeat([each.shape[1] for each in cells], counts), dtype=np.int64)
     of_cells = np.repeat(np.array(kinds, np.uint8), counts)
     return [("connectivity", corners), ("offsets", ends), ("types", of_cells)]
+
+
+def _of_cells(cloud: Cloud) -> list[tuple[str, Array]]:
+    """Return the regions of faces, and the markers of edges."""
+    faces, edges = faces_of(cloud), edges_of(cloud)
+    if not len(faces) or not len(edges):
+        return []
+    regions = np.full(len(faces) + len(edges), -1, np.int32)
+    regions[: len(faces)] = regions_of(cloud)
+    markers = np.zeros_like(regions)
+    markers[len(faces) :] = markers_of(cloud, edges[:0])
+    return [("region", regions), ("marker", markers)]
 
 
 def _of_points(cloud: Cloud) -> list[tuple[str, Array]]:

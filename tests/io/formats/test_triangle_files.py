@@ -73,7 +73,8 @@ def read_as_triangle(data: bytes) -> dict[str, Any]:
     points = np.array([rows.pop(0) for _ in range(count)])
     assert points.shape == (count, 3 + attributes + markers)
     assert points[:, 0].tolist() == [*range(count)]
-    segments = np.array([rows.pop(0) for _ in range(int(rows.pop(0)[0]))]).reshape(-1, 3)
+    count, markers = map(int, rows.pop(0))
+    segments = np.array([rows.pop(0) for _ in range(count)]).reshape(-1, 3 + markers)
     holes = np.array([rows.pop(0) for _ in range(int(rows.pop(0)[0]))]).reshape(-1, 3)
     regions = np.array([rows.pop(0) for _ in range(int(rows.pop(0)[0]))]) if rows else None
     assert not rows
@@ -113,7 +114,8 @@ def test_what_a_poly_file_says(kind: str, tmp_path: Path) -> None:
     assert cloud.edges is not None
     assert cloud.edges.tolist() == EDGES
     assert cloud.metadata["holes"].tolist() == [[1.5, 1.5]]
-    assert cloud.metadata["not_read"] == ("markers of segments",)
+    assert cloud.metadata["markers"].tolist() == [5, 0, 0, 10, 0, 0, 0, 0]
+    assert "not_read" not in cloud.metadata
     assert "regions" not in cloud.metadata
     tri = constrained_delaunay(cloud.points[:, :2], cloud.edges, seeds=cloud.metadata["holes"])
     assert tri.nsimplex == 8

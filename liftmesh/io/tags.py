@@ -1,0 +1,126 @@
+"""Tags of a mesh, as files for solvers have them: markers of its edges, regions of its faces.
+
+Markers are those that the metadata state, one for each edge; edges without one (0) get the next
+number. Where none are stated, the closed lines of the boundary are numbered from 1, then the lines
+inside, each kind in the order of their lexicographically least points. Regions are what edges
+separate, numbered in the order of their first faces, as `ConstrainedTriangulation.regions` are.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import ends_of, pair_keys
+from liftmesh.errors import FormatError
+from liftmesh.io.columns import edges_of, faces_of
+from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+
+MARKERS = "markers"
+"""The entry of the metadata with a whole number for each edge."""
+
+
+def stated_markers(cloud: Cloud) -> Rows | None:
+    """Return the markers that the metadata state, if they do."""
+    given: Any = cloud.metadata.get(MARKERS)
+    if given is None:
+        return None
+    count = len(edges_of(cloud))
+    numbers = whole_numbers(given)
+    if numbers is None or numbers.shape != (count,):
+        raise FormatError(
+            f"metadata {MARKERS} are no whole numbers of 32 bits, one for each of the {count:,} "
+            "edges: correct or leave them out"
+        )
+    return numbers
+
+
+def whole_numbers(given: Any) -> Rows | None:
+    """Return numbers as int32; None if they are others."""
+    try:
+        values: Array = np.asarray(given)
+    except ValueError:  # rows of several lengths
+        return None
+    if not values.size:
+        return np.empty(values.shape, np.int32)
+    is_whole = values.dtype.kind in "iu" and np.array_equal(values.astype(np.int32), values)
+    return values.astype(np.int32) if is_whole else None
+
+
+def markers_of(cloud: Cloud, beyond: Rows) -> Rows:
+    """Return a marker for each edge, and for each of some sides beyond them."""
+    stated = stated_markers(cloud)
+    if stated is not None:
+        markers = np.concatenate([stated, np.zeros(len(beyond), np.int32)])
+        markers[markers == 0] = max(int(stated.max(initial=0)), 0) + 1
+        return markers
+    lines = np.concatenate([edges_of(cloud), beyond])
+    is_outer = np.isin(_keys(lines), _keys(boundary_of(cloud)))
+    markers = np.empty(len(lines), np.int32)
+    markers[is_outer] = _numbered(cloud.points, lines[is_outer]) + 1
+    first = int(markers[is_outer].max(initial=0)) + 1
+    markers[~is_outer] = _numbered(cloud.points, lines[~is_outer]) + first
+    return markers
+
+
+def boundary_of(cloud: Cloud) -> Rows:
+    """Return the sides that only one face has, in the order of the faces."""
+    faces = faces_of(cloud)
+    sides = ends_of(faces, np.repeat(np.arange(len(faces)), 3), np.tile(np.arange(3), len(faces)))
+    _, first, count = np.unique(_keys(sides), return_index=True, return_counts=True)
+    boundary: Rows = sides[np.sort(first[count == 1])]
+    return boundary
+
+
+def beyond_edges(cloud: Cloud) -> Rows:
+    """Return the sides of the boundary that are no edges."""
+    boundary = boundary_of(cloud)
+    return boundary[~np.isin(_keys(boundary), _keys(edges_of(cloud)))]
+
+
+def are_at_boundary(cloud: Cloud, lines: Rows) -> Mask:
+    """Tell which lines are sides of one face alone."""
+    return np.isin(_keys(lines), _keys(boundary_of(cloud)))
+
+
+def regions_of(cloud: Cloud) -> Rows:
+    """Return the region of each face."""
+    faces = faces_of(cloud)
+    face = np.repeat(np.arange(len(faces)), 3)
+    keys = _keys(ends_of(faces, face, np.tile(np.arange(3), len(faces))))
+    order = np.argsort(keys, kind="stable")
+    keys, face = keys[order], face[order]
+    is_open = (keys[1:] == keys[:-1]) & ~np.isin(keys[1:], _keys(edges_of(cloud)))
+    labels = _components(len(faces), face[:-1][is_open], face[1:][is_open])
+    _, first, found = np.unique(labels, return_index=True, return_inverse=True)
+    number = np.empty(len(first), np.int32)
+    number[np.argsort(first)] = np.arange(len(first))
+    regions: Rows = number[found]
+    return regions
+
+
+def _keys(lines: Rows) -> Integers:
+    return pair_keys(*np.sort(lines, axis=1).T)
+
+
+def _components(count: int, tails: Integers, heads: Integers) -> Integers:
+    graph = load("scipy.sparse").coo_array(
+        (np.ones(len(tails), np.bool_), (tails, heads)), shape=(count, count)
+    )
+    labels: Integers = load("scipy.sparse.csgraph").connected_components(graph, directed=False)[1]
+    return labels
+
+
+def _numbered(points: Floats, lines: Rows) -> Integers:
+    """Number connected lines in the order of their least points."""
+    labels = _components(len(points), *lines.T)
+    rank = np.empty(len(points), np.intp)
+    rank[np.lexsort((points[:, 1], points[:, 0]))] = np.arange(len(points))
+    least = np.full(len(points), len(points))
+    np.minimum.at(least, labels, rank)
+    return np.unique(least[labels[lines[:, 0]]], return_inverse=True)[1]
