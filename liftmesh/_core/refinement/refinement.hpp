@@ -19,7 +19,7 @@ inline constexpr std::int32_t given = -2;    // in place of the piece that a ver
 // The square of its cosine: pieces that meet in less need no further split across their angle.
 inline constexpr double of_sixty_degrees2 = 0.25;
 
-inline constexpr double tiny = 64;  // ulps: off-centres leave a fiftieth of the base
+inline constexpr double least_ulps = 64;  // of a base, of which off-centres leave a fiftieth
 
 // A triangle over its shortest side.
 struct Shape {
@@ -71,13 +71,13 @@ class Refinement {
     void push(std::vector<Waiting> all);
     std::vector<Waiting> too_long();
     bool is_between_constraints(Edge base) const;
-    bool is_tiny(Point a, Point b, double ulps = tiny) const;
-    bool is_tiny(Edge e, double ulps = tiny) const {
+    bool is_tiny(Point a, Point b, double ulps = least_ulps) const;
+    bool is_tiny(Edge e, double ulps = least_ulps) const {
         return is_tiny(at(slots().tail(e)), at(slots().head(e)), ulps);
     }
     // Whether the apex is that near to an end: farther than a row on the edge beside it.
     bool has_tiny_side(Edge e) const {
-        return is_tiny(next(e), 2 * tiny) || is_tiny(previous(e), 2 * tiny);
+        return is_tiny(next(e), 2 * least_ulps) || is_tiny(previous(e), 2 * least_ulps);
     }
     std::int32_t piece_at(Vertex a, Vertex b) const;
 

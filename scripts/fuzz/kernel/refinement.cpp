@@ -5,6 +5,7 @@
 #include <numbers>
 #include <vector>
 
+#include "bounded.hpp"
 #include "checks.hpp"
 #include "constrained/regions.hpp"
 #include "demand.hpp"
@@ -18,8 +19,6 @@ namespace {
 
 using liftmesh::Constrained;
 using liftmesh::Input;
-using liftmesh::Result;
-using liftmesh::Row;
 using liftmesh::Status;
 using liftmesh::constrained::Piece;
 using liftmesh::refinement::Cause;
@@ -29,24 +28,6 @@ using liftmesh::refinement::Wanted;
 
 constexpr std::size_t most_edges = 32, most_regions = 8, most_rounds = 4;
 constexpr double widest = 40;  // degrees
-
-Piece side(const Result& found, std::size_t t, unsigned k) {
-    const auto corner = [&](unsigned i) {
-        return static_cast<Row>(found.simplices[3 * t + (k + i) % 3]);
-    };
-    return {std::min(corner(1), corner(2)), std::max(corner(1), corner(2))};
-}
-
-// Those of its hull become constraints, too.
-void bound(Constrained& mesh) {
-    for (std::size_t t = 0; t < mesh.result.triangle_count; ++t)
-        for (unsigned k = 0; k < 3; ++k) {
-            if (mesh.result.neighbors[3 * t + k] >= 0 || (mesh.marks[t] >> k & 1)) continue;
-            mesh.marks[t] |= static_cast<std::uint8_t>(1u << k);
-            mesh.pieces.push_back(side(mesh.result, t, k));
-        }
-    std::sort(mesh.pieces.begin(), mesh.pieces.end());
-}
 
 std::vector<std::int32_t> regions(const Constrained& mesh, unsigned outside) {
     std::vector<std::int32_t> labels = liftmesh::constrained::label(
@@ -60,7 +41,7 @@ std::vector<Piece> marked(const Refined& found) {
     std::vector<Piece> sides;
     for (std::size_t t = 0; t < found.result.triangle_count; ++t)
         for (unsigned k = 0; k < 3; ++k)
-            if (found.marks[t] >> k & 1) sides.push_back(side(found.result, t, k));
+            if (found.marks[t] >> k & 1) sides.push_back(native::side(found.result, t, k));
     std::sort(sides.begin(), sides.end());
     sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     return sides;
@@ -140,7 +121,7 @@ void check_refinement(Bytes bytes) {
     Constrained mesh = liftmesh::constrained_delaunay(c.input, edges.data(), edges.size() / 2,
                                                       c.skip_non_finite, {}, patient);
     if (mesh.status != Status::ok || !mesh.crossings.empty() || !mesh.unplaced.empty()) return;
-    bound(mesh);
+    native::bound(mesh);
     const std::vector<std::int32_t> labels = regions(mesh, outside);
     const std::vector<double> largest(mesh.result.triangle_count,
                                       std::ldexp(1.0, how / 4 * 32 - 1000));
