@@ -1,4 +1,4 @@
-"""Time the refinement of a coast and of a graded mesh, side by side with triangle.
+"""Time the refinement of a coast and of a graded mesh, side by side with triangle, and smoothing.
 
     python scripts/bench.py refine                        105,000 points, and a million triangles
     python scripts/bench.py refine --n 20000 --triangles 100000 --rounds 1
@@ -8,13 +8,16 @@ and edges: "refine" is what `liftmesh.refine` takes of liftmesh's time. "Below" 
 the angle, which small input angles force. The graded mesh is a square whose wanted edges are twenty
 times as long at one corner as at the other; triangle, which takes no function, refines again under
 bounds of areas until none is larger. An edge is near if it is from half to twice as long as what is
-wanted in its middle. In one process and in turns; the least CPU seconds of the rounds count.
+wanted in its middle. Smoothed are the coast and a pentagon with lengths as in the square; angles
+are the smallest ones of the triangles. In one process and in turns; the least CPU seconds of the
+rounds count.
 """
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import import_module
 from time import process_time
 from typing import Any
@@ -34,6 +37,8 @@ GRADED = 30  # degrees
 SPREAD = 20  # of lengths
 FILLING = 1.4  # triangles made, for each equilateral one of the wanted length
 MOST_ROUNDS = 30
+PENTAGON = np.array([[0.0, 0.1], [0.8, 0], [1, 0.7], [0.5, 1], [0.1, 0.8]])
+SMOOTHED = 0, 1, 3, 10  # rounds
 Mesh = tuple[Points, Edges]
 
 
@@ -49,10 +54,18 @@ def run(options: Namespace) -> None:
     program = import_module("triangle")
     show("coast", COAST_COLUMNS, coast(program, options))
     show("graded square", GRADED_COLUMNS, graded(program, options))
+    show("smoothed, in rounds", SMOOTHED_COLUMNS, [*smoothed(options)])
 
 
 COAST_COLUMNS = "angle", "triangles", "below", "seconds", "refine"
 GRADED_COLUMNS = "near", "triangles", "seconds", "microseconds a triangle"
+SMOOTHED_COLUMNS = (
+    "least angle",
+    "mean",
+    "under 35",
+    "triangles",
+    "microseconds a triangle and round",
+)
 
 
 def show(name: str, columns: tuple[str, ...], rows: list[list[str]]) -> None:
@@ -116,6 +129,29 @@ def graded(program: Any, options: Namespace) -> list[list[str]]:
         each = f"{1e6 * seconds / count:.2f}"
         rows.append([name, f"{near(*mesh, wanted):.2%}", f"{count:,}", f"{seconds:.2f}", each])
     return rows
+
+
+def smoothed(options: Namespace) -> Iterator[list[str]]:
+    """Smooth the carved coast, and a graded pentagon."""
+    scale = unit_length(options.triangles)
+    land = FAMILIES["coast"](options.n, np.random.default_rng(SEED))
+    cases: dict[str, Any] = {
+        "coast": (liftmesh.constrained_delaunay(*land, carve="holes", threads=1), None),
+        "pentagon": ([PENTAGON], lambda places: lengths(scale, places)),
+    }
+    for name, (domain, size) in cases.items():
+
+        def made(rounds: int, domain: Any = domain, size: Any = size) -> Mesh:
+            found = liftmesh.refine(domain, min_angle=GRADED, size=size, smooth=rounds)
+            return found.triangulation.points, found.triangulation.simplices
+
+        calls = {str(rounds): partial(made, rounds) for rounds in SMOOTHED}
+        (_, (plain, _)), *_ = found = in_turn(calls, options)
+        for rounds, (seconds, mesh) in found:
+            angles = smallest_angles(*mesh)
+            each = 1e6 * (seconds - plain) / len(angles) / max(int(rounds), 1)
+            told = f"{angles.min():.2f}", f"{angles.mean():.2f}", f"{np.mean(angles < 35):.1%}"
+            yield [f"{name}, {rounds}", *told, f"{len(angles):,}", f"{each:.2f}"]
 
 
 def lengths(least: float, places: Points) -> Any:
