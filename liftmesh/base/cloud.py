@@ -197,7 +197,9 @@ class Cloud(FrozenResult):
         return replace(self, colors=colors, color_depth=depth)
 
     def select(self, which: slice | Array) -> Cloud:
-        """Select rows with all their values, without faces and edges.
+        """Select rows with all their values, without faces.
+
+        Edges stay if both of their ends do.
 
         Parameters
         ----------
@@ -212,7 +214,7 @@ class Cloud(FrozenResult):
         Raises
         ------
         InputError
-            There are no such rows.
+            There are no such rows, or an edge has an end that is no row.
 
         See Also
         --------
@@ -228,6 +230,7 @@ class Cloud(FrozenResult):
         """
         try:
             points = self.points[which]
+            edges = None if self.edges is None else self._edges_among(which)
         except (IndexError, TypeError, ValueError) as error:
             raise InputError(
                 f"rows {shown(which)} cannot be selected of {len(self)}: {error}"
@@ -239,8 +242,23 @@ class Cloud(FrozenResult):
             normals=None if self.normals is None else self.normals[which],
             attributes={name: values[which] for name, values in self.attributes.items()},
             faces=None,
-            edges=None,
+            edges=edges,
         )
+
+    def _edges_among(self, which: slice | Array) -> Rows:
+        """Return the edges of which both ends are selected; of a row selected twice, the first."""
+        rows = np.atleast_1d(np.arange(len(self))[which])
+        place = np.full(len(self), -1, np.int32)
+        place[rows[::-1]] = np.arange(len(rows), dtype=np.int32)[::-1]
+        edges = np.asarray(self.edges)
+        if len(wrong := np.flatnonzero(((edges < 0) | (edges >= len(self))).any(axis=1))):
+            raise InputError(
+                f"edge {wrong[0]} of the cloud is {edges[wrong[0]].tolist()}: "
+                f"give rows from 0 to {len(self) - 1}"
+            )
+        ends = place[edges]
+        found: Rows = ends[(ends >= 0).all(axis=1)]
+        return found
 
     def _per_row(self) -> list[tuple[str, Array]]:
         named = [("colors", self.colors), ("normals", self.normals), *self.attributes.items()]

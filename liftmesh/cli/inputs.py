@@ -16,12 +16,17 @@ from liftmesh.base.options import Returns, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
+from liftmesh.cli.wording import worded
 from liftmesh.errors import CrossingError, DataWarning, FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
+_OF_LINES = (  # warnings that are not among the notes
+    "the points have .* edges?, not used|.* lie beyond all points"
+    "|.*: layer .* is read, and|.*: its coordinate system is not known"
+)
 _LINE = re.compile(  # that a message is about: its option begins so
     r"(?:a ring of polygon \d+ of )?(boundary|holes|edge|polyline|polygon|(?:soft )?breakline)\b"
 )
@@ -268,12 +273,20 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
 
 
 @contextmanager
-def without_warnings() -> Iterator[None]:
-    """Leave out warnings about data, which are among the notes, but for that of edges."""
+def without_warnings() -> Iterator[list[str]]:
+    """Leave out warnings about data that are among the notes; yield a list of those shown."""
+    told: list[str] = []
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", DataWarning)
-        warnings.filterwarnings("always", "the points have .* edges?, not used", DataWarning)
-        yield
+        warnings.filterwarnings("always", _OF_LINES, DataWarning)
+        other = warnings.showwarning
+
+        def show(message: Any, *rest: Any) -> None:
+            told.append(worded(message.args[0]))
+            other(message, *rest)
+
+        warnings.showwarning = show  # type: ignore[assignment]
+        yield told
 
 
 def read_rows(

@@ -73,7 +73,7 @@ def run(
     text = f"simplifying {len(cloud):,} rows"
     with inputs.about_rows(sources, cloud):
         target.check_content(cloud)
-        with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
+        with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings() as told:
             surface = liftmesh.simplify(
                 cloud,
                 **limits,
@@ -86,31 +86,33 @@ def run(
             )
     written = target.write(surface)
     with outputs.report_after(target.path):
-        _print_report(written, surface, perf_counter() - start, as_json=json)
+        _print_report(written, surface, perf_counter() - start, told, as_json=json)
 
 
-def _print_report(written: WriteResult, surface: Surface, seconds: float, *, as_json: bool) -> None:
-    told = notes.provenance_of(surface).simplification
+def _print_report(
+    written: WriteResult, surface: Surface, seconds: float, told: list[str], *, as_json: bool
+) -> None:
+    counts = notes.provenance_of(surface).simplification
     if as_json:
         cloud = surface.to_cloud()
         terminal.as_json(
             {
                 **outputs.as_values(written),
                 "n_triangles": len(surface.faces),
-                **told,
-                "notes": list(notes.cloud_notes(cloud)),
+                **counts,
+                "notes": [*notes.cloud_notes(cloud), *told],
                 "selection": notes.counts_of(cloud),
                 **notes.provenance(surface),
                 "seconds": seconds,
             }
         )
         return
-    content = f"{told['n_kept']:,} of {told['n_positions']:,} positions"
+    content = f"{counts['n_kept']:,} of {counts['n_positions']:,} positions"
     content += f", {len(surface.faces):,} triangles"
     terminal.sentence(outputs.headline(written, content), "good")
-    lines = [("largest distance", f"{told['error']:.6g}")]
-    if told["max_error"] is not None and not told["within"]:
-        lines.append(("asked for", f"{told['max_error']:.6g}: --max-points came first"))
-    if told["merged"]:
-        lines.append(("of merged rows", f"{told['merged']:.6g}"))
+    lines = [("largest distance", f"{counts['error']:.6g}")]
+    if counts["max_error"] is not None and not counts["within"]:
+        lines.append(("asked for", f"{counts['max_error']:.6g}: --max-points came first"))
+    if counts["merged"]:
+        lines.append(("of merged rows", f"{counts['merged']:.6g}"))
     terminal.table([*lines, ("seconds", f"{seconds:.2f}")])

@@ -109,4 +109,6 @@ def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:
     told = notes.provenance_of(kept).thinning.items()
     how = ", ".join(f"{key} {value}" for key, value in told if key not in {"n_rows", "n_kept"})
     terminal.note(f"thinned to {len(kept):,} of {len(cloud):,} rows: {how}")
+    if lost := notes.parts_not_read(kept)[len(notes.parts_not_read(cloud)) :]:
+        terminal.note(f"thinned without {notes.listed([each.partition(' (')[0] for each in lost])}")
     return kept

@@ -183,7 +183,7 @@ def run(
     seconds = {"read": perf_counter() - start}
     with inputs.about_rows(sources, cloud), inputs.about_lines(lines):
         target.check_content(cloud)
-        surface = _triangulate(
+        surface, told = _triangulate(
             cloud,
             plane=plane.value,
             on_duplicate=on_duplicate,
@@ -200,7 +200,8 @@ def run(
     written = target.write(surface)
     seconds["write"] = perf_counter() - start
     with outputs.report_after(target.path):
-        _print_report(written, surface, seconds, _replaced(cloud, surface), as_json=json)
+        replaced = _replaced(cloud, surface)
+        _print_report(written, surface, seconds, replaced, told, as_json=json)
 
 
 def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
@@ -239,12 +240,13 @@ def _replaced(cloud: Cloud, surface: Surface) -> list[str]:
     return [said] if said else []
 
 
-def _triangulate(cloud: Cloud, **choices: Any) -> Surface:
+def _triangulate(cloud: Cloud, **choices: Any) -> tuple[Surface, list[str]]:
+    """Return the surface, and the notes about edges and lines that were printed."""
     import liftmesh
 
     text = f"triangulating {len(cloud):,} rows"
-    with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings():
-        return liftmesh.triangulate(cloud, progress=progress, **choices)
+    with terminal.share_bar(text, len(cloud)) as progress, inputs.without_warnings() as told:
+        return liftmesh.triangulate(cloud, progress=progress, **choices), told
 
 
 def _print_report(
@@ -252,6 +254,7 @@ def _print_report(
     surface: Surface,
     seconds: dict[str, float],
     replaced: list[str],
+    told: list[str],
     *,
     as_json: bool,
 ) -> None:
@@ -260,7 +263,7 @@ def _print_report(
         cloud = surface.to_cloud()
         known = notes.provenance_of(cloud)
         about = {
-            "notes": [*notes.cloud_notes(cloud), *replaced],
+            "notes": [*notes.cloud_notes(cloud), *told, *replaced],
             "not_read": list(notes.parts_not_read(cloud)),
             "triangulated_by": known.lifted_by or None,
             "selection": notes.counts_of(cloud),

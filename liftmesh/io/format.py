@@ -44,7 +44,8 @@ from liftmesh.io.metadata import noted
 Reader: TypeAlias = Callable[..., Cloud]  # (stream, name), and max_bytes= if the format expands
 ChunkReader: TypeAlias = Callable[..., Iterator[Cloud]]  # (stream, name, rows), and the same
 Origin: TypeAlias = tuple[float, float, float]
-Writer: TypeAlias = Callable[..., Origin | None]
+Found: TypeAlias = Origin | frozenset[str] | None  # by a writer
+Writer: TypeAlias = Callable[..., Found]
 Losses: TypeAlias = Callable[[Cloud, Mapping[str, Any]], Collection[str]]
 
 Read = TypeVar("Read")
@@ -82,7 +83,8 @@ class Format:
         name for messages. None if the format cannot be read.
     write : callable or None
         ``write(stream, cloud, **options)``: ``stream`` is binary. It returns None, or the origin
-        (x, y, z) that was subtracted from every vertex. None if the format cannot be written.
+        (x, y, z) that was subtracted from every vertex, or a frozenset of what `loses` would have
+        to find out again. None if the format cannot be written.
     description : str
         One line for people.
     keeps : tuple of str
@@ -275,10 +277,14 @@ def _check_finite(file_format: Format, cloud: Cloud) -> None:
 
 
 def dropped(
-    file_format: Format, cloud: Cloud, options: Mapping[str, Any], origin: Origin | None
+    file_format: Format, cloud: Cloud, options: Mapping[str, Any], found: Found
 ) -> tuple[str, ...]:
     """List what a cloud has and its file does not keep, attributes and metadata by name."""
     losses = () if file_format.loses is None else file_format.loses(cloud, options)
+    if isinstance(found, frozenset):
+        losses, origin = (*losses, *sorted(found)), None
+    else:
+        origin = found
     kept = set(file_format.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"

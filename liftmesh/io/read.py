@@ -320,7 +320,7 @@ def split(reader: Reader) -> ChunkReader:
     """Make a chunk reader from a reader of whole files."""
 
     def chunks(stream: BinaryIO, name: str, rows: int) -> Iterator[Cloud]:
-        cloud = reader(stream, name)
+        cloud = replace(reader(stream, name), edges=None)
         for start in range(0, len(cloud), rows):
             yield cloud.select(slice(start, start + rows))
 

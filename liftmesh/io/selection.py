@@ -22,11 +22,12 @@ from liftmesh.base.options import (
     as_positive,
     as_switch,
     check_option,
+    counted,
     refused,
 )
 from liftmesh.errors import FormatError, InputError, Option
-from liftmesh.io.columns import POSITION
-from liftmesh.io.metadata import Provenance, noted
+from liftmesh.io.columns import POSITION, edges_of, faces_of
+from liftmesh.io.metadata import Provenance, Unread, noted
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -272,15 +273,21 @@ def class_column(columns: Mapping[str, Array]) -> str | None:
 
 
 def selected(cloud: Cloud, selector: Selector) -> Cloud:
-    """Select the rows of a cloud that meet the conditions; faces are left out and named."""
+    """Select the rows of a cloud that meet the conditions; what they take away is named."""
     places = dict(zip(POSITION, cloud.points.T, strict=True))
     rows, _ = selector.rows(len(cloud), {**cloud.attributes, **places})
-    not_read: tuple[str, ...] = ()
-    if cloud.faces is not None:
-        before = Provenance(cloud.metadata).not_read
-        not_read = (*before, f"{len(cloud.faces):,} faces (rows were selected)")
-    metadata = noted(cloud.metadata, selection=selector.counts(), not_read=not_read)
-    return replace(cloud.select(rows), metadata=metadata)
+    return only(cloud, rows, selection=selector.counts())
+
+
+def only(cloud: Cloud, rows: Array, **entries: Any) -> Cloud:
+    """Return rows of a cloud; name the faces and edges that are left out, and note entries."""
+    kept = cloud.select(rows)
+    lost = {"face": len(faces_of(cloud)), "edge": len(edges_of(cloud)) - len(edges_of(kept))}
+    named = [f"{counted(n, kind)} (rows were selected)" for kind, n in lost.items() if n]
+    known = Provenance(cloud.metadata)
+    not_read = (*known.not_read, *named) if named else ()
+    not_read = not_read if known.is_read else Unread(not_read)
+    return replace(kept, metadata=noted(cloud.metadata, not_read=not_read, **entries))
 
 
 def selection_sentence(counts: Mapping[str, int]) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import io
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -29,7 +29,7 @@ from liftmesh.io.streams import (
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Format, Origin
+    from liftmesh.io.format import Format, Found, Origin, Writer
 
 
 _KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only
@@ -171,20 +171,29 @@ def write(
     check_needs(file_format, cloud)
     if not isinstance(target, str | os.PathLike):
         check_stream(target, "write")
-        origin, size = _write(target, cloud, writer, options)
-        lost = dropped(file_format, cloud, options, origin)
-        return WriteResult(None, file_format.name, size, origin, lost, renamed(file_format, cloud))
+        found, size = _write(target, cloud, writer, options)
+        return _result(None, file_format, cloud, options, found, size)
     is_replaced = file_format.name not in _KEPT if overwrite is None else overwrite
     with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
         with watched(stream):
-            origin, size = _write(stream, cloud, writer, options)
-        lost, names = dropped(file_format, cloud, options, origin), renamed(file_format, cloud)
-    return WriteResult(Path(target), file_format.name, size, origin, lost, names)
+            found, size = _write(stream, cloud, writer, options)
+        return _result(Path(target), file_format, cloud, options, found, size)
 
 
-def writer_of(
-    file_format: Format, name: str, options: Mapping[str, Any]
-) -> Callable[..., Origin | None]:
+def _result(
+    path: Path | None,
+    file_format: Format,
+    cloud: Cloud,
+    options: Mapping[str, Any],
+    found: Found,
+    size: int,
+) -> WriteResult:
+    origin = found if isinstance(found, tuple) else None
+    lost = dropped(file_format, cloud, options, found)
+    return WriteResult(path, file_format.name, size, origin, lost, renamed(file_format, cloud))
+
+
+def writer_of(file_format: Format, name: str, options: Mapping[str, Any]) -> Writer:
     """Return the writer of a format."""
     if file_format.write is None:
         raise FormatError(
@@ -203,16 +212,16 @@ def writer_of(
 
 
 def _write(
-    stream: BinaryIO, cloud: Cloud, writer: Callable[..., Origin | None], options: dict[str, Any]
-) -> tuple[Origin | None, int]:
+    stream: BinaryIO, cloud: Cloud, writer: Writer, options: dict[str, Any]
+) -> tuple[Found, int]:
     if isinstance(stream, io.RawIOBase):
         return _write(written_whole(stream), cloud, writer, options)
     if not stream.seekable():
         held = io.BytesIO()
-        origin, size = _write(held, cloud, writer, options)
+        found, size = _write(held, cloud, writer, options)
         stream.write(held.getbuffer())
-        return origin, size
+        return found, size
     begin = stream.tell()
     with preserve_signals():
-        origin = writer(stream, cloud, **options)
-    return origin, stream.tell() - begin
+        found = writer(stream, cloud, **options)
+    return found, stream.tell() - begin

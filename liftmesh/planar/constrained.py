@@ -103,9 +103,10 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
     carve : {"outside", "holes"}, optional
         What is removed. With "outside", what can be reached from the hull without crossing the
         sides of polygons; with "holes", all that is inside of none: also in their holes, or
-        enclosed between them. Without polygons, `edges` bound regions, and without these polylines
-        that end at the position where they begin: "holes" then also removes what is an even number
-        of crossings away. Other edges never count: they divide no region.
+        enclosed between them. What is in more holes than polygons is in a hole, so one may be given
+        twice, overlap others or be within one. Without polygons, `edges` bound regions, and without
+        these polylines that end at the position where they begin: "holes" then also removes what is
+        an even number of crossings away. Other edges never count: they divide no region.
     seeds : array_like of shape (s, 2), optional
         A point in each region to be removed besides; regions are bounded as for `carve`.
     nonfinite : {"error", "skip"}, default "error"
@@ -289,20 +290,20 @@ def _kept(
         seeded = _seeded(solved, seeds, bounds)
     arrays = simplices, neighbors, solved.bits, solved.pieces, bounds, winding
     keep = _kernel.carve(*arrays, carve or "none", seeded).astype(np.bool_)
-    is_cancelled = carve == "holes" and given.winding.any() and not winding.any()
-    if is_cancelled:
-        keep[:] = False  # holes cancel polygons out, and their parity does not count
+    if carve == "holes" and given.winding.any() and not winding.any():
+        keep[:] = False  # rings cancel out, and their parity does not count
     if not keep.any():
         unseeded = seeded[:0]
         by_seeds = len(seeded) and (carve is None or _kernel.carve(*arrays, carve, unseeded).any())
-        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds), bool(is_cancelled))
+        by_holes = carve == "holes" and not by_seeds and given.winding[:, 1].any()
+        raise _nothing_left(counted(len(keep), "triangle"), bool(by_seeds), bool(by_holes))
     return keep
 
 
-def _nothing_left(all_of_them: str, by_seeds: bool, is_cancelled: bool) -> InputError:
-    if is_cancelled:
+def _nothing_left(all_of_them: str, by_seeds: bool, by_holes: bool) -> InputError:
+    if by_holes:
         said = f"{Option('carve')} removes all of {all_of_them}, since the holes of "
-        said += f"{Option('polygons')} are as large as these: leave them out, or make them smaller"
+        said += f"{Option('polygons')} cover all of these: leave them out, or make them smaller"
     elif by_seeds:
         said = f"{Option('seeds')} remove all of {all_of_them} that there are: leave out those in "
         said += "regions that stay, or close these regions with edges or polygons"
@@ -313,18 +314,19 @@ def _nothing_left(all_of_them: str, by_seeds: bool, is_cancelled: bool) -> Input
 
 
 def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
-    """Return which pieces bound regions, and how the winding number changes across each."""
+    """Return which pieces bound regions, and how the winding numbers change across each."""
     piece, count = solved.piece_of, len(solved.pieces)
     origin = solved.origins[solved.members]
     bounds = np.zeros(count, dtype=np.uint8)
     bounds[piece[given.bounds[origin]]] = 1
-    of_polygon = np.flatnonzero(given.winding[origin])
+    of_polygon = np.flatnonzero(given.winding[origin].any(axis=1))
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
     pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
     along = np.equal(*(is_after(*points[each.T]) for each in pairs))
-    steps = np.where(along, 1, -1) * given.winding[origin]
-    return bounds, np.bincount(piece, steps, minlength=count).astype(np.int32)
+    steps = np.where(along, 1, -1) * given.winding[origin].T
+    windings = [np.bincount(piece, each, minlength=count).astype(np.int32) for each in steps]
+    return bounds, np.stack(windings, axis=1)
 
 
 def _seeded(solved: _Solved, seeds: ArrayLike, bounds: Bits) -> Rows:

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Mask, Reals, Rows
-from liftmesh.base.arrays import MOST_ROWS, is_masked_array, pair_keys, starts_of_runs, widened
+from liftmesh.base.arrays import MOST_ROWS, is_masked_array, starts_of_runs, widened
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError, Option
 from liftmesh.vector.geojson import planar_corners
@@ -36,7 +36,8 @@ class Constraints:
     edges: Rows  # (k, 2)
     polyline: Rows  # of each edge; -1 for others
     polygon: Rows
-    winding: Rows  # of a side of a polygon: 1 if the inside is on its left, -1 on its right; else 0
+    # (k, 2): of a side of an outer ring, and of a hole: 1 if it is on the left, -1 on the right
+    winding: Rows
     bounds: Mask  # whether the edge bounds a region that `carve` removes or keeps
     added: Floats  # (a, 2): the positions of new rows
 
@@ -60,7 +61,6 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
     ]
     rings = [ring for area in areas for ring in area]
     corners, added = _as_rows(points, [*lines, *rings])
-    _check_holes(areas, corners[len(lines) :])
     tail, head, line = _sides(corners, len(lines))
     joined = np.concatenate([plain, np.stack([tail, head], axis=1)]).astype(np.int32)
     if len(joined) > _MOST_EDGES or len(points) + len(added) > MOST_ROWS:
@@ -69,14 +69,14 @@ def gather(points: Reals, edges: Any, polylines: Any, polygons: Any) -> Constrai
             "numbers allow: leave some out"
         )
     count, of_area = len(plain), np.repeat(np.arange(len(areas)), [len(each) for each in areas])
-    polyline, polygon, winding = np.full((3, len(joined)), -1, dtype=np.int32)
+    polyline, polygon = np.full((2, len(joined)), -1, dtype=np.int32)
     is_ring = line >= len(lines)
     polyline[count:] = np.where(is_ring, -1, line)
     polygon[count:][is_ring] = of_area[line[is_ring] - len(lines)]
-    winding[:] = 0
+    winding = np.zeros((len(joined), 2), dtype=np.int32)
     if not is_unsaid:  # else the parity tells
-        insides = _insides(points, added, corners[len(lines) :], areas)
-        winding[count:][is_ring] = insides[line[is_ring] - len(lines)]
+        of_rings = _windings(points, added, corners[len(lines) :], areas)
+        winding[count:][is_ring] = of_rings[line[is_ring] - len(lines)]
     bounds = polygon >= 0
     if not areas:
         is_closed = _are_closed(points, corners)
@@ -149,22 +149,6 @@ def _line(given: Any, rows: int, name: str, fewest: int) -> Line:
         raise InputError(f"{name} is {shown(given)}: give {fewest} rows or more")
     _check_rows(array, rows, name)
     return array
-
-
-def _check_holes(areas: Sequence[Sequence[Line]], rings: Sequence[Rows]) -> None:
-    """Raise if two holes of a polygon are the same: what is in both would count as inside."""
-    start = 0
-    for polygon, area in enumerate(areas):
-        known: dict[bytes, int] = {}
-        for hole, ring in enumerate(rings[start + 1 : start + len(area)]):
-            sides = np.sort([ring, np.roll(ring, 1)], axis=0)
-            first = known.setdefault(np.sort(pair_keys(*sides)).tobytes(), hole)
-            if first != hole:
-                raise InputError(
-                    f"holes {first} and {hole} of polygon {polygon} have the same corners: give "
-                    "each hole once"
-                )
-        start += len(area)
 
 
 def _without_return(ring: Line) -> Line:
@@ -338,19 +322,20 @@ def _are_closed(points: Reals, lines: Sequence[Rows]) -> Mask:
     return are_closed
 
 
-def _insides(
+def _windings(
     points: Reals, added: Floats, rings: Sequence[Rows], areas: Sequence[Sequence[Line]]
 ) -> Rows:
-    """Tell for each ring on which side the inside is."""
+    """Tell for each ring, as an outer one and as a hole, on which side its inside is."""
     if not rings:
-        return np.empty(0, dtype=np.int32)
+        return np.empty((0, 2), dtype=np.int32)
     rows = np.concatenate(rings).astype(np.int64)
     is_new = rows >= len(points)
     corners = np.empty((len(rows), 2))
     corners[~is_new], corners[is_new] = points[rows[~is_new]], added[rows[is_new] - len(points)]
     starts = np.concatenate([[0], np.cumsum([len(each) for each in rings])])
     is_hole = np.array([k > 0 for area in areas for k in range(len(area))])
-    return np.where(is_hole, -1, 1) * _turns(corners, starts)
+    kinds = np.stack([~is_hole, is_hole], axis=1)
+    return np.where(kinds, _turns(corners, starts)[:, None], np.int32(0))
 
 
 def _turns(corners: Floats, starts: Integers) -> Rows:

@@ -9,7 +9,6 @@ predicates find strictly inside of its triangle, of the largest one where it is 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -18,7 +17,6 @@ from liftmesh._typing import Floats, Integers, Mask
 from liftmesh.base.arrays import triangles_of_faces
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import edges_of
-from liftmesh.io.formats.text.writer import dropped_digits
 from liftmesh.io.formats.triangle_files import HOLES, REGIONS, write_numbered, write_points
 from liftmesh.io.metadata import CARVED
 from liftmesh.io.tags import stated_markers
@@ -32,10 +30,13 @@ if TYPE_CHECKING:
 _NONE = np.empty((0, 2))
 
 
-def write_poly(stream: BinaryIO, cloud: Cloud) -> None:
-    """Write points, edges, holes, and the regions that the metadata state."""
-    stated = _stated(cloud, HOLES, 2, 2)
-    holes = np.concatenate([stated, hole_points(cloud, stated)])
+def write_poly(stream: BinaryIO, cloud: Cloud) -> frozenset[str]:
+    """Write points, edges, holes, and the regions that the metadata state.
+
+    Returns the names of the holes of a mesh whose edges do not make its triangles.
+    """
+    stated, made = _stated(cloud, HOLES, 2, 2), _made(cloud)
+    holes = np.concatenate([stated, hole_points(made, stated)])
     regions = _stated(cloud, REGIONS, 3, 4)
     write_points(stream, cloud, 2)
     edges = edges_of(cloud)
@@ -45,6 +46,11 @@ def write_poly(stream: BinaryIO, cloud: Cloud) -> None:
     for rows in (holes, regions) if len(regions) else (holes,):
         stream.write(b"%d\n" % len(rows))
         write_numbered(stream, [rows])
+    is_mesh = cloud.faces is not None and len(cloud.faces) and len(edges)
+    lost = {"holes between faces"} if is_mesh and made is None else set()
+    if CARVED in cloud.metadata and (lost or cloud.metadata[CARVED] is not True):
+        lost.add(f"metadata {CARVED}")
+    return frozenset(lost)
 
 
 def _stated(cloud: Cloud, name: str, least: int, most: int) -> Floats:
@@ -64,15 +70,6 @@ def _stated(cloud: Cloud, name: str, least: int, most: int) -> Floats:
     return rows
 
 
-def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Name what digits lose, and the holes of a mesh whose edges do not make its triangles."""
-    is_mesh = cloud.faces is not None and len(cloud.faces) and len(edges_of(cloud))
-    lost = ["holes between faces"] if is_mesh and _made(cloud) is None else []
-    if CARVED in cloud.metadata and (lost or cloud.metadata[CARVED] is not True):
-        lost.append(f"metadata {CARVED}")
-    return (*dropped_digits(cloud, options), *lost)
-
-
 def _made(cloud: Cloud) -> tuple[ConstrainedTriangulation, Integers] | None:
     """Return what the edges of a mesh make, and which of it its faces are; None if others."""
     if cloud.faces is None or cloud.edges is None:
@@ -87,9 +84,8 @@ def _made(cloud: Cloud) -> tuple[ConstrainedTriangulation, Integers] | None:
     return None if (place < 0).any() else (tri, place)
 
 
-def hole_points(cloud: Cloud, stated: Floats) -> Floats:
+def hole_points(made: tuple[ConstrainedTriangulation, Integers] | None, stated: Floats) -> Floats:
     """Return a point in each hole of a mesh, (h, 2), but for those that have one already."""
-    made = _made(cloud)
     if made is None:
         return _NONE
     tri, place = made

@@ -12,8 +12,10 @@ from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
+from liftmesh.errors import InputError
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import Heights, LowerHull, resolve_apex
+from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
     import scipy.spatial
@@ -496,6 +498,22 @@ class Triangulation:
 
 
 _WORST = 2.0**-42  # 1024 eps: what SciPy allows, and a margin for rounding
+
+
+def check_unwritten(tri: Triangulation) -> None:
+    """Raise if rows were written after they were triangulated, so that triangles are turned."""
+    hull = tri._hull  # noqa: SLF001 - of this module
+    turns = np.stack([hull, np.roll(hull, -1), np.roll(hull, -2)], axis=1)
+    for rows, least in ((tri.simplices, 1), (turns, 0)):
+        corners = tri.points[rows]
+        is_wrong = np.asarray(~np.isfinite(corners).all(axis=(1, 2)))
+        is_wrong[~is_wrong] = orient2d(*np.moveaxis(corners[~is_wrong], 1, 0)) < least
+        if is_wrong.any():
+            named = rows[np.argmax(is_wrong)].tolist()
+            raise InputError(
+                f"rows {named} are at {tri.points[named].tolist()} now, and were elsewhere when "
+                "they were triangulated: triangulate them again, or a copy that is not written"
+            )
 
 
 def barycentric_transforms(points: Floats, simplices: Rows) -> Floats:

@@ -40,6 +40,7 @@ from liftmesh.vector.polygons import contains
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
+    from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.lifting import Lifting
     from liftmesh.terrain.lines import Line, Lines
@@ -384,19 +385,48 @@ def _bounded(surface: AnySurface, lines: Lines) -> AnySurface:
     """Leave out the faces that are outside of the boundary, or in holes."""
     if not (lines.boundary or lines.holes):
         return surface
-    tri, frame = surface.triangulation, surface.frame
-    corners = tri.points[tri.simplices]
-    middles = centroids(corners)
-    shown = np.ones(len(middles), dtype=np.bool_)
-    if lines.boundary:
-        shown = contains(lines.rings(lines.boundary, frame), middles)
-    if lines.holes:
-        shown &= ~contains(lines.rings(lines.holes, frame), middles)
+    tri = surface.triangulation
+    shown = _shown(tri, lines, surface.frame)
     if isinstance(tri, ConstrainedTriangulation):  # else no ring meets a face
         is_open = (tri.neighbors >= 0) & ~tri.is_constrained
         if (shown[:, None] & ~shown[tri.neighbors] & is_open).any():
             return _without_slivers(surface, tri, shown, is_open)
     return masked(surface, ~shown)
+
+
+def _shown(tri: Triangulation, lines: Lines, frame: Frame) -> Mask:
+    """Tell which triangles are within the boundary and in no hole, as their centroids are.
+
+    Where no constraint is between triangles they are alike, but for slivers at rings and the hull.
+    So those with a vertex there are asked for, and all of a region where these differ.
+    """
+    at_rings = np.zeros(tri.npoints, dtype=np.bool_)
+    at_rings[tri.convex_hull] = True
+    regions = np.zeros(tri.nsimplex, dtype=np.int32)
+    if isinstance(tri, ConstrainedTriangulation):
+        at_rings[tri.constraints] = True
+        regions = tri.regions
+    is_asked = at_rings[tri.simplices].any(axis=1)
+    found = _within(tri.points[tri.simplices[is_asked]], lines, frame)
+    of_region = regions[is_asked]
+    shown, hidden = (
+        np.bincount(of_region[each], minlength=regions.max() + 1) for each in (found, ~found)
+    )
+    is_shown = (shown > 0)[regions]
+    is_mixed = ((shown > 0) == (hidden > 0))[regions]
+    is_shown[is_mixed] = _within(tri.points[tri.simplices[is_mixed]], lines, frame)
+    return is_shown
+
+
+def _within(corners: Floats, lines: Lines, frame: Frame) -> Mask:
+    """Tell which triangles have a centroid within the boundary, and in no hole."""
+    middles = centroids(corners)
+    found: Mask = np.ones(len(middles), dtype=np.bool_)
+    if lines.boundary:
+        found = contains(lines.rings(lines.boundary, frame), middles)
+    if lines.holes:
+        found &= ~contains(lines.rings(lines.holes, frame), middles)
+    return found
 
 
 def _without_slivers(

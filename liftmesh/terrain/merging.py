@@ -110,11 +110,12 @@ def merge(clouds: Iterable[object]) -> Cloud:
     if unit is not None:
         entries.setdefault("raster", {"unit": unit})
     has_faces = any(each.faces is not None for each in parts)
+    has_edges = any(each.edges is not None for each in parts)
     del parts  # so that each column of the parts can be given back once it is merged
     points = np.concatenate(_taken(columns, _POINTS))
     normals = _stacked(_taken(columns, _NORMALS), names, "normals", left_out)
     values = {key: _stacked(_taken(columns, key), names, key, left_out) for key in keys}
-    left_out += ["faces"] if has_faces else []
+    left_out += ["faces"] * has_faces + ["edges"] * has_edges
     if new := left_out[notes:]:
         entries |= _not_read([*entries.get("not_read", ()), *new])
     entries |= _account(points, sizes, names, values.get(_LINE))

@@ -44,7 +44,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Progress, Rows
-from liftmesh.base.arrays import ends_of, pair_keys, used_rows
+from liftmesh.base.arrays import ends_of, non_finite, pair_keys, used_rows
 from liftmesh.base.options import (
     NonFinite,
     OnDuplicate,
@@ -63,6 +63,7 @@ from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
+from liftmesh.planar.triangulation import Triangulation, check_unwritten
 from liftmesh.terrain.boundary import masked
 from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
@@ -75,7 +76,6 @@ if TYPE_CHECKING:
 
     from liftmesh.base.cloud import Cloud
     from liftmesh.io.options import ReadOptions
-    from liftmesh.planar.triangulation import Triangulation
 
 _DONE_AFTER = {"triangulate": 0.1, "choose": 0.75, "check": 1.0}
 _E = 2.0**-53
@@ -191,10 +191,13 @@ def simplify(  # noqa: PLR0913 - options are keywords
     given["threads"] = threads
     whole = _whole(cloud, options, given, part_of(progress, 0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
+    check_unwritten(whole.triangulation)
     heights = whole.frame.heights(whole.vertices)
     used, positions, hull, edges = _problem(whole, threads)
     between = part_of(progress, _DONE_AFTER["triangulate"], _DONE_AFTER["choose"])
     altitudes = np.ascontiguousarray(heights[used], np.float64) + 0.0
+    if len(wrong := used[~np.isfinite(altitudes)]):
+        raise non_finite(wrong[0], whole.vertices[wrong[0]], skippable=False)
     chosen = _kernel.simplify(positions, altitudes, hull, edges, bound, most, prunes, between)
     kept, is_within = np.sort(used[chosen[0]]), chosen[1]
     _check_count(len(kept), most, has_edges=len(edges) > 0)

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -36,8 +35,8 @@ from liftmesh.base.options import (
     refused,
 )
 from liftmesh.errors import InputError, Option
-from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
+from liftmesh.io.selection import only
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
@@ -97,8 +96,9 @@ def thin(  # noqa: PLR0913 - options are keywords
     Returns
     -------
     Cloud
-        The rows that stay, in their order, without faces. Rows that are not finite stay where a
-        cell or a distance decides. ``metadata["thinning"]`` has "n_rows", "n_kept", and how.
+        The rows that stay, in their order, and the edges between them, without faces. Rows that
+        are not finite stay where a cell or a distance decides. ``metadata["thinning"]`` has
+        "n_rows", "n_kept", and how.
 
     Raises
     ------
@@ -149,7 +149,7 @@ def thin(  # noqa: PLR0913 - options are keywords
     if progress is not None:
         progress(1.0)
     counts = {"n_rows": len(source), "n_kept": len(rows), **how}
-    return replace(source.select(rows), metadata=noted(source.metadata, thinning=counts))
+    return only(source, rows, thinning=counts)
 
 
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:

@@ -179,7 +179,7 @@ def _of_memory(source: object, rows: int, reading: Reading) -> list[SourceChunk]
         schema, begins = PLANAR, range(0, len(array), rows)
         held = [array[begin : begin + rows] for begin in begins]
     else:
-        cloud = reading.changed(as_cloud(source))
+        cloud = replace(reading.changed(as_cloud(source)), edges=None)
         schema, begins = schema_of(cloud), range(0, len(cloud), rows)
         held = [records_from(cloud.select(slice(begin, begin + rows))) for begin in begins]
     return [

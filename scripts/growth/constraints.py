@@ -173,6 +173,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     sizes = refining(size=lambda places: 0.1 + abs(places[:, 0]))
     yield "refine by size", RINGS, sizes, ("nested rings",)
     yield "refine conforming", RINGS, refining(conforming=True), ("nested rings",)
+    yield "refine smooth", RINGS, refining(smooth=3), ("nested rings",)
     for key, asked in REFINED.items():
         yield f"RefineResult.{key}", RINGS, on_refined(asked), ("nested rings",)
     yield "RefineResult.to_cloud", RINGS, on_refined(RefineResult.to_cloud), ()

@@ -2,8 +2,8 @@
 
 A wall is a side of a triangle on an edge that bounds regions. "outside" removes what is reached
 from beyond the hull without crossing a wall. "holes" leaves, where there are polygons, the
-triangles around which their rings wind: outer rings once and holes once backwards, as a ray from
-the centre of a triangle tells. Otherwise it leaves those that are an odd number of walls away from
+triangles around which outer rings wind more often than holes, as a ray from the centre of a
+triangle tells. Otherwise it leaves those that are an odd number of walls away from
 beyond the hull, by the shortest way; where an even number of walls meets at every corner, the ray
 must tell the same. A seed removes what is reached from it without crossing a wall.
 
@@ -24,7 +24,7 @@ from oracles.constrained import Rows, is_between
 from oracles.planar import Edge, Point, Triangle, cross, exact
 
 Side = frozenset[Point]
-Ring = tuple[int, Sequence[Point]]  # 1, or -1 if it counts backwards; and closed: first = last
+Ring = tuple[bool, int, Sequence[Point]]  # whether a hole; 1, or -1 if clockwise; first = last
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,10 @@ class Carving:
     def _is_inside(self, t: int) -> bool:
         centre = _sum(*self.triangles[t])
         if self.rings is not None:
-            return sum(sign * winding(ring, centre) for sign, ring in self.rings) != 0
+            numbers = [0, 0]
+            for is_hole, sign, ring in self.rings:
+                numbers[is_hole] += sign * winding(ring, centre)
+            return abs(numbers[0]) > abs(numbers[1])
         is_odd = self.depths[t] % 2 == 1
         if self._is_even:
             assert is_odd == sum(abs(winding((*wall,), centre)) for wall in self.walls) % 2
@@ -181,11 +184,10 @@ def carving_of(whole: Any, given: Given, points: Sequence[Point]) -> Carving:
             bent += walked(bent[-1], points[head], along)
         bent_chains.append(bent)
     open_ones = len(given.edges) + len(given.polylines)
-    signs = [
-        turn([points[row] for row in ring]) * (-1 if is_hole else 1)
-        for is_hole, ring in given.rings
+    rings = [
+        (is_hole, turn([points[row] for row in ring]), bent)
+        for (is_hole, ring), bent in zip(given.rings, bent_chains[open_ones:], strict=True)
     ]
-    rings = [*zip(signs, bent_chains[open_ones:], strict=True)]
     triangles = [tuple(points[row] for row in rows) for rows in whole.simplices.tolist()]
     return Carving(triangles, walls, rings if given.polygons else None)
 

@@ -18,7 +18,7 @@ from oracles.planar import Point, cross, dot, exact
 Rows = tuple[int, int]
 
 FINE, FORCED, CAPPED, PRECISION = "", "input angle", "cap", "precision"  # causes
-NEAR = 2**50  # a point is at most this part of the greatest coordinate from its line
+NEAR = 2**50  # points are at most this part of the greatest coordinate from their line
 
 
 @dataclass(frozen=True)
@@ -87,19 +87,42 @@ class Refined:
         for corners, cause in zip(self.simplices.tolist(), self.causes.tolist(), strict=True):
             self._check_triangle(corners, cause)
 
+    def check_smoothed(self, plain: Refined) -> None:
+        """Assert that only rows between edges moved, and no smallest angle or cause got worse."""
+        edges = self.result.steiner_edges
+        assert edges.tolist() == plain.result.steiner_edges.tolist(), "other rows are added"
+        free = {*self.result.steiner[edges < 0].tolist()}
+        moved = {*(self.points != plain.points).any(axis=1).nonzero()[0].tolist()}
+        assert moved <= free, f"rows {moved - free} moved"
+        assert self.sharpest <= plain.sharpest, "the smallest angle got smaller"
+        for cause in (CAPPED, PRECISION):
+            count, before_it = ((each.causes == cause).sum() for each in (self, plain))
+            assert count <= before_it, f"there are more with the cause {cause!r}"
+
+    @property
+    def sharpest(self) -> Fraction:
+        """The square of the largest cosine."""
+        return max(self._squared_cosine(*corners) for corners in self.simplices.tolist())
+
+    def _squared_cosine(self, *corners: int) -> Fraction:
+        a, b, c = sorted(corners)
+        sides = sorted(self._length2(*ends) for ends in ((a, b), (b, c), (c, a)))
+        twice_dot = sides[1] + sides[2] - sides[0]
+        return Fraction(twice_dot**2, 4 * sides[1] * sides[2])
+
     def _check_chain(self, chain: list[int]) -> None:
         """Assert that rows are in order and on their piece, but for rounding."""
         a, b = chain[0], chain[-1]
-        far2 = self._length2(a, b) * self._unit**2
+        far2 = self._length2(a, b) * self._greatest**2
         for row, following in pairwise(chain):
             off = cross(self.at[a], self.at[b], self.at[row])
-            assert off**2 <= far2, f"row {row} is off its piece {a, b}"
+            assert (NEAR * off) ** 2 <= far2, f"row {row} is off its piece {a, b}"
             on = self._along(a, b, following) - self._along(a, b, row)
-            assert on > 0 or on**2 <= far2, f"row {following} is before {row} on {a, b}"
+            assert on > 0 or (NEAR * on) ** 2 <= far2, f"row {following} is before {row} on {a, b}"
 
     @cached_property
-    def _unit(self) -> int:
-        return max(abs(value) for point in self.at for value in point) // NEAR
+    def _greatest(self) -> int:
+        return max(abs(value) for point in self.at for value in point)
 
     def _along(self, a: int, b: int, row: int) -> int:
         return dot(self.at[a], self.at[b], self.at[row])
@@ -113,11 +136,14 @@ class Refined:
         a, b, c = (self.at[row] for row in corners)
         area = cross(a, b, c)
         assert area > 0, f"{corners} is not counter-clockwise"
-        base = min(range(3), key=lambda k: self._length2(corners[k - 2], corners[k - 1]))
-        apex, one, other = corners[base], corners[base - 2], corners[base - 1]
-        is_sharp = self._is_sharp(apex, one, other)
+        lengths2 = [self._length2(corners[k - 2], corners[k - 1]) for k in range(3)]
+        least = min(lengths2)
+        bases = [k for k in range(3) if (lengths2[k] - least) * NEAR <= least]  # but for rounding
+        ends = [(corners[k - 2], corners[k - 1]) for k in bases]
+        is_sharp = any(self._is_sharp(corners[k], *ends[i]) for i, k in enumerate(bases))
         assert is_sharp == (cause != FINE), f"{corners} has the cause {cause!r}"
-        assert cause != FORCED or self._is_forced(one, other), f"no input angle forces {corners}"
+        is_forced = any(self._is_forced(*each) for each in ends)
+        assert cause != FORCED or is_forced, f"no input angle forces {corners}"
         assert cause != CAPPED or self.result.capped, f"{corners} blames a cap"
 
     def _length2(self, a: int, b: int) -> int:

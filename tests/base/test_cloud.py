@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 
 from liftmesh import Cloud, InputError
 
@@ -76,3 +77,23 @@ def test_bounds_are_those_of_rows_whose_position_is_finite() -> None:
     assert Cloud(rows).bounds == (-2, 5, 3, 7)
     assert Cloud(rows.astype(np.float32)[:1]).bounds == (3, 5, 3, 5)
     assert np.isnan(Cloud(rows[1:3]).bounds).tolist() == [True] * 4
+
+
+@given(st.data())
+def test_edges_stay_with_both_of_their_ends(data: st.DataObject) -> None:
+    rows = st.integers(0, 8)
+    edges = np.array(data.draw(st.lists(st.tuples(rows, rows))), np.int32).reshape(-1, 2)
+    kept = np.array(data.draw(st.lists(rows, unique=True)), np.int64)
+    cloud = Cloud(np.arange(27.0).reshape(9, 3), edges=edges)
+    found = cloud.select(kept)
+    wanted = edges[np.isin(edges, kept).all(axis=1)]
+    np.testing.assert_array_equal(kept[found.edges], wanted)
+    mask = np.isin(np.arange(9), kept)
+    np.testing.assert_array_equal(np.flatnonzero(mask)[cloud.select(mask).edges], wanted)
+    assert cloud.select(slice(2, None)).edges.dtype == np.int32
+
+
+def test_edges_of_rows_that_are_not_there_cannot_be_selected() -> None:
+    cloud = Cloud(np.eye(3), edges=np.array([[0, 1], [1, 3]], np.int32))
+    with pytest.raises(InputError, match=r"edge 1 of the cloud is \[1, 3\]: give rows from 0 to 2"):
+        cloud.select(slice(2))

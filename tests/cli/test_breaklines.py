@@ -75,6 +75,14 @@ def test_lines_that_cross(folder) -> None:
     assert done.returncode == 0, done.stderr
 
 
+def test_lines_far_from_the_points_are_told(folder) -> None:
+    write(folder, [[1000.0, 5, 5], [1010, 95, 5]])
+    done = run(*words(folder), "--json")
+    said = "the lines of --breaklines lie beyond all points, which reach from "
+    assert (done.returncode, done.stderr.count(said)) == (0, 1)
+    assert any(each.startswith(said) for each in json.loads(done.stdout)["notes"])
+
+
 def test_what_is_refused(folder) -> None:
     plain = words(folder)[:3]
     failed(run(*plain, "--densify", "3"), 2, "--densify is for lines: give --breaklines")

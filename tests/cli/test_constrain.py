@@ -119,6 +119,9 @@ def test_edges_that_other_commands_do_not_take_are_told(folder: Path) -> None:
         done = command(name, "a.ply", f"{name}.ply", *options, cwd=folder)
         assert (done.returncode, done.stderr.count("not used")) == (0, 1)
         assert f"{told.format('liftmesh constrain')}--breaklines" in done.stderr
+        done = command(name, "a.ply", f"{name}.obj", *options, "--json", cwd=folder)
+        notes = json.loads(done.stdout)["notes"]
+        assert f"{told.format('liftmesh constrain')}--breaklines" in notes
     with pytest.warns(liftmesh.DataWarning, match=told.format("constrained_delaunay")):
         liftmesh.triangulate(folder / "a.ply")
     words = ("triangulate", "points.xyz", "b.ply", "--breaklines", "lines.geojson")

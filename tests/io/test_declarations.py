@@ -107,6 +107,7 @@ CONTENTS: dict[str, tuple[Cloud, set[str]]] = {
 
 
 LAST_BITS = "last bits of coordinates, whose decimals are the same"
+BY_WRITERS = "holes between faces"  # which they find out, and no `loses`
 """What LAS says instead of double precision where only the rounding of binary numbers differs."""
 
 
@@ -210,7 +211,9 @@ def test_a_format_keeps_what_it_declares_and_names_the_rest(
     if LAST_BITS in losses & set(written.dropped):
         lost -= {"float64"}
         assert np.allclose(back.points, cloud.points, rtol=1e-15, atol=0)
-    assert set(written.dropped) == expected_drops(cloud, lost) | (losses - CONTENT.keys())
+    assert set(written.dropped) - {BY_WRITERS} == expected_drops(cloud, lost) | (
+        losses - CONTENT.keys()
+    )
     assert len(set(written.dropped)) == len(written.dropped)
 
 

@@ -137,7 +137,19 @@ def test_faces_are_left_out_and_named() -> None:
     mesh = Cloud(np.eye(3), faces=np.array([[0, 1, 2]], dtype=np.int32))
     found = read(saved(mesh, "ply"), "ply", every=2)
     assert found.faces is None
-    assert found.metadata["not_read"] == ("1 faces (rows were selected)",)
+    assert found.metadata["not_read"] == ("1 face (rows were selected)",)
+
+
+def test_edges_that_lose_an_end_are_named() -> None:
+    pairs = np.array([[0, 1], [0, 2], [3, 2]], np.int32)
+    mesh = Cloud(np.arange(12.0).reshape(4, 3), edges=pairs)
+    for found in (read(saved(mesh, "ply"), "ply", every=2), liftmesh.thin(mesh, every=2)):
+        assert found.edges is not None
+        assert found.edges.tolist() == [[0, 1]]
+        assert found.metadata["not_read"] == ("2 edges (rows were selected)",)
+    whole = liftmesh.thin(mesh, every=1)
+    assert "not_read" not in whole.metadata
+    np.testing.assert_array_equal(whole.edges, pairs)
 
 
 def test_nothing_is_left() -> None:

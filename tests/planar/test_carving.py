@@ -110,7 +110,7 @@ def test_what_is_left_is_what_the_definition_leaves(data: st.DataObject) -> None
     }
     try:
         whole = constrained_delaunay(points, edges, **options)
-    except liftmesh.InputError:  # all on a line, or a hole that is given twice
+    except liftmesh.InputError:  # all on a line
         return
     try:
         carved = constrained_delaunay(points, edges, carve=carve, seeds=seeds, **options)
@@ -142,9 +142,33 @@ def test_loops_that_cancel_out_are_inside_beside_other_polygons() -> None:
 
 def test_a_hole_as_large_as_its_polygon_leaves_nothing_of_it() -> None:
     holed = [box(0, 3), box(0, 3)]
-    with pytest.raises(liftmesh.InputError, match="no triangle is left"):
+    with pytest.raises(liftmesh.InputError, match="the holes of polygons cover all of these"):
         constrained_delaunay(FRAME, polygons=[holed], carve="holes")
     assert area(constrained_delaunay(FRAME, polygons=[holed, [box(4, 6)]], carve="holes")) == 4
+
+
+TWICE = [[2, 2], [5, 2], [8, 2], [8, 8], [2, 8]]  # with a corner on a side
+
+
+@pytest.mark.parametrize(
+    ("holes", "left"),
+    [
+        ([box(2, 8)], 64),
+        ([box(2, 8), box(2, 8)], 64),
+        ([box(2, 8), TWICE, box(2, 8)[::-1]], 64),
+        ([box(2, 8), box(4, 6)], 64),  # within another
+        ([box(2, 6), box(4, 8)], 100 - 28),  # that overlap
+    ],
+)
+def test_what_is_in_several_holes_is_in_a_hole(holes: list[list[list[float]]], left: int) -> None:
+    options: dict[str, Any] = {"carve": "holes", "crossing": "split"}
+    square = box(0, 10)
+    assert area(constrained_delaunay([], polygons=[[square, *holes]], **options)) == left
+    turned = [[square, holes[0]], [square[::-1], *holes]]
+    assert area(constrained_delaunay([], polygons=turned, **options)) >= left
+    island = box(4.5, 5.5)
+    tri = constrained_delaunay([], polygons=[[square, holes[0]], island], **options)
+    assert tri.find_simplex([5, 4.75]) >= 0
 
 
 def test_no_seeds_remove_nothing() -> None:

@@ -88,5 +88,5 @@ def test_what_cannot_conform_is_told() -> None:
     )
     edges = [[7, 3], [7, 0], [1, 9], [9, 4], [3, 9], [8, 0], [9, 7], [8, 6], [9, 1]]
     tri = constrained_delaunay(points * [far, near], edges, carve="holes")
-    with pytest.warns(liftmesh.DataWarning, match=r"not Delaunay across \d+ constraint"):
+    with pytest.warns(liftmesh.DataWarning, match=r"not those of `delaunay` across \d+ constraint"):
         refine(tri, min_angle=28, conforming=True, max_points=500)

@@ -123,3 +123,19 @@ def test_no_sliver_is_left_where_a_boundary_leaves_the_hull(seed: int) -> None:
     for k, piece in enumerate(tri.constraints):
         tail, head = tri.points[tri.input_edges[tri.inputs_of(k)]].transpose(1, 0, 2)
         assert not liftmesh.orient2d(tail[:, None], head[:, None], tri.points[piece]).any()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_faces_are_those_whose_centroids_are_inside(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.random((2000, 3)) * 100
+    turns = np.linspace(0, 2 * np.pi, 30, endpoint=False)
+    circle = np.column_stack([np.cos(turns), np.sin(turns)])
+    coast, lakes = 50 + 20 * (1 + seed) * circle, [c + 9 * circle for c in rng.random((4, 2)) * 100]
+    surface = liftmesh.triangulate(points, boundary=coast, holes=lakes)
+    shown = shapely.Polygon(coast) - shapely.union_all([shapely.Polygon(each) for each in lakes])
+    corners = surface.triangulation.points[surface.triangulation.simplices]
+    is_left_out = ~shapely.contains_xy(shown, corners.mean(axis=1))
+    found = np.zeros(len(corners), bool) if surface.mask is None else surface.mask
+    areas = shapely.area(shapely.polygons(corners))
+    assert areas[found != is_left_out].sum() < 1e-9

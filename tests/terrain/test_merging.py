@@ -107,6 +107,11 @@ def test_merging_takes_the_memory_of_one_column_more() -> None:
     assert peak < 1.5 * held
 
 
+def test_faces_and_edges_are_left_out_and_named() -> None:
+    mesh = Cloud(np.eye(3), faces=np.array([[0, 1, 2]]), edges=np.array([[0, 1]]))
+    assert liftmesh.merge([np.eye(3), mesh]).metadata["not_read"] == ("faces", "edges")
+
+
 def test_types_that_nothing_holds_are_left_out() -> None:
     one = Cloud(ROWS, attributes={"n": np.array([2**63 + 1, 0, 1], np.uint64)})
     two = Cloud(ROWS, attributes={"n": np.array([-1, 0, 1])})

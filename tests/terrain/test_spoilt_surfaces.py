@@ -90,3 +90,44 @@ def test_cut_and_fill_of_rows_that_a_thread_writes() -> None:
             refused = str(error)
     assert refused in {"", message}
     assert surface.cut_and_fill(other).fill > 0
+
+
+def overwrite(held: np.ndarray, values: np.ndarray) -> None:
+    """Write what is read-only."""
+    base = held
+    while isinstance(base.base, np.ndarray):
+        base = base.base
+    base.setflags(write=True)
+    held.setflags(write=True)
+    held[:] = values
+
+
+@pytest.mark.parametrize("lines", [None, [[100.0, 100, 3], [900, 880, 7]]])
+@pytest.mark.parametrize("kind", SPOILT)
+def test_a_mesh_that_is_none_any_more_is_refused(kind: str, lines: object) -> None:
+    rows = SOUND.copy()
+    surface = liftmesh.triangulate(rows, breaklines=lines)
+    overwrite(surface.vertices, np.resize(SPOILT[kind], surface.vertices.shape))
+    overwrite(surface.triangulation.points, surface.vertices[:, :2])
+    told = r"rows \[\d+, \d+, \d+\] are at .* now, and .*: triangulate them again, or a copy"
+    for call in (liftmesh.refine, lambda each: liftmesh.simplify(each, max_points=500)):
+        with pytest.raises(liftmesh.InputError, match=told):
+            call(surface)
+    with pytest.raises(liftmesh.InputError, match=told):
+        liftmesh.refine(surface.triangulation)
+
+
+def test_heights_that_are_none_any_more_are_refused() -> None:
+    rows = SOUND.copy()
+    surface = liftmesh.triangulate(rows)
+    rows[7, 2] = np.nan
+    with pytest.raises(liftmesh.NonFiniteError, match=r"row 7 is not finite: .*; remove such rows"):
+        liftmesh.simplify(surface, max_points=500)
+
+
+def test_a_hull_that_is_not_convex_any_more_is_refused() -> None:
+    rows = np.array([[0.0, 0, 0], [4, 0, 0], [8, 0, 0], [8, 8, 0], [0, 8, 0], [4, 4, 0]])
+    surface = liftmesh.triangulate(rows)
+    rows[1, 1] = 1
+    with pytest.raises(liftmesh.InputError, match=r"rows \[0, 1, 2\] are at .* now"):
+        liftmesh.simplify(surface, max_error=1)

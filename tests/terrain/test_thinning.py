@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,15 @@ UTM = np.array([500000.0, 5400000.0, 0.0])
 
 def rows(count: int, seed: int = 0) -> np.ndarray:
     return np.random.default_rng(seed).random((count, 3)) * (100, 100, 5) + UTM
+
+
+def test_the_command_keeps_edges_between_rows_that_stay(tmp_path: Path) -> None:
+    edges = np.array([[0, 3], [1, 2]], np.int32)
+    liftmesh.write(tmp_path / "in.ply", Cloud(rows(4), edges=edges))
+    done = command("thin", tmp_path / "in.ply", tmp_path / "out.ply", "--random", "3")
+    kept = liftmesh.read(tmp_path / "out.ply")
+    assert (done.returncode, len(kept), len(kept.edges)) == (0, 3, 1)
+    assert "thinned without 1 edge" in done.stderr
 
 
 def as_set(points: np.ndarray) -> set[tuple[float, ...]]:

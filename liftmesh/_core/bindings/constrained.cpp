@@ -46,7 +46,7 @@ nb::object label_regions(const Triples& neighbors, const Bytes& marks) {
 }
 
 nb::object carve(const Triples& simplices, const Triples& neighbors, const Bytes& marks,
-                 const EdgeRows& pieces, const Bytes& bounds, const Ids& winding,
+                 const EdgeRows& pieces, const Bytes& bounds, const EdgeRows& winding,
                  std::string_view carving, const Ids& seeds) {
     using namespace liftmesh::constrained;
     const Marked mesh = marked(neighbors, marks);

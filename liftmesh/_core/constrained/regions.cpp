@@ -8,7 +8,7 @@ class Carver {
  public:
     Carver(const Marked& mesh, const std::int32_t* simplices, const Bounds& bounds)
         : mesh_(mesh), simplices_(simplices), bounds_(bounds), places_(mesh.count) {
-        has_winding_ = std::any_of(bounds.winding, bounds.winding + bounds.pieces.size(),
+        has_winding_ = std::any_of(bounds.winding, bounds.winding + 2 * bounds.pieces.size(),
                                    [](std::int32_t winding) { return winding != 0; });
     }
 
@@ -16,7 +16,7 @@ class Carver {
         find_places();
         for (std::size_t t = 0; t < mesh_.count; ++t) {
             const auto [depth, winding] = places_[t];
-            const bool is_inside = has_winding_ ? winding != 0 : depth % 2 == 1;
+            const bool is_inside = has_winding_ ? winding.is_inside() : depth % 2 == 1;
             kept[t] = carving == Carving::holes ? is_inside : depth > 0;
         }
     }
@@ -37,35 +37,43 @@ class Carver {
  private:
     static constexpr std::int32_t unknown = std::numeric_limits<std::int32_t>::max();
 
-    // How many pieces that bound are between a triangle and the outside, at least; and its winding
-    // number.
+    // How often outer rings wind around a place, and how often holes do.
+    struct Winding {
+        std::int32_t outer = 0, holes = 0;
+
+        bool is_inside() const { return std::abs(outer) > std::abs(holes); }
+    };
+
+    // How many pieces that bound are between a triangle and the outside, at least.
     struct Place {
-        std::int32_t depth = unknown, winding = 0;
+        std::int32_t depth = unknown;
+        Winding winding;
     };
 
     // A side, crossed into its triangle.
     struct Side {
-        bool bounds;
-        std::int32_t winding;
+        bool bounds = false;
+        Winding winding;
     };
 
     Side side(std::size_t t, unsigned k) const {
-        if (!mesh_.is_marked(t, k)) return {false, 0};
+        if (!mesh_.is_marked(t, k)) return {};
         const auto tail = static_cast<Row>(simplices_[3 * t + (k + 1) % 3]);
         const auto head = static_cast<Row>(simplices_[3 * t + (k + 2) % 3]);
         const Piece piece{std::min(tail, head), std::max(tail, head)};
         const auto at = std::lower_bound(bounds_.pieces.begin(), bounds_.pieces.end(), piece);
-        if (at == bounds_.pieces.end() || *at != piece) return {false, 0};
+        if (at == bounds_.pieces.end() || *at != piece) return {};
         const auto i = static_cast<std::size_t>(at - bounds_.pieces.begin());
-        const std::int32_t winding = bounds_.winding[i];
-        return {bounds_.bounds[i] != 0, tail < head ? winding : -winding};
+        const std::int32_t sign = tail < head ? 1 : -1;
+        const std::int32_t* const its = &bounds_.winding[2 * i];
+        return {bounds_.bounds[i] != 0, {sign * its[0], sign * its[1]}};
     }
 
     // Level by level: first all triangles that can be reached without a further piece.
     void find_places() {
         for (std::size_t t = 0; t < mesh_.count; ++t)
             for (unsigned k = 0; k < 3; ++k)
-                if (mesh_.neighbor(t, k) < 0) enter(t, k, {0, 0});
+                if (mesh_.neighbor(t, k) < 0) enter(t, k, {0, {}});
         for (; !level_.empty() || !later_.empty(); std::swap(level_, later_)) {
             while (!level_.empty()) {
                 const auto [t, place] = level_.back();
@@ -89,7 +97,9 @@ class Carver {
 
     void enter(std::size_t t, unsigned k, const Place& from) {
         const Side crossed = side(t, k);
-        const Place place{from.depth + crossed.bounds, from.winding + crossed.winding};
+        const Place place{from.depth + crossed.bounds,
+                          {from.winding.outer + crossed.winding.outer,
+                           from.winding.holes + crossed.winding.holes}};
         (crossed.bounds ? later_ : level_).push_back({t, place});
     }
 

@@ -1,4 +1,4 @@
-"""Time the refinement of a coast and of squares, side by side with triangle and Gmsh.
+"""Time refinement of a coast and of squares, beside triangle and Gmsh, and smoothing.
 
     python scripts/bench.py refine                        105,000 points, and a million triangles
     python scripts/bench.py refine --n 20000 --triangles 100000 --rounds 1
@@ -9,14 +9,16 @@ the angle, which small input angles force. One square has edges of one length, i
 one corner are to be twenty times as long as at the opposite one; triangle, which takes no function,
 refines again under bounds of areas until none is larger, and Gmsh, which promises no angle, has a
 field by a formula. An edge is near if it is from half to twice as long as what is wanted in its
-middle. In one process and in turns; the least CPU seconds of the rounds count. Memory is the peak
-of the first such mesh in a process of its own, with what it returns, without what imports take.
+middle. Smoothed are the coast and a pentagon with lengths as in the square; angles are the smallest
+ones of the triangles. In one process and in turns; the least CPU seconds of the rounds count.
+Memory is the peak of the first such mesh in a process of its own, with what it returns, without
+what imports take.
 """
 
 from __future__ import annotations
 
 from argparse import ArgumentParser, Namespace
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
@@ -39,6 +41,8 @@ GRADED = 30  # degrees
 SPREADS = {"uniform": 1.0, "graded": 20.0}  # of lengths
 FILLING = 1.4  # triangles made, for each equilateral one of the wanted length
 MOST_ROUNDS = 30
+PENTAGON = np.array([[0.0, 0.1], [0.8, 0], [1, 0.7], [0.5, 1], [0.1, 0.8]])
+SMOOTHED = 0, 1, 3, 10  # rounds
 Mesh = tuple[Points, Edges]
 
 
@@ -56,10 +60,18 @@ def run(options: Namespace) -> None:
     show("coast", COAST_COLUMNS, coast(import_module("triangle"), options))
     for name, spread in SPREADS.items():
         show(f"{name} square", SQUARE_COLUMNS, square(spread, options))
+    show("smoothed, in rounds", SMOOTHED_COLUMNS, [*smoothed(options)])
 
 
 COAST_COLUMNS = "angle", "triangles", "below", "seconds", "refine"
 SQUARE_COLUMNS = "near", "triangles", "seconds", "microseconds a triangle", "bytes a triangle"
+SMOOTHED_COLUMNS = (
+    "least angle",
+    "mean",
+    "under 35",
+    "triangles",
+    "microseconds a triangle and round",
+)
 
 
 def show(name: str, columns: tuple[str, ...], rows: list[list[str]]) -> None:
@@ -168,6 +180,29 @@ MESHERS: dict[str, Callable[[float, float], Mesh]] = {
     "Gmsh": by_gmsh,
     "liftmesh": by_liftmesh,
 }
+
+
+def smoothed(options: Namespace) -> Iterator[list[str]]:
+    """Smooth the carved coast, and a graded pentagon."""
+    scale = unit_length(options.triangles, SPREADS["graded"])
+    land = FAMILIES["coast"](options.n, np.random.default_rng(SEED))
+    cases: dict[str, Any] = {
+        "coast": (liftmesh.constrained_delaunay(*land, carve="holes", threads=1), None),
+        "pentagon": ([PENTAGON], partial(lengths, scale, SPREADS["graded"])),
+    }
+    for name, (domain, size) in cases.items():
+
+        def made(rounds: int, domain: Any = domain, size: Any = size) -> Mesh:
+            found = liftmesh.refine(domain, min_angle=GRADED, size=size, smooth=rounds)
+            return found.triangulation.points, found.triangulation.simplices
+
+        calls = {str(rounds): partial(made, rounds) for rounds in SMOOTHED}
+        (_, (plain, _)), *_ = found = in_turn(calls, options)
+        for rounds, (seconds, mesh) in found:
+            angles = smallest_angles(*mesh)
+            each = 1e6 * (seconds - plain) / len(angles) / max(int(rounds), 1)
+            told = f"{angles.min():.2f}", f"{angles.mean():.2f}", f"{np.mean(angles < 35):.1%}"
+            yield [f"{name}, {rounds}", *told, f"{len(angles):,}", f"{each:.2f}"]
 
 
 def lengths(least: float, spread: float, places: Points) -> Any:

@@ -240,7 +240,8 @@ std::vector<std::uint8_t> carved(Case& c, const Constrained& found) {
     const bool has_polygons = c.dice.below(3) == 0;
     for (std::size_t i = 0; i < found.pieces.size(); ++i) {
         bounds.push_back(c.dice.below(8) != 0);
-        winding.push_back(has_polygons ? static_cast<std::int32_t>(c.dice.below(3)) - 1 : 0);
+        for (int ring = 0; ring < 2; ++ring)
+            winding.push_back(has_polygons ? static_cast<std::int32_t>(c.dice.below(3)) - 1 : 0);
     }
     std::vector<std::int32_t> seeds;
     if (c.dice.below(2) == 0)
