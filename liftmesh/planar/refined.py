@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from decimal import Decimal, localcontext
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 
+_PI = Decimal("3.14159265358979323846264338327950288419716939937511")
+_TERMS = 20  # the next one is below 10^-50
 _AT_ONCE = 1 << 14  # triangles
 _LISTED = 16  # violations
 _MOST_BINS = 1_000_000
@@ -240,8 +243,15 @@ class RefineResult(FrozenResult):
 
 
 def cosine_of(degrees: float) -> float:
-    """Return the cosine that angles are compared with; 1 for none."""
-    return float(np.cos(np.radians(degrees)))
+    """Return the float64 nearest to the cosine, on every platform: of libraries it may differ."""
+    with localcontext() as context:
+        context.prec = 50
+        angle = Decimal(degrees) * _PI / 180
+        term = total = Decimal(1)
+        for k in range(1, _TERMS):
+            term *= -angle * angle / (2 * k * (2 * k - 1))
+            total += term
+        return float(total)
 
 
 def _products(

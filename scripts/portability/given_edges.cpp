@@ -2,9 +2,11 @@
 #include <limits>
 #include <vector>
 
+#include "bounded.hpp"
 #include "constrained/places.hpp"
 #include "constrained/regions.hpp"
 #include "kinds.hpp"
+#include "refinement/refine.hpp"
 #include "rows.hpp"
 #include "verify/verify.hpp"
 
@@ -79,6 +81,26 @@ void add_regions(Digests& digests, const liftmesh::Input& input, const Rows& edg
     add_verdict(verdicts, input, edges, left, true);
 }
 
+// What is between every second pair of constraints stays as it is.
+void add_refined(Digest& digest, const liftmesh::Input& input, Constrained& mesh,
+                 bool is_conforming) {
+    using namespace liftmesh::refinement;
+    constexpr double cosine = 0.8660254037844387;  // of 30 degrees
+    Rows labels = liftmesh::constrained::label(
+        {mesh.result.neighbors.get(), mesh.marks.data(), mesh.result.triangle_count});
+    for (std::int32_t& label : labels) label = label % 2 == 0 ? label : -1;
+    liftmesh::NoInterrupt never;
+    const Refined found =
+        refine({input, mesh, labels}, {cosine, {}, {}, is_conforming, input.rows}, never);
+    digest.add(found.result.simplices.get(),
+               3 * found.result.triangle_count * sizeof(std::int32_t));
+    add_all(digest, found.added);
+    add_all(digest, found.divided);
+    add_all(digest, found.marks);
+    add_all(digest, found.regions);
+    add_all(digest, found.causes);
+}
+
 }  // namespace
 
 void add_constraints(const double* coordinates, std::size_t rows, Digests& digests) {
@@ -89,10 +111,13 @@ void add_constraints(const double* coordinates, std::size_t rows, Digests& diges
         return liftmesh::constrained_delaunay(input, edges.data(), edges.size() / 2, true, {},
                                               never);
     };
-    const Constrained found = run();
+    Constrained found = run();
     add(digests.of["constrained"], found);
     if (found.status != Status::ok) return;
     add_regions(digests, input, edges, found);
+    native::bound(found);
+    for (const bool is_conforming : {false, true})
+        add_refined(digests.of["refined"], input, found, is_conforming);
     for (std::int32_t i = 0; i < 8; ++i)  // some that cross
         edges.push_back(i * 7 % static_cast<std::int32_t>(rows));
     const Constrained crossed = run();

@@ -26,7 +26,7 @@ void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests)
 // Points that come and go, and terrains of few triangles.
 void add_changes(const double* coordinates, std::size_t rows, Digests& digests);
 
-// Edges that a triangulation must have, and the regions between them.
+// Edges that a triangulation must have, the regions between them, and what these are refined to.
 void add_constraints(const double* coordinates, std::size_t rows, Digests& digests);
 
 // The nodes of a tiled triangulation, and what their faces reach.

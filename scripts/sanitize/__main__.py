@@ -9,11 +9,11 @@ duplicates and non-finite rows, interrupts runs, and makes several runs at the s
 `family.cpp` does the same with weights, radii, a metric and farthest points; `cells.cpp` clips
 cells, also with other rows than those triangulated; `surfaces.cpp` asks for heights, rasters,
 contours and rings; `tiles.cpp` merges tiles; `changing.cpp` inserts and removes points, and
-simplifies terrains; `given_edges.cpp` puts edges in, carves and verifies; `disk_graphs.cpp` makes
-and verifies graphs of disks, and stars in metrics of their own; `text.cpp` prints and parses
-numbers, and leaves rows that are being printed; `spoilt.cpp` changes rows while they are
-triangulated. Exits with 1 if the sanitizer reports anything, or if a result differs from that of
-one thread. Needs clang with its sanitizers.
+simplifies terrains; `given_edges.cpp` puts edges in, carves, verifies and refines;
+`disk_graphs.cpp` makes and verifies graphs of disks, and stars in metrics of their own; `text.cpp`
+prints and parses numbers, and leaves rows that are being printed; `spoilt.cpp` changes rows while
+they are triangulated. Exits with 1 if the sanitizer reports anything, or if a result differs from
+that of one thread. Needs clang with its sanitizers.
 """
 
 from __future__ import annotations

@@ -33,7 +33,7 @@ void check_tiles(const Cloud& cloud, std::size_t triangles);
 void check_changes(const Cloud& cloud);
 
 // Puts edges into triangulations on one thread and on several, interrupts some runs, carves, and
-// verifies what is left. Ends the process if anything differs.
+// verifies what is left; then several callers refine. Ends the process if anything differs.
 void check_constraints(const Cloud& cloud);
 
 // Makes the graph of disks around the rows, and the stars of the rows, on several callers' threads,

@@ -1,8 +1,11 @@
+#include <thread>
 #include <vector>
 
+#include "bounded.hpp"
 #include "checks.hpp"
 #include "constrained/regions.hpp"
 #include "patient.hpp"
+#include "refinement/refine.hpp"
 #include "verify/verify.hpp"
 
 namespace parallel {
@@ -76,6 +79,28 @@ void carved(const Cloud& cloud, const Rows& edges, const Constrained& found) {
     if (!left.empty()) verified(cloud, edges, left, true);
 }
 
+// By callers at the same time, of whom one is interrupted.
+void refined(const Cloud& cloud, const Rows& edges) {
+    using namespace liftmesh::refinement;
+    constexpr double cosine = 0.9;
+    constexpr std::size_t forever = ~std::size_t{0}, patience[] = {forever, forever, 20};
+    std::vector<Refined> found(std::size(patience));
+    std::vector<std::thread> callers;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        callers.emplace_back([&, i] {
+            Constrained mesh = run(cloud, edges, 1);
+            native::bound(mesh);
+            const Rows labels = liftmesh::constrained::label(
+                {mesh.result.neighbors.get(), mesh.marks.data(), mesh.result.triangle_count});
+            Patient interrupt(patience[i]);
+            const Wanted wanted{cosine, {}, {}, true, cloud.points.size() / 4};
+            found[i] = refine({cloud.input(), mesh, labels}, wanted, interrupt);
+        });
+    for (std::thread& caller : callers) caller.join();
+    demand(found[0].status == Status::ok && found[0].added == found[1].added, cloud,
+           "callers at the same time refine otherwise");
+}
+
 }  // namespace
 
 void check_constraints(const Cloud& cloud) {
@@ -90,7 +115,9 @@ void check_constraints(const Cloud& cloud) {
         demand(found.status == Status::interrupted || same(found, alone), cloud,
                "a run that could be interrupted puts edges in otherwise");
     }
-    if (alone.status == Status::ok) carved(cloud, edges, alone);
+    if (alone.status != Status::ok) return;
+    carved(cloud, edges, alone);
+    refined(cloud, edges);
 }
 
 }  // namespace parallel

@@ -79,8 +79,15 @@ inline double ulp_at(Point p) {
                     Limits::denorm_min());
 }
 
+// As std::lerp, which some libraries compute with a fused product and sum.
+inline double between(double a, double b, double share) {
+    const auto [least, most] = std::minmax(a, b);
+    if (least <= 0 && most >= 0) return share * b + (1 - share) * a;
+    return std::clamp(a + share * (b - a), least, most);
+}
+
 inline Point along(Point from, Point to, double share) {
-    return {std::lerp(from.x, to.x, share), std::lerp(from.y, to.y, share)};
+    return {between(from.x, to.x, share), between(from.y, to.y, share)};
 }
 
 // The point between two others, from the first on at the power of two that is the nearest to the

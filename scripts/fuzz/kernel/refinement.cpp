@@ -1,10 +1,11 @@
-// Domains between edges are refined as the bytes say, to an angle, an area and a number of rows:
-// the verifier accepts the triangles, and what they are said to be, they are.
+// Domains between edges are refined as the bytes say, to an angle, an area and a number of rows,
+// and smoothed: the verifier accepts the triangles, and what they are said to be, they are.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <vector>
 
+#include "bounded.hpp"
 #include "checks.hpp"
 #include "constrained/regions.hpp"
 #include "demand.hpp"
@@ -18,8 +19,6 @@ namespace {
 
 using liftmesh::Constrained;
 using liftmesh::Input;
-using liftmesh::Result;
-using liftmesh::Row;
 using liftmesh::Status;
 using liftmesh::constrained::Piece;
 using liftmesh::refinement::Cause;
@@ -27,26 +26,8 @@ using liftmesh::refinement::no_piece;
 using liftmesh::refinement::Refined;
 using liftmesh::refinement::Wanted;
 
-constexpr std::size_t most_edges = 32, most_regions = 8;
+constexpr std::size_t most_edges = 32, most_regions = 8, most_rounds = 4;
 constexpr double widest = 40;  // degrees
-
-Piece side(const Result& found, std::size_t t, unsigned k) {
-    const auto corner = [&](unsigned i) {
-        return static_cast<Row>(found.simplices[3 * t + (k + i) % 3]);
-    };
-    return {std::min(corner(1), corner(2)), std::max(corner(1), corner(2))};
-}
-
-// Those of its hull become constraints, too.
-void bound(Constrained& mesh) {
-    for (std::size_t t = 0; t < mesh.result.triangle_count; ++t)
-        for (unsigned k = 0; k < 3; ++k) {
-            if (mesh.result.neighbors[3 * t + k] >= 0 || (mesh.marks[t] >> k & 1)) continue;
-            mesh.marks[t] |= static_cast<std::uint8_t>(1u << k);
-            mesh.pieces.push_back(side(mesh.result, t, k));
-        }
-    std::sort(mesh.pieces.begin(), mesh.pieces.end());
-}
 
 std::vector<std::int32_t> regions(const Constrained& mesh, unsigned outside) {
     std::vector<std::int32_t> labels = liftmesh::constrained::label(
@@ -60,7 +41,7 @@ std::vector<Piece> marked(const Refined& found) {
     std::vector<Piece> sides;
     for (std::size_t t = 0; t < found.result.triangle_count; ++t)
         for (unsigned k = 0; k < 3; ++k)
-            if (found.marks[t] >> k & 1) sides.push_back(side(found.result, t, k));
+            if (found.marks[t] >> k & 1) sides.push_back(native::side(found.result, t, k));
     std::sort(sides.begin(), sides.end());
     sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
     return sides;
@@ -116,12 +97,19 @@ void check_causes(const Wanted& wanted, const Refined& found) {
     }
 }
 
+// Only rows between constraints may have moved.
+void check_smoothed(const Refined& before, const Refined& found) {
+    demand(found.divided == before.divided, "other rows are added");
+    for (std::size_t i = 0; i < found.added.size(); ++i)
+        demand(found.divided[i] == no_piece || found.added[i] == before.added[i], "a part moved");
+}
+
 }  // namespace
 
 void check_refinement(Bytes bytes) {
     const double angle = widest * bytes.byte() / 255;
     const std::uint8_t how = bytes.byte();
-    const std::size_t most = 2 * std::size_t{bytes.byte()};
+    const std::uint8_t amount = bytes.byte();
     const unsigned outside = bytes.byte();
     std::vector<std::uint8_t> ends(2 * (bytes.byte() % (most_edges + 1)));
     for (std::uint8_t& end : ends) end = bytes.byte();
@@ -133,12 +121,12 @@ void check_refinement(Bytes bytes) {
     Constrained mesh = liftmesh::constrained_delaunay(c.input, edges.data(), edges.size() / 2,
                                                       c.skip_non_finite, {}, patient);
     if (mesh.status != Status::ok || !mesh.crossings.empty() || !mesh.unplaced.empty()) return;
-    bound(mesh);
+    native::bound(mesh);
     const std::vector<std::int32_t> labels = regions(mesh, outside);
     const std::vector<double> largest(mesh.result.triangle_count,
                                       std::ldexp(1.0, how / 4 * 32 - 1000));
     const double cosine = angle > 0 ? std::cos(angle * std::numbers::pi / 180) : 1;
-    Wanted wanted{cosine, {}, {}, (how & 1) != 0, most};
+    Wanted wanted{cosine, {}, {}, (how & 1) != 0, 2 * std::size_t{amount}, amount % most_rounds};
     if (how & 2) wanted.largest = largest;
     const Refined found = liftmesh::refinement::refine({c.input, mesh, labels}, wanted, patient);
     demand(found.status == Status::ok, "the refinement has another status");
@@ -147,6 +135,9 @@ void check_refinement(Bytes bytes) {
     check_parts(mesh, found, sides);
     check_regions(found);
     check_causes(wanted, found);
+    if (wanted.rounds == 0) return;
+    wanted.rounds = 0;
+    check_smoothed(liftmesh::refinement::refine({c.input, mesh, labels}, wanted, patient), found);
 }
 
 }  // namespace fuzzing
