@@ -93,6 +93,7 @@ def refine(
     lengths: Callable[[NDArray[np.float64], NDArray[np.int32]], NDArray[np.float64]] | None,
     conforming: bool,
     most: int,
+    rounds: int,
     progress: Callable[[float], None] | None,
 ) -> Refined: ...
 def crossing_places(pairs: NDArray[np.float64], places: NDArray[np.float64]) -> None: ...

@@ -18,7 +18,7 @@ BENCHMARKS = {
     "progress": "the cost of a progress callback",
     "weighted": "weights, metrics and farthest points beside CGAL and SciPy",
     "constraints": "edges of constrained triangulations, beside CGAL, CDT and triangle",
-    "refine": "angles and sizes of meshes beside triangle",
+    "refine": "angles and sizes of meshes beside triangle and Gmsh",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
     "locate": "points located, beside SciPy and matplotlib",

@@ -87,6 +87,7 @@ def _lines() -> Iterator[str]:
     yield "profile <mesh.ply >profile.csv --along 0,0 --along 1,1"
     yield "volume <mesh.ply <mesh.npz --json"
     yield "simplify <mesh.ply >few.ply --max-error 0.1 --json"
+    yield "refine <flat.npz >fine.vtu --json"
     yield "thin <mesh.npy >thin.ply --adaptive 100"
     yield "paper --n 50 --seeds 1 --no-figures --out made"
 
@@ -96,6 +97,7 @@ LONG_COMMANDS = {
     "liftmesh triangulate, text": Command("triangulate <cloud.xyz >mesh.obj"),
     "liftmesh verify": Command("verify <mesh.ply"),
     "liftmesh info": Command("info <scales.ply"),
+    "liftmesh refine": Command("refine <flat.ply >mesh.ply --max-area 1e-7"),
     "liftmesh simplify": Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
 }
 
@@ -119,7 +121,7 @@ def _content(stem: str, mesh: liftmesh.Surface) -> Any:
     points = mesh.vertices
     if stem == "scales":  # nearest neighbours are at distances of two scales
         return tiny_and_far_cluster(len(points), np.random.default_rng(SEED)) @ np.eye(2, 3)
-    return {"mesh": mesh, "waves": waves(points)}.get(stem, points)
+    return {"mesh": mesh, "waves": waves(points), "flat": points * [1, 1, 0]}.get(stem, points)
 
 
 def waves(points: np.ndarray) -> np.ndarray:
@@ -236,6 +238,12 @@ def _thin_adaptively(points: np.ndarray, _: Generator) -> Action:
     return lambda _: liftmesh.thin(rows, adaptive=max(len(rows) // 10, 64))
 
 
+def _refine(points: np.ndarray, _: Generator, **options: Any) -> Action:
+    """Refine a tenth of the rows, which become some five times as many."""
+    few = liftmesh.delaunay(np.ascontiguousarray(points[: max(len(points) // 10, 3), :2]))
+    return lambda progress: liftmesh.refine(few, **options, progress=progress)
+
+
 CALLS: dict[str, Call] = {
     "delaunay, 1 thread": partial(_delaunay, threads=1),
     "delaunay": _delaunay,
@@ -257,4 +265,7 @@ CALLS: dict[str, Call] = {
     "simplify": partial(_simplify, prune=True),
     "simplify without the last pass": partial(_simplify, prune=False),
     "thin adaptively": _thin_adaptively,
+    "refine": _refine,
+    "refine by size": partial(_refine, size=lambda places: 0.003 + abs(places[:, 0]) / 100),
+    "refine a surface": partial(_surface, ask=liftmesh.refine),
 }

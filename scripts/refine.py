@@ -6,7 +6,9 @@
 Domains are stars, combs, needles, fans of edges, rings that touch, boxes and triangles that are
 taken off each other, chains that are nearly straight, and edges between points of `small_sets.py`;
 as they are, at coordinates of a map, in single precision, or of any magnitude. Each is refined to
-an angle of 20, 28 or 33 degrees, perhaps also to an area, or so that it conforms.
+an angle of 20, 28 or 33 degrees, perhaps also to an area, or so that it conforms, and half of them
+are smoothed: then no row before is elsewhere, none on an edge moves, and the smallest angle is as
+large.
 `oracles/refined.py` says what must hold in integers; besides, `verify` must accept the triangles,
 those that conform must be some of `delaunay`, and rows and edges in another order must make the
 same. Triangles may only be left for want of precision where heights are a few units in the last
@@ -55,6 +57,7 @@ class Demand:
     conforming: bool
     carved: bool
     most: int = MOST  # points
+    rounds: int = 0  # of smoothing
 
 
 def main() -> None:
@@ -89,7 +92,7 @@ def drawn(kind: str, rng: Generator) -> tuple[Case, Demand]:
         share = float(10 ** rng.uniform(-3, 0)) if rng.random() < 0.25 else None
         demand = Demand(
             float(rng.choice(ANGLES)), share, bool(rng.random() < 0.3), bool(rng.random() < 0.7),
-            MOST_OF_HARD if kind in HARD else MOST,
+            MOST_OF_HARD if kind in HARD else MOST, int(rng.choice([0, 0, 1, 4])),
         )  # fmt: skip
         try:
             constrained(points, edges, demand)
@@ -113,7 +116,7 @@ def refined(points: Points, edges: Edges, demand: Demand) -> Refined:
         warnings.simplefilter("always", liftmesh.DataWarning)
         found = liftmesh.refine(
             tri, min_angle=demand.angle, max_area=largest, conforming=demand.conforming,
-            max_points=demand.most,
+            max_points=demand.most, smooth=demand.rounds,
         )  # fmt: skip
     causes = np.full(found.triangulation.nsimplex, "", dtype="U16")
     causes[found.below] = found.causes
@@ -140,6 +143,8 @@ def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
         assert not others or "not those of `delaunay` across" in mesh.told, (
             "not conforming, and not told"
         )
+    if demand.rounds:
+        mesh.check_smoothed(refined(*case, replace(demand, rounds=0)))
     points, edges = case
     order = rng.permutation(len(points))
     rank = np.argsort(order)

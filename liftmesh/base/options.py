@@ -38,6 +38,7 @@ CellRow: TypeAlias = Literal["lowest", "highest", "center"]
 GroundAlgorithm: TypeAlias = Literal["csf"]
 Unit3MF: TypeAlias = Literal["micron", "millimeter", "centimeter", "inch", "foot", "meter"]
 Interpolation: TypeAlias = Literal["linear", "nearest", "laplace", "sibson"]
+Extrapolation: TypeAlias = Literal["nearest", "hull"]
 Pinched: TypeAlias = Literal["error", "trim"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade"]
 ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None

@@ -45,6 +45,7 @@ def run(
         option("N", "Of --interval: every n-th is an index contour; default: 5.", whole(1)),
     ] = None,
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
+    values: surfaces.Values = None,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
@@ -67,7 +68,7 @@ def run(
         least = length_of(min_length)
     outputs.check_place(target)
     if source.is_dir():
-        surface: Any = surfaces.open_tiles(source, reading)
+        surface: Any = surfaces.open_tiles(source, reading, values=values)
         with terminal.stage("finding contours"):
             lines = surface.contours(**wanted)
     else:
@@ -75,13 +76,11 @@ def run(
         if not reading.trimming:
             surfaces.note_slivers(source, surface)
         with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, threads=reading.threads)
+            lines = surface.contours(**wanted, values=values, threads=reading.threads)
     if not len(lines):
-        terminal.note(
-            "{}: no line: its heights are from {:.10g} to {:.10g}".format(
-                source, *_heights(surface)
-            )
-        )
+        low, high = _heights(surface, values)
+        named = "heights" if values is None else f"values {values!r}"
+        terminal.note(f"{source}: no line: its {named} are from {low:.10g} to {high:.10g}")
     lines = lines.longer_than(least)
     with terminal.stage(f"writing {target.name}"):
         lines.save(target)
@@ -98,12 +97,15 @@ def run(
         )
 
 
-def _heights(surface: Any) -> tuple[float, float]:
-    """Return the least and the greatest height of a surface, or of one in tiles."""
+def _heights(surface: Any, values: str | None) -> tuple[float, float]:
+    """Return the least and the greatest height, or value, of a surface, or of one in tiles."""
+    from liftmesh.terrain.values import over_values
     from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
 
     if isinstance(surface, TiledSurfaceData):
         _, _, low, _, _, high = box_of(surface)
         return low, high
+    if values is not None:
+        surface = over_values(surface, values)
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

@@ -22,6 +22,7 @@ HELP = (
 EXAMPLES = [
     "liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415",
     "liftmesh raster tiles/ dtm.tif --resolution 0.5",
+    "liftmesh raster scan.laz intensity.tif --resolution 1 --values intensity",
     "liftmesh raster survey.csv shade.tif --resolution 2 --quantity hillshade --max-edge 20",
 ]
 
@@ -38,6 +39,7 @@ def run(
         RasterQuantity, flag("What a pixel holds; slope and aspect in degrees.")
     ] = "height",
     interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
+    values: surfaces.Values = None,
     z_factor: Annotated[
         float | None,
         option(
@@ -77,7 +79,7 @@ def run(
     }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
-        tiled = surfaces.open_tiles(source, reading, crs=crs)
+        tiled = surfaces.open_tiles(source, reading, crs=crs, values=values)
         if quantity in _ANGLES:
             surfaces.note_units(source, tiled, z_factor)
         with terminal.share_bar(f"writing {target.name}") as progress:
@@ -91,13 +93,13 @@ def run(
     if quantity in _ANGLES:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage("scanning faces"):
-        raster = surface.raster(steps, **wanted)
+        raster = surface.raster(steps, values=values, **wanted)
     with terminal.stage(f"writing {target.name}"):
         raster.save(target, cog=cog, compress=packing)
     known = int(np.count_nonzero(~np.isnan(raster.values)))
     counts = {"n_known": known, "unit": raster.unit, **notes.provenance(surface)}
     place = raster.transform, raster.crs
-    _say(target, quantity, raster.values.shape, place, counts, as_json=json)
+    _say(target, raster.quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(

@@ -42,10 +42,13 @@ def _wanted(
     max_points: Annotated[
         int | None, option("N", "The most points to be added, by default 10,000,000.", whole(0))
     ] = None,
+    smooth: Annotated[
+        int, option("ROUNDS", "How often added points move to better places.", whole(0))
+    ] = 0,
 ) -> dict[str, Any]:
     """Return what is asked for, as `liftmesh.refine` has it."""
     bounds = options.given(max_area=max_area, size=size, max_points=max_points)
-    return {"min_angle": min_angle, "conforming": conforming, **bounds}
+    return {"min_angle": min_angle, "conforming": conforming, "smooth": smooth, **bounds}
 
 
 Wanted: TypeAlias = Annotated[dict[str, Any], options.Group(_wanted)]

@@ -30,6 +30,9 @@ Source: TypeAlias = Annotated[
     Path,
     argument("IN", "Mesh as liftmesh triangulate writes it, or a cloud, which it does."),
 ]
+Values: TypeAlias = Annotated[
+    str | None, option("NAME", "Values of the vertices in place of heights, as intensity.")
+]
 
 
 def _trimming(

@@ -48,12 +48,13 @@ Lengths: TypeAlias = Callable[[Floats, Rows], Floats]  # of flat points and regi
 
 _LARGEST_ANGLE = 45.0  # where nothing is proved, and the cap on rows may be reached
 _MOST_MADE = 10_000_000
+_MOST_ROUNDS = 1000
 _CAUSES = np.array(["", "input angle", "cap", "precision"])  # by the kernel's numbers
 _CAP = 2
 _SIZE = "give a positive number, one for each row, or a function of points that returns as many"
 
 
-def refine(
+def refine(  # noqa: PLR0913 - options are keywords
     domain: Any,
     *,
     min_angle: float | None = 30.0,
@@ -61,14 +62,16 @@ def refine(
     size: ArrayLike | Callable[[Floats], ArrayLike] | None = None,
     conforming: bool = False,
     max_points: int | None = None,
+    smooth: int = 0,
     threads: int | None = None,
     progress: Progress | None = None,
 ) -> RefineResult:
     """Refine a triangulation until its triangles have good angles and sizes.
 
-    Rows are added, none is moved or removed, and the triangles stay constrained Delaunay, exactly.
-    It always ends, also at small angles between edges and where digits run out: what cannot be
-    better is listed, with the cause. The triangles depend on the sets of points and edges alone.
+    Rows are added, none of the domain is moved or removed, and the triangles stay constrained
+    Delaunay, exactly. It always ends, also at small angles between edges and where digits run out:
+    what cannot be better is listed, with the cause. The triangles depend on the sets of points and
+    edges alone.
 
     Parameters
     ----------
@@ -92,6 +95,10 @@ def refine(
     max_points : int, optional
         The most rows to be added, by default 10,000,000. Where they do not suffice, a warning
         counts the triangles that are left.
+    smooth : int, default 0
+        How many times, up to 1000, every row that was added between edges is then moved to where
+        triangles are better. It stays where the smallest angle of those that change would not grow,
+        or one of them would miss what is asked for.
     threads : int, optional
         As for `constrained_delaunay`, of polygons. Rows are added by one thread.
     progress : callable, optional
@@ -129,6 +136,10 @@ def refine(
     algorithms for triangular mesh generation", 2002), and triangles between them are left (G. L.
     Miller, S. E. Pav and N. J. Walkington, "When and why Ruppert's algorithm works", 2003).
 
+    Smoothing moves a row to the mean of the centres of the circles around it, weighted so that what
+    is fine stays fine: L. Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations"
+    (2004).
+
     Angles are compared with the float64 nearest to the cosine of `min_angle`, exactly.
 
     Examples
@@ -154,17 +165,19 @@ def refine(
     )
     is_conforming = as_switch("conforming", conforming)
     most = _MOST_MADE if max_points is None else as_count("max_points", max_points, 0)
+    rounds = as_count("smooth", smooth, 0, _MOST_ROUNDS)
     check_progress(progress)
     if hasattr(domain, "_refined"):  # a `Surface`, of a room above
         options: Any = {"max_area": max_area, "size": size, "conforming": conforming}
-        options |= {"min_angle": min_angle, "max_points": max_points, "progress": progress}
+        options |= {"min_angle": min_angle, "max_points": max_points, "smooth": smooth}
+        options["progress"] = progress
         result: RefineResult = domain._refined(lambda tri: refine(tri, **options))  # noqa: SLF001
         return result
     own = _triangulated(domain, threads)
     largest, lengths = _largest(max_area, own), _lengths(size, own)
     tri = with_sides(own, (own.neighbors < 0) & ~own.is_constrained)
     bounds = cosine_of(angle), largest, lengths, is_conforming, min(most, MOST_ROWS - tri.npoints)
-    outcome = _kernel.refine(*_arrays(tri), *bounds, progress)
+    outcome = _kernel.refine(*_arrays(tri), *bounds, rounds, progress)
     refined, regions = _result(tri, outcome, angle)
     if refined.capped:
         _warn(refined, regions, largest, lengths)

@@ -26,6 +26,7 @@ from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
+from liftmesh.terrain.values import Values, over_values
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 if TYPE_CHECKING:
@@ -253,12 +254,13 @@ def contour_lines(
     surface: SurfaceData,
     levels: ArrayLike | None = None,
     *,
+    values: Values | None = None,
     interval: float | None = None,
     contour_base: float = 0.0,
     index_every: int = 5,
     threads: int | None = None,
 ) -> Contours:
-    """Compute lines of equal height.
+    """Compute lines of equal height, or of another value.
 
     Parameters
     ----------
@@ -266,6 +268,8 @@ def contour_lines(
         The triangulated cloud.
     levels : array_like of float, optional
         The heights.
+    values : str or array_like of shape (n,), optional
+        Values of the vertices in place of heights, or the name of attributes.
     interval : float, optional
         In place of levels: all multiples of it that the surface has, counted from
         `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
@@ -304,6 +308,8 @@ def contour_lines(
     >>> slope.contours([2])[0].points.tolist()
     [[1.0, 3.0], [1.0, 0.0]]
     """
+    if values is not None:
+        surface = over_values(surface, values)
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: _heights_of(relief, *limit)

@@ -32,6 +32,7 @@ from liftmesh.io.write import WriteResult, write
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.surface_data import SurfaceData, plane_system
+from liftmesh.terrain.values import Values, over_values
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
@@ -168,7 +169,9 @@ class Profile(FrozenResult):
         return write_lines(target, self.points, self.starts, columns, self.crs, "profiles")
 
 
-def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
+def profile_along(
+    surface: SurfaceData, line: ArrayLike, *, values: Values | None = None
+) -> Profile:
     """Drape a line over the faces.
 
     Parameters
@@ -177,6 +180,8 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
         The triangulated cloud.
     line : (k, 2) array_like
         Its corners in the plane, two at least.
+    values : str or array_like of shape (n,), optional
+        Values of the vertices in place of heights, or the name of attributes.
 
     Returns
     -------
@@ -207,7 +212,7 @@ def profile_along(surface: SurfaceData, line: ArrayLike) -> Profile:
     >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
     [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
     """
-    return _laid(surface, [line])
+    return _laid(surface if values is None else over_values(surface, values), [line])
 
 
 def _laid(surface: SurfaceData, lines: Sequence[Any]) -> Profile:

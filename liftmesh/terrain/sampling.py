@@ -14,8 +14,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypedDict
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -24,13 +24,17 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_pairs, planar_bounds, used_rows
 from liftmesh.base.options import (
+    Extrapolation,
     Interpolation,
     RasterQuantity,
     as_threads,
     check_option,
     refused,
+    shown,
 )
+from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
+from liftmesh.io.read import read_cloud
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
@@ -44,6 +48,9 @@ from liftmesh.terrain.surface_data import (
     steepness,
     unit_names,
 )
+from liftmesh.terrain.values import Values, columns_over, heights_on_hull, over_values, values_of
+
+Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x and y
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -56,9 +63,11 @@ def heights_at(
     points: ArrayLike,
     interpolation: Interpolation = "linear",
     *,
+    values: Values | None = None,
+    extrapolate: Extrapolation | None = None,
     threads: int | None = None,
 ) -> Floats:
-    """Interpolate heights at points of the plane.
+    """Interpolate heights, or other values, at points of the plane.
 
     Parameters
     ----------
@@ -72,21 +81,30 @@ def heights_at(
         sides that Voronoi cells would share ("laplace"), or by the areas that a cell would take
         from others ("sibson"). At a vertex the height is the vertex's own; on an edge, linear,
         and on the hull by all but the nearest, it comes from the two ends.
+    values : str or array_like of shape (n, ...), optional
+        Values of the vertices in place of heights: numbers of any shape for each, or the name of
+        attributes, or "colors".
+    extrapolate : {"nearest", "hull"}, optional
+        What there is where no face contains a point: the value of the nearest vertex, or, of points
+        beyond the convex hull, that of the nearest place on it, linear between its vertices.
     threads : int, optional
         As for `delaunay`.
 
     Returns
     -------
     (...) ndarray of float64
-        Heights above the plane; NaN where no face contains the point, and for points that are
-        not finite. The same bits for any order of the rows and of the points.
+        Heights above the plane, or values, of shape (..., ...); NaN where no face contains the
+        point, and for points that are not finite. The same bits for any order of the rows and of
+        the points.
 
     Raises
     ------
     InputError
         The last axis is not of length two, an option is unknown, or another interpolation
         than "linear" is asked of a surface with weights, radii or a metric, or than "linear" and
-        "nearest" of one that follows lines.
+        "nearest" of one that follows lines; there are no such values.
+    MissingDependencyError
+        The hull needs shapely: ``pip install 'liftmesh[shapes]'``.
 
     See Also
     --------
@@ -111,8 +129,20 @@ def heights_at(
     >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
     >>> surface.sample([[1, 1], [2, 2], [0, 4], [3, 3]])
     array([ 5.,  5.,  1., nan])
+    >>> surface.sample([3, 3], extrapolate="hull"), surface.sample([3, 2], extrapolate="nearest")
+    (np.float64(5.0), np.float64(9.0))
+    >>> surface.sample([[1, 1], [2, 2]], values=[[0, 1], [4, 1], [8, 1]])
+    array([[3., 1.],
+           [6., 1.]])
     """
     check_option("interpolation", interpolation, Interpolation)
+    if values is not None:
+        array = values_of(surface, values)
+        ways: Any = {"extrapolate": extrapolate, "threads": threads}
+        columns = columns_over(surface, array)
+        each = [heights_at(column, points, interpolation, **ways) for column in columns]
+        shape = as_pairs(points).shape[:-1] + array.shape[1:]
+        return np.stack(each, axis=-1).reshape(shape)[()]
     solved = surface.triangulation
     is_following = isinstance(solved, ConstrainedTriangulation)
     if interpolation != "linear":
@@ -132,7 +162,144 @@ def heights_at(
     )
     if is_following and interpolation == "nearest":
         heights[is_off] = np.nan
+    if extrapolate is not None:
+        _extrapolate(surface, pairs.reshape(-1, 2), heights.reshape(-1), extrapolate, threads)
     return heights[()]
+
+
+def _extrapolate(
+    surface: SurfaceData,
+    pairs: Floats,
+    heights: Floats,
+    extrapolate: Extrapolation,
+    threads: int | None,
+) -> None:
+    """Put in what is wanted where no face contains a point."""
+    check_option("extrapolate", extrapolate, Extrapolation)
+    without = np.flatnonzero(np.isnan(heights) & np.isfinite(pairs).all(axis=1))
+    level = over_values(surface, np.zeros(len(surface.vertices)))
+    beyond = without[np.isnan(heights_at(level, pairs[without], threads=threads))]
+    places = pairs[beyond]
+    if extrapolate == "hull":
+        heights[beyond] = heights_on_hull(surface, places)
+        return
+    _check_delaunay(surface, "nearest")
+    solved, asked = surface.triangulation, kernel_surface(surface)
+    if isinstance(solved, ConstrainedTriangulation):
+        solved, asked = _without_lines(surface)
+    found = np.empty(len(places))
+    run = as_threads(threads, len(places))
+    asked.sample(solved._locator, places, found, "nearest beyond", *run)  # noqa: SLF001 - as above
+    heights[beyond] = found
+
+
+def interpolator_of(
+    surface: SurfaceData,
+    values: Values | None = None,
+    interpolation: Interpolation = "linear",
+    *,
+    extrapolate: Extrapolation | None = None,
+) -> Interpolator:
+    """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    values, interpolation, extrapolate
+        As for `heights_at`.
+
+    Returns
+    -------
+    Interpolator
+        Called with points, (..., 2), or with x and y, two arrays that broadcast, it returns what
+        `heights_at` does.
+
+    Raises
+    ------
+    InputError
+        When it is called, as for `heights_at`.
+
+    See Also
+    --------
+    Surface.sample : The same at once.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> height = surface.interpolator(extrapolate="nearest")
+    >>> height(1, 1), height([[1, 1], [5, 0]]), height([0, 1], 1)
+    (np.float64(5.0), array([5., 9.]), array([4., 5.]))
+    """
+    ways: Any = {"values": values, "extrapolate": extrapolate}
+
+    def interpolate(*points: ArrayLike, threads: int | None = None) -> Floats:
+        at = points[0] if len(points) == 1 else np.stack(np.broadcast_arrays(*points), axis=-1)
+        return heights_at(surface, at, interpolation, threads=threads, **ways)
+
+    return interpolate
+
+
+def heights_above(
+    surface: SurfaceData,
+    cloud: object,
+    *,
+    interpolation: Interpolation = "linear",
+    extrapolate: Extrapolation | None = None,
+    threads: int | None = None,
+) -> Floats:
+    """Compute how high the points of a cloud are above the faces.
+
+    Parameters
+    ----------
+    surface : Surface
+        The ground.
+    cloud : Cloud, array_like of shape (n, 3), path or object
+        The points, in the coordinate system of the surface: all rows of a file or of an object
+        that holds points.
+    interpolation, extrapolate, threads
+        As for `heights_at`.
+
+    Returns
+    -------
+    (n,) ndarray of float64
+        The height of each point above the plane less that of the surface there: below it,
+        negative; NaN as of `heights_at`.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`, or the cloud is in another coordinate system, or has no heights.
+    UnsupportedTypeError, FormatError, OSError
+        As for `read`.
+
+    See Also
+    --------
+    Surface.sample : The heights of the ground.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> ground = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> ground.height_above([[1, 1, 12], [2, 1, 6], [9, 9, 9]])
+    array([ 7.,  0., nan])
+    """
+    above = read_cloud(cloud)
+    if are_different(surface.crs, above.crs):
+        raise InputError(
+            f"the points are in {shown(above.crs)}, and the surface in {shown(surface.crs)}: "
+            "transform the points first"
+        )
+    ground = heights_at(
+        surface,
+        surface.frame.planar(above.points),
+        interpolation,
+        extrapolate=extrapolate,
+        threads=threads,
+    )
+    heights: Floats = surface.frame.heights(above.points) - ground
+    return heights
 
 
 def _check_delaunay(surface: SurfaceData, interpolation: Interpolation) -> None:
@@ -347,6 +514,8 @@ _DEFAULTS: RasterOptions = {
 def rasterize(
     surface: SurfaceData,
     resolution: float | Sequence[float] | None = None,
+    *,
+    values: Values | None = None,
     **options: Unpack[RasterOptions],
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels.
@@ -358,6 +527,9 @@ def rasterize(
     resolution : float or pair of float, optional
         Width and height of a pixel. The edges of pixels are multiples of it, so that rasters of
         neighbouring surfaces fit together; row 0 is the one with the largest y.
+    values : str or array_like of shape (n,), optional
+        Values of the vertices in place of heights, or the name of attributes, which is the
+        quantity of the raster then.
     **options
         What else is asked for:
 
@@ -403,25 +575,30 @@ def rasterize(
     >>> surface.raster((4, 2), quantity="aspect").values.ravel()
     array([270., 270.])
     """
+    if values is not None:
+        if options.get("quantity", "height") != "height":
+            raise InputError(f"give {Option('quantity')} or {Option('values')}, not both")
+        made = rasterize(over_values(surface, values), resolution, **options)
+        return replace(made, quantity=values if isinstance(values, str) else "values", unit=None)
     plan = RasterPlan.of(surface, resolution, lambda: bounds_of_faces(surface), options)
-    values = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
+    pixels = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
     scan = scanner(surface, plan.layout, plan.threads)
     if plan.quantity == "height":
         _check_range(surface, plan)
     if plan.quantity == "height" and plan.interpolation == "linear":
-        scan(values[:, :, None], 0)
+        scan(pixels[:, :, None], 0)
     elif plan.quantity == "height":
-        for first, block in _blocks_of_rows(values):
+        for first, block in _blocks_of_rows(pixels):
             rows = range(first, first + len(block))
             centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
             block[...] = heights_at(surface, centers, plan.interpolation, threads=plan.threads)
     else:
-        for first, block in _blocks_of_rows(values):
+        for first, block in _blocks_of_rows(pixels):
             gradients = np.empty((*block.shape, 2))
             scan(gradients, first)
             block[...] = plan.of_gradients(gradients)
-    plan.finish(values)
-    return plan.raster(values, plane_system(surface))
+    plan.finish(pixels)
+    return plan.raster(pixels, plane_system(surface))
 
 
 def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Rows
-from liftmesh.base.options import Interpolation, Pinched, counted
+from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
 from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
-    from liftmesh.terrain.sampling import RasterOptions
+    from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.values import Values
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -137,9 +138,11 @@ class Surface(SurfaceData):
         points: ArrayLike,
         interpolation: Interpolation = "linear",
         *,
+        values: Values | None = None,
+        extrapolate: Extrapolation | None = None,
         threads: int | None = None,
     ) -> Floats:
-        """Interpolate heights at points of the plane.
+        """Interpolate heights, or other values, at points of the plane.
 
         Returns (...) float64: heights above the plane, NaN where no face contains the point.
         In full: `liftmesh.terrain.sampling.heights_at`.
@@ -148,9 +151,51 @@ class Surface(SurfaceData):
         ----------
         points : (..., 2) array_like, coordinates in the plane
         interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+        values : (n, ...) array_like or name of attributes, optional, in place of heights
+        extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
         threads : int, optional, as for `delaunay`
         """
-        return sampling.heights_at(self, points, interpolation, threads=threads)
+        ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
+        return sampling.heights_at(self, points, interpolation, **ways)
+
+    def interpolator(
+        self,
+        values: Values | None = None,
+        interpolation: Interpolation = "linear",
+        *,
+        extrapolate: Extrapolation | None = None,
+    ) -> Interpolator:
+        """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
+
+        Returns an Interpolator: call it with points, or with x and y.
+        In full: `liftmesh.terrain.sampling.interpolator_of`.
+
+        Parameters
+        ----------
+        values, interpolation, extrapolate : as for `sample`
+        """
+        return sampling.interpolator_of(self, values, interpolation, extrapolate=extrapolate)
+
+    def height_above(
+        self,
+        cloud: object,
+        *,
+        interpolation: Interpolation = "linear",
+        extrapolate: Extrapolation | None = None,
+        threads: int | None = None,
+    ) -> Floats:
+        """Compute how high the points of a cloud are above the faces.
+
+        Returns (n,) float64: negative below, NaN where there is no face.
+        In full: `liftmesh.terrain.sampling.heights_above`.
+
+        Parameters
+        ----------
+        cloud : Cloud, (n, 3) array_like, path or object with points
+        interpolation, extrapolate, threads : as for `sample`
+        """
+        ways: Any = {"extrapolate": extrapolate, "threads": threads}
+        return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
 
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
@@ -194,7 +239,7 @@ class Surface(SurfaceData):
         """
         return sampling.aspects_at(self, points, threads=threads)
 
-    def profile(self, line: ArrayLike) -> Profile:
+    def profile(self, line: ArrayLike, *, values: Values | None = None) -> Profile:
         """Drape a line over the faces.
 
         Returns a Profile: points and distances along the line, in parts where there are faces.
@@ -203,12 +248,15 @@ class Surface(SurfaceData):
         Parameters
         ----------
         line : (k, 2) array_like, its corners in the plane, two at least
+        values : (n,) array_like or name of attributes, optional, in place of heights
         """
-        return profile.profile_along(self, line)
+        return profile.profile_along(self, line, values=values)
 
     def raster(
         self,
         resolution: float | Sequence[float] | None = None,
+        *,
+        values: Values | None = None,
         **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute heights, or what follows from them, at the centres of pixels.
@@ -219,17 +267,19 @@ class Surface(SurfaceData):
         Parameters
         ----------
         resolution : float or pair of float, optional, width and height of a pixel
+        values : (n,) array_like or name of attributes, optional, in place of heights
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
             ``quantity`` ("height", "slope", "aspect" or "hillshade"), ``interpolation`` as for
             `sample`, ``light`` (azimuth and altitude in degrees), ``z_factor`` as for `slope`,
             ``dtype`` ("float64" or "float32"), ``threads`` as for `delaunay`
         """
-        return sampling.rasterize(self, resolution, **options)
+        return sampling.rasterize(self, resolution, values=values, **options)
 
     def contours(
         self,
         levels: ArrayLike | None = None,
         *,
+        values: Values | None = None,
         interval: float | None = None,
         contour_base: float = 0.0,
         index_every: int = 5,
@@ -243,6 +293,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         levels : array_like of float, optional, heights
+        values : (n,) array_like or name of attributes, optional, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
         contour_base : float, default 0, the height where the interval is counted from
         index_every : int, default 5, every so many multiples are index contours
@@ -251,6 +302,7 @@ class Surface(SurfaceData):
         return contours.contour_lines(
             self,
             levels,
+            values=values,
             interval=interval,
             contour_base=contour_base,
             index_every=index_every,

@@ -173,9 +173,11 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     sizes = refining(size=lambda places: 0.1 + abs(places[:, 0]))
     yield "refine by size", RINGS, sizes, ("nested rings",)
     yield "refine conforming", RINGS, refining(conforming=True), ("nested rings",)
+    yield "refine smooth", RINGS, refining(smooth=3), ("nested rings",)
     for key, asked in REFINED.items():
         yield f"RefineResult.{key}", RINGS, on_refined(asked), ("nested rings",)
-    yield "RefineResult.to_cloud", RINGS, on_refined(RefineResult.to_cloud), ()
+    often = on_refined(lambda made: [made.to_cloud() for _ in range(64)])
+    yield "RefineResult.to_cloud", RINGS, often, ()
     marked = on_triangulation(lambda tri: tri.to_cloud(markers=np.arange(len(tri.input_edges))))
     yield f"{name}.to_cloud", {**CASES, **OVERLAPS}, marked, ("nested rings", "overlaps")
     yield f"{name}.inputs_of", CASES, on_triangulation(lambda tri: tri.inputs_of(0)), ()

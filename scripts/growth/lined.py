@@ -16,6 +16,12 @@ from growth.surfaces import surface_over
 import liftmesh
 from liftmesh import Surface
 
+REFINED = {
+    name: PLANAR[name]
+    for name in ("uniform", "clusters", "circle", "polar scan", "line singularity")
+}
+"""Whose edges cross those of the refined surface in about as many places as it has triangles."""
+
 
 def ring_in(points: Points, corners: int) -> Points:
     """Make a ring in the middle of points."""
@@ -65,6 +71,13 @@ def profiled(points: Points) -> Work:
     return Work(lambda: Surface.profile(found, line), len(points))
 
 
+def refined(points: Points) -> Work:
+    """Prepare the refinement of a surface, whose work is by what it makes."""
+    found = surface_over(points)
+    made = liftmesh.refine(found).triangulation.nsimplex
+    return Work(lambda: liftmesh.refine(found), len(points) + made)
+
+
 def lined_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation and counted families."""
     for option in ("soft_breaklines", "breaklines", "boundary", "holes"):
@@ -74,6 +87,7 @@ def lined_functions() -> Iterator[tuple[Any, ...]]:
     yield "triangulate with heights of lines", PLANAR, hard, ("uniform",)
     many = followed("soft_breaklines", apart)
     yield "triangulate with many lines", PLANAR, many, ("uniform",)
+    yield "refine a surface", REFINED, refined, ("uniform",)
     yield "Surface.profile along many corners", PLANAR, profiled, ("uniform",)
 
 

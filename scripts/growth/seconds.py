@@ -15,7 +15,7 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from math import isnan, nan
+from math import isnan, log, nan
 from typing import TYPE_CHECKING
 
 from growth.counting import attempt
@@ -46,14 +46,17 @@ class Timing:
 
     @property
     def ratio(self) -> float:
-        """The largest ratio of the cost of a unit between sizes eight apart; nan without such."""
+        """The largest ratio of the cost of a unit between sizes eight apart; nan without such.
+
+        Where work does not double with the input, the next larger size stands for the eighth.
+        """
         costs = [(units, time / units) for units, time in self.seconds.items() if time > SHORTEST]
-        ratios = [
-            large / small
-            for at, (least, small) in enumerate(costs)
-            for most, large in costs[at:]
-            if APART * 0.9 <= most / least <= APART * 1.2
-        ]
+        ratios = []
+        for least, small in costs:
+            for most, large in costs:
+                if most / least >= APART * 0.9:
+                    ratios.append((large / small) ** (log(APART) / log(most / least)))
+                    break
         return max(ratios, default=nan)
 
     @property

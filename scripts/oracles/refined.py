@@ -87,6 +87,29 @@ class Refined:
         for corners, cause in zip(self.simplices.tolist(), self.causes.tolist(), strict=True):
             self._check_triangle(corners, cause)
 
+    def check_smoothed(self, plain: Refined) -> None:
+        """Assert that only rows between edges moved, and no smallest angle or cause got worse."""
+        edges = self.result.steiner_edges
+        assert edges.tolist() == plain.result.steiner_edges.tolist(), "other rows are added"
+        free = {*self.result.steiner[edges < 0].tolist()}
+        moved = {*(self.points != plain.points).any(axis=1).nonzero()[0].tolist()}
+        assert moved <= free, f"rows {moved - free} moved"
+        assert self.sharpest <= plain.sharpest, "the smallest angle got smaller"
+        for cause in (CAPPED, PRECISION):
+            count, before_it = ((each.causes == cause).sum() for each in (self, plain))
+            assert count <= before_it, f"there are more with the cause {cause!r}"
+
+    @property
+    def sharpest(self) -> Fraction:
+        """The square of the largest cosine."""
+        return max(self._squared_cosine(*corners) for corners in self.simplices.tolist())
+
+    def _squared_cosine(self, *corners: int) -> Fraction:
+        a, b, c = sorted(corners)
+        sides = sorted(self._length2(*ends) for ends in ((a, b), (b, c), (c, a)))
+        twice_dot = sides[1] + sides[2] - sides[0]
+        return Fraction(twice_dot**2, 4 * sides[1] * sides[2])
+
     def _check_chain(self, chain: list[int]) -> None:
         """Assert that rows are in order and on their piece, but for rounding."""
         a, b = chain[0], chain[-1]

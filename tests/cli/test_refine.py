@@ -48,6 +48,16 @@ def test_polygons(folder: Path) -> None:
     assert liftmesh.verify(liftmesh.read(folder / "b.ply")).valid
 
 
+def test_smoothing(folder: Path) -> None:
+    words = ("--max-area", "0.5", "--smooth", "3", "--json")
+    done = command("refine", "land.geojson", "a.ply", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    expected = liftmesh.refine([[SQUARE, HOLE]], max_area=0.5, smooth=3)
+    mesh = liftmesh.read(folder / "a.ply")
+    assert np.array_equal(mesh.points[:, :2], expected.triangulation.points)
+    assert liftmesh.verify(mesh).valid
+
+
 def test_points_with_edges_and_without(folder: Path) -> None:
     words = ("--edges", "pairs.txt", "--carve", "holes", "--min-angle", "20", "--conforming")
     done = command("refine", "points.csv", "a.obj", *words, cwd=folder)
@@ -104,6 +114,8 @@ def test_what_is_refused(folder: Path) -> None:
     words = ("refine", "land.geojson", "a.ply")
     failed(command(*words, "--min-angle", "50", cwd=folder), 3, "--min-angle is 50.0: give degrees")
     failed(command(*words, "--size", "0", cwd=folder), 2, "--size is 0")
+    failed(command(*words, "--smooth", "-1", cwd=folder), 2, "--smooth is -1: give a whole number")
+    failed(command(*words, "--smooth", "2000", cwd=folder), 3, "--smooth is 2000: give a whole")
     failed(command(*words, "--flat", cwd=folder), 2, "holds polygons alone")
     failed(command("refine", "none.geojson", "a.ply", cwd=folder), 3, "none.geojson")
     liftmesh.write(folder / "high.ply", Cloud(np.eye(3)))

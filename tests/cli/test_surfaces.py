@@ -83,6 +83,24 @@ def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
         np.testing.assert_array_equal(file.read(1), expected)
 
 
+def test_values_take_the_place_of_heights(tmp_path) -> None:
+    rows = np.column_stack([meadow(), np.arange(len(meadow()))])
+    np.savetxt(tmp_path / "wet.csv", rows, delimiter=",", header="x,y,z,wet", comments="")
+    whole = liftmesh.triangulate(rows[:, :3])
+    words = (tmp_path / "wet.csv", tmp_path / "wet.tif", "--resolution=5", "--double")
+    done = run("raster", *words, "--values", "wet")
+    assert "pixels of wet" in done.stdout, done.stderr
+    with rasterio.open(tmp_path / "wet.tif") as file:
+        np.testing.assert_array_equal(file.read(1), whole.raster(5, values=rows[:, 3]).values)
+    lines = (tmp_path / "wet.csv", tmp_path / "wet.geojson", "--values=wet")
+    assert json.loads(run("contour", *lines, "--interval=50", "--json").stdout)["n_lines"] == len(
+        whole.contours(interval=50, values=rows[:, 3])
+    )
+    high = run("contour", *lines, "--levels=1e9", "--overwrite")
+    assert f"its values 'wet' are from 0 to {len(rows) - 1}" in high.stderr
+    failed(run("raster", *words, "--values=dry", "--overwrite"), 3, "no values 'dry', but 'wet'")
+
+
 def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
     words = ("--interval", "2", "--min-length", "5", "--contour-base", "1")
     done = run("contour", tin, tmp_path / "lines.geojson", *words)

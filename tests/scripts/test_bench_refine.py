@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from benchmark.tasks import refine as bench_refine
 
-import liftmesh
-
 
 def test_angles_and_lengths_of_a_mesh() -> None:
     points = np.array([[0.0, 0], [2, 0], [2, 2], [0, 2]])
@@ -18,13 +16,12 @@ def test_angles_and_lengths_of_a_mesh() -> None:
     assert shares == [1, 0.8, 0]  # the diagonal is more than twice as long as 1.2
 
 
-def test_the_graded_mesh_has_about_as_many_triangles_as_asked() -> None:
-    scale = bench_refine.unit_length(3000)
-    mesh = liftmesh.refine(
-        [bench_refine.SQUARE], size=lambda p: bench_refine.lengths(scale, p)
-    ).triangulation
-    assert 0.7 < mesh.nsimplex / 3000 < 1.4
-    wanted = bench_refine.near(
-        mesh.points, mesh.simplices, lambda p: bench_refine.lengths(scale, p)
-    )
-    assert wanted > 0.99
+@pytest.mark.parametrize("name", ["liftmesh", "Gmsh"])
+@pytest.mark.parametrize("spread", bench_refine.SPREADS.values())
+def test_squares_have_about_as_many_triangles_as_asked(name: str, spread: float) -> None:
+    scale = bench_refine.unit_length(3000, spread)
+    points, triangles = bench_refine.MESHERS[name](scale, spread)
+    assert 0.5 < len(triangles) / 3000 < 1.5
+    assert bench_refine.areas(points, triangles).sum() == pytest.approx(1)
+    share = bench_refine.near(points, triangles, lambda p: bench_refine.lengths(scale, spread, p))
+    assert share > 0.98

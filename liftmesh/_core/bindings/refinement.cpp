@@ -46,7 +46,7 @@ liftmesh::refinement::Lengths asked(const nb::object& lengths) {
 nb::tuple refine(const PlanarRows& rows, const Triples& simplices, const Triples& neighbors,
                  const Ids& hull, const Bytes& marks, const EdgeRows& pieces, const Ids& regions,
                  double cosine, const Numbers& largest, const nb::object& lengths,
-                 bool is_conforming, std::size_t most, nb::handle progress) {
+                 bool is_conforming, std::size_t most, std::size_t rounds, nb::handle progress) {
     using namespace liftmesh::refinement;
     if (marks.shape(0) != simplices.shape(0) || regions.shape(0) != simplices.shape(0) ||
         neighbors.shape(0) != simplices.shape(0))
@@ -54,7 +54,7 @@ nb::tuple refine(const PlanarRows& rows, const Triples& simplices, const Triples
     liftmesh::Constrained mesh = whole(simplices, neighbors, hull, marks, pieces);
     const Start start{read(rows), mesh, {regions.data(), regions.shape(0)}};
     const Wanted wanted{
-        cosine, {largest.data(), largest.shape(0)}, asked(lengths), is_conforming, most};
+        cosine, {largest.data(), largest.shape(0)}, asked(lengths), is_conforming, most, rounds};
     Refined outcome =
         unlocked(progress, [&](auto& interrupt) { return refine(start, wanted, interrupt); });
     raise_if(outcome.status == liftmesh::Status::interrupted);
@@ -77,7 +77,7 @@ nb::tuple refine(const PlanarRows& rows, const Triples& simplices, const Triples
 void bind_refinement(nb::module_& m) {
     m.def("refine", &refine, "rows"_a, "simplices"_a, "neighbors"_a, "hull"_a, "marks"_a,
           "pieces"_a, "regions"_a, "cosine"_a, "largest"_a, "lengths"_a.none(), "conforming"_a,
-          "most"_a, "progress"_a.none());
+          "most"_a, "rounds"_a, "progress"_a.none());
 }
 
 }  // namespace bindings

@@ -29,6 +29,7 @@ const std::uint8_t* flags(const std::optional<Flags>& given, std::size_t count) 
 
 liftmesh::Natural natural_named(std::string_view method) {
     if (method == "nearest") return liftmesh::Natural::nearest;
+    if (method == "nearest beyond") return liftmesh::Natural::nearest_beyond;
     if (method == "laplace") return liftmesh::Natural::laplace;
     if (method == "sibson") return liftmesh::Natural::sibson;
     throw std::invalid_argument("unknown method");

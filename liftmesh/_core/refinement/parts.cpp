@@ -149,18 +149,23 @@ bool Refinement::remove_apex(Edge e) {
     const Vertex v = slots().apex(e);
     if (divided_[v] != no_piece) return false;
     if (dot(between(v, slots().tail(e)), between(v, slots().head(e))) >= 0) return false;
-    const std::int32_t inside = region(t);
     mesh_.find_star(v, star_);
-    mesh_.plan(star_, patch_);
-    mesh_.replace(v, star_, patch_, fresh_);
-    for (const TriangleId each : fresh_) region(each) = inside;
-    stamp(fresh_);
+    take_out(v);
     in_order(fresh_);
     for (const TriangleId each : fresh_) {
         for (unsigned k = 0; k < 3; ++k) look_at_side(edge(each, k));
         look_at(each);
     }
     return true;
+}
+
+// One inside a region, whose star has been found.
+void Refinement::take_out(Vertex v) {
+    const std::int32_t inside = region(star_.triangles[0]);
+    mesh_.plan(star_, patch_);
+    mesh_.replace(v, star_, patch_, fresh_);
+    for (const TriangleId t : fresh_) region(t) = inside;
+    stamp(fresh_);
 }
 
 // Whether the star of a point that divides a part would be a triangulation, and Delaunay but for
@@ -232,6 +237,7 @@ void Refinement::insert_on(const Part& part, Edge e, Point middle) {
         const Point p = beside(middle, i);
         if (!dig_across(part, e, p)) continue;
         const Vertex v = fill(p, piece_at(part.first, part.second));
+        ++made_;
         divide(part, left, right);
         look_around();
         for (const Vertex end : {part.first, part.second}) {
@@ -263,19 +269,22 @@ void Refinement::divide(const Part& part, std::int32_t left, std::int32_t right)
 // Whether all constraints are in the triangulation without constraints; else some are to be split.
 bool Refinement::conforms() {
     bool all = true;
-    const Guard guard = Guard::anywhere();
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
         for (unsigned k = 0; k < 3; ++k) {
             const Edge e = edge(t, k), f = slots().twin(e);
-            if (!slots().is_marked(e) || slots().apex(f) == ghost || f < e) continue;
-            if (has_tiny_side(e) || has_tiny_side(f)) continue;
-            if (incircle_canonical(at(slots().vertex(t, 0)), at(slots().vertex(t, 1)),
-                                   at(slots().vertex(t, 2)), at(slots().apex(f)), guard))
-                all &= !ask_to_split(e);
+            if (!slots().is_marked(e) || f < e || is_delaunay_across(e)) continue;
+            if (!has_tiny_side(e) && !has_tiny_side(f)) all &= !ask_to_split(e);
         }
     }
     return all;
+}
+
+bool Refinement::is_delaunay_across(Edge e) const {
+    const Vertex beyond = slots().apex(slots().twin(e));
+    return beyond == ghost ||
+           !incircle_canonical(at(slots().tail(e)), at(slots().head(e)), at(slots().apex(e)),
+                               at(beyond), Guard::anywhere());
 }
 
 }  // namespace liftmesh::refinement

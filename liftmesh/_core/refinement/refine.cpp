@@ -73,7 +73,7 @@ void Refinement::look_at_all() {
     push(found);
 }
 
-void Refinement::push(std::vector<Waiting>& all) {
+void Refinement::push(std::vector<Waiting> all) {
     std::sort(all.begin(), all.end(), Order(mesh_));
     for (const Waiting& each : all) waiting_.push(each);
 }
@@ -82,7 +82,7 @@ Status Refinement::run() {
     look_at_all();
     while (does_step()) {
         if (patience_.ends(256)) return Status::interrupted;
-        if (made_ % 1024 == 0) tell();
+        if (made_ % 1024 == 0) tell(0, made_, made_ + waiting_.size() + 1);
     }
     return Status::ok;
 }
@@ -98,11 +98,11 @@ void Refinement::prefetch() const {
     mesh_.prefetch_around(triangle_of(next[early - 1].base));
 }
 
-// How far it is, by what waits now: more may.
-void Refinement::tell() {
+// How far it is: while points are added, by what waits now, and more may.
+void Refinement::tell(std::size_t stage, std::size_t done, std::size_t all) {
     constexpr std::size_t whole = 1000;
-    if (told_ == 0) interrupt_.expect(whole);
-    const std::size_t now = whole * made_ / (made_ + waiting_.size() + 1);
+    if (told_ == 0) interrupt_.expect(whole * (1 + wanted_.rounds));
+    const std::size_t now = whole * stage + whole * done / all;
     if (now <= told_) return;
     interrupt_.advance(now - told_);
     told_ = now;
@@ -119,7 +119,7 @@ bool Refinement::does_step() {
         prefetch();
         treat(first);
     } else if (!unmeasured_.empty())
-        measure();
+        push(too_long());
     else if (!wanted_.is_conforming || conforms())
         return false;
     return !is_capped_;
@@ -165,7 +165,8 @@ Refined Refinement::result() {
 Refined refine(const Start& start, const Wanted& wanted, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     Refinement refinement(start, wanted, interrupt);
-    const Status status = refinement.run();
+    Status status = refinement.run();
+    if (status == Status::ok) status = refinement.smooth();
     Refined found;
     if (status == Status::ok)
         found = refinement.result();

@@ -43,6 +43,7 @@ struct Wanted {
     Lengths lengths;                  // or empty
     bool is_conforming;               // whether circles around constraints are empty, too
     std::size_t most;                 // rows to be added
+    std::size_t rounds;               // of smoothing
 };
 
 // A triangulation of the convex hull. The regions of triangles are at least 0 where they are to be

@@ -34,6 +34,7 @@ class Refinement {
     Refinement(const Start& start, const Wanted& wanted, Interrupt& interrupt);
 
     Status run();
+    Status smooth();
     Refined result();
 
  private:
@@ -60,15 +61,15 @@ class Refinement {
     void begin(const Start& start);
     void in_order(std::vector<TriangleId>& triangles) const;
     void look_at_all();
-    void tell();
+    void tell(std::size_t stage, std::size_t done, std::size_t all);
     bool does_step();
     void prefetch() const;
 
     Shape shape(TriangleId t) const;
     std::optional<Waiting> need(TriangleId t);
     void look_at(TriangleId t);
-    void push(std::vector<Waiting>& all);
-    void measure();
+    void push(std::vector<Waiting> all);
+    std::vector<Waiting> too_long();
     bool is_between_constraints(Edge base) const;
     bool is_tiny(Point a, Point b, double ulps = least_ulps) const;
     bool is_tiny(Edge e, double ulps = least_ulps) const {
@@ -89,6 +90,8 @@ class Refinement {
     }
     bool is_marked_at(Edge e, Point p) const;
     void add(Point p);
+    void put(Point p);
+    void take_out(Vertex v);
     Vertex fill(Point p, std::int32_t piece);
     void stamp(const std::vector<TriangleId>& triangles);
 
@@ -121,6 +124,14 @@ class Refinement {
     void divide(const Part& part, std::int32_t left, std::int32_t right);
     void look_around();
     bool conforms();
+    bool is_delaunay_across(Edge e) const;
+
+    bool move(Vertex v);
+    void find_star(Vertex v);
+    Point better_place(Vertex v) const;
+    double sharpest(const std::vector<TriangleId>& triangles) const;
+    bool is_fine(TriangleId t);
+    bool is_better(Point p, TriangleId conflict, double before);
 
     Row row(Vertex v) const { return v < rows_.size() ? rows_[v] : name_[v - rows_.size()]; }
     static std::uint64_t key(const Part& part) {

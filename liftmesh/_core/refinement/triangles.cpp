@@ -79,8 +79,8 @@ bool Refinement::is_gone(const Waiting& waiting) const {
     return slots().is_free(t) || stamp_[slot_of(t)] != waiting.stamp;
 }
 
-// Asks for the lengths that are wanted in all triangles that are new.
-void Refinement::measure() {
+// Asks for the lengths that are wanted in all triangles that are new, and returns those too long.
+std::vector<Waiting> Refinement::too_long() {
     std::erase_if(unmeasured_, [this](const Waiting& each) { return is_gone(each); });
     std::vector<Point> centroids;
     std::vector<std::int32_t> regions;
@@ -99,7 +99,7 @@ void Refinement::measure() {
         if (found.longest2 > most * most) long_ones.push_back(unmeasured_[i]);
     }
     unmeasured_.clear();
-    push(long_ones);
+    return long_ones;
 }
 
 // The centre of the circle, or a place nearer to the base.
@@ -166,15 +166,20 @@ Refinement::Place Refinement::walk(Edge base, Point p) const {
 }
 
 void Refinement::add(Point p) {
+    put(p);
+    ++made_;
+    look_around();
+}
+
+// In the cavity, inside one region.
+void Refinement::put(Point p) {
     const std::int32_t inside = region(mesh_.cavity()[0]);
     fill(p, no_piece);
     for (const TriangleId t : mesh_.star()) region(t) = inside;
-    look_around();
 }
 
 Vertex Refinement::fill(Point p, std::int32_t piece) {
     const Vertex v = mesh_.fill(p);
-    ++made_;
     if (v >= divided_.size()) divided_.resize(v + std::size_t{1});
     divided_[v] = piece;
     region_.resize(slot_of(slots().end()), outside);

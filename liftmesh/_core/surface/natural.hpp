@@ -38,7 +38,8 @@
 
 namespace liftmesh {
 
-enum class Natural : std::uint8_t { nearest, laplace, sibson };
+// The nearest one is that of points in faces, or, beyond, of any point.
+enum class Natural : std::uint8_t { nearest, nearest_beyond, laplace, sibson };
 
 class NaturalNeighbors {
  public:

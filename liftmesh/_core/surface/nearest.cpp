@@ -30,15 +30,17 @@ class NearestWalk {
     NearestWalk(const Triangulated& mesh, Point query, std::int32_t simplex, std::size_t& steps)
         : mesh_(mesh),
           query_(query),
-          at_(simplex),
+          is_within_(simplex >= 0),
+          at_(is_within_ ? simplex : 0),
           k_(0),
-          best_(mesh.corner(simplex, 0)),
+          best_(mesh.corner(at_, 0)),
           left_(steps) {
-        for (int k = 1; k < 3; ++k) look_at(simplex, k);
+        const std::int32_t start = at_;
+        for (int k = 1; k < 3; ++k) look_at(start, k);
     }
 
     std::int32_t run() {
-        for (bool is_first = true; goes_on(is_first); is_first = false) {
+        for (bool is_first = is_within_; goes_on(is_first); is_first = false) {
         }
         return is_short_ ? unfinished : mesh_.vertex(at_, k_);
     }
@@ -83,6 +85,7 @@ class NearestWalk {
 
     const Triangulated& mesh_;
     Point query_;
+    bool is_within_;  // the triangle where the walk begins
     std::int32_t at_;
     int k_;
     Point best_;

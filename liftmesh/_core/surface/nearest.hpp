@@ -18,7 +18,8 @@
 
 namespace liftmesh {
 
-// Of a finite point in a closed triangle. `unfinished` if the steps do not suffice.
+// Of a finite point in a closed triangle, or anywhere, if that is negative. `unfinished` if the
+// steps do not suffice.
 std::int32_t nearest_vertex(const Triangulated& mesh, Point query, std::int32_t simplex,
                             std::size_t& steps);
 

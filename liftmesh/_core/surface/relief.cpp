@@ -66,7 +66,7 @@ std::int32_t Relief::nearest(Point query, std::int32_t simplex, Patience& patien
     }
     const auto make = [&] { return std::make_unique<const NearestTree>(mesh_, patience); };
     const NearestTree* tree = nearest_tree_.get(make, patience);
-    return tree ? tree->nearest(mesh_, query, mesh_.vertex(simplex, 0)) : unfinished;
+    return tree ? tree->nearest(mesh_, query, mesh_.vertex(std::max(simplex, 0), 0)) : unfinished;
 }
 
 }  // namespace liftmesh

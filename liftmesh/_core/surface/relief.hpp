@@ -78,7 +78,8 @@ class Relief {
     // The owner of the position of a vertex, by a triangle at it.
     std::int32_t owner_of_vertex(std::int32_t row, std::int32_t simplex, Patience& patience) const;
 
-    // The vertex nearest to a point of a closed triangle; `unfinished` if the interrupt came first.
+    // The vertex nearest to a point of a closed triangle, or, if that is negative, anywhere;
+    // `unfinished` if the interrupt came first.
     std::int32_t nearest(Point query, std::int32_t simplex, Patience& patience) const;
 
     using Place = liftmesh::Place;

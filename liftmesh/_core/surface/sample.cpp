@@ -69,6 +69,14 @@ double nearest_height(const Relief& relief, Point query, std::int32_t triangle,
     return row < 0 ? no_height : relief.height_of(row);
 }
 
+// Also where there is no face.
+double nearest_beyond(const Relief& relief, Point query, std::int32_t triangle,
+                      Patience& patience) {
+    if (!std::isfinite(query.x) || !std::isfinite(query.y)) return no_height;
+    const std::int32_t row = relief.nearest(query, triangle, patience);
+    return row < 0 ? no_height : relief.height_of(row);
+}
+
 }  // namespace
 
 bool sample_heights(const Relief& relief, Locator& locator, const Queries& queries, double* heights,
@@ -83,14 +91,16 @@ bool sample_heights(const Relief& relief, Locator& locator, const Queries& queri
 bool sample_natural(const Relief& relief, Locator& locator, const Queries& queries, Natural method,
                     double* heights, Threads threads, Interrupt& interrupt) {
     const auto height = [&, method](Point query, std::int32_t triangle, Patience& patience) {
+        if (method == Natural::nearest_beyond)
+            return nearest_beyond(relief, query, triangle, patience);
+        if (triangle < 0) return no_height;
         return method == Natural::nearest
                    ? nearest_height(relief, query, triangle, patience)
                    : natural_height(relief, query, triangle, method, patience);
     };
     return at_each(locator, queries, threads, interrupt,
                    [&](std::size_t i, std::int32_t triangle, Patience& patience) {
-                       heights[i] =
-                           triangle < 0 ? no_height : height(queries[i], triangle, patience);
+                       heights[i] = height(queries[i], triangle, patience);
                    });
 }
 

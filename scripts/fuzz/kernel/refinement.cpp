@@ -1,5 +1,5 @@
-// Domains between edges are refined as the bytes say, to an angle, an area and a number of rows:
-// the verifier accepts the triangles, and what they are said to be, they are.
+// Domains between edges are refined as the bytes say, to an angle, an area and a number of rows,
+// and smoothed: the verifier accepts the triangles, and what they are said to be, they are.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -26,7 +26,7 @@ using liftmesh::refinement::no_piece;
 using liftmesh::refinement::Refined;
 using liftmesh::refinement::Wanted;
 
-constexpr std::size_t most_edges = 32, most_regions = 8;
+constexpr std::size_t most_edges = 32, most_regions = 8, most_rounds = 4;
 constexpr double widest = 40;  // degrees
 
 std::vector<std::int32_t> regions(const Constrained& mesh, unsigned outside) {
@@ -97,12 +97,19 @@ void check_causes(const Wanted& wanted, const Refined& found) {
     }
 }
 
+// Only rows between constraints may have moved.
+void check_smoothed(const Refined& before, const Refined& found) {
+    demand(found.divided == before.divided, "other rows are added");
+    for (std::size_t i = 0; i < found.added.size(); ++i)
+        demand(found.divided[i] == no_piece || found.added[i] == before.added[i], "a part moved");
+}
+
 }  // namespace
 
 void check_refinement(Bytes bytes) {
     const double angle = widest * bytes.byte() / 255;
     const std::uint8_t how = bytes.byte();
-    const std::size_t most = 2 * std::size_t{bytes.byte()};
+    const std::uint8_t amount = bytes.byte();
     const unsigned outside = bytes.byte();
     std::vector<std::uint8_t> ends(2 * (bytes.byte() % (most_edges + 1)));
     for (std::uint8_t& end : ends) end = bytes.byte();
@@ -119,7 +126,7 @@ void check_refinement(Bytes bytes) {
     const std::vector<double> largest(mesh.result.triangle_count,
                                       std::ldexp(1.0, how / 4 * 32 - 1000));
     const double cosine = angle > 0 ? std::cos(angle * std::numbers::pi / 180) : 1;
-    Wanted wanted{cosine, {}, {}, (how & 1) != 0, most};
+    Wanted wanted{cosine, {}, {}, (how & 1) != 0, 2 * std::size_t{amount}, amount % most_rounds};
     if (how & 2) wanted.largest = largest;
     const Refined found = liftmesh::refinement::refine({c.input, mesh, labels}, wanted, patient);
     demand(found.status == Status::ok, "the refinement has another status");
@@ -128,6 +135,9 @@ void check_refinement(Bytes bytes) {
     check_parts(mesh, found, sides);
     check_regions(found);
     check_causes(wanted, found);
+    if (wanted.rounds == 0) return;
+    wanted.rounds = 0;
+    check_smoothed(liftmesh::refinement::refine({c.input, mesh, labels}, wanted, patient), found);
 }
 
 }  // namespace fuzzing
