@@ -48,16 +48,8 @@ def crossing_error(
     order = np.lexsort((*pairs.T[::-1], *rows.T[::-1]))
     pairs, rows = pairs[order], rows[order]
     places = _places(points, rows[:_MOST_PLACES])
-    named = [
-        f"{given.named(e)} from {_named(points, a)} to {_named(points, b)} and {given.named(f)} "
-        f"from {_named(points, c)} to {_named(points, d)}, at {place}"
-        for (e, f), (a, b, c, d), place in zip(
-            pairs[:_NAMED].tolist(),
-            rows[:_NAMED].tolist(),
-            map(tuple, places[:_NAMED].tolist()),
-            strict=True,
-        )
-    ]
+    shown = zip(pairs[:_NAMED], rows[:_NAMED], places[:_NAMED], strict=True)
+    named = [_told(points, given, *each) for each in shown]
     rest = f"; and {len(pairs) - _NAMED:,} more" if len(pairs) > _NAMED else ""
     return CrossingError(
         f"{counted(len(pairs), 'pair')} of edges cross{'es' * (len(pairs) == 1)} where no row is: "
@@ -67,6 +59,13 @@ def crossing_error(
         rows=rows,
         places=places,
     )
+
+
+def _told(points: Reals, given: Constraints, pair: Rows, rows: Rows, place: Floats) -> str:
+    """Name two edges with the rows where they end, and where they cross."""
+    e, f = map(given.named, pair.tolist())
+    a, b, c, d = (_named(points, row) for row in rows.tolist())
+    return f"{e} from {a} to {b} and {f} from {c} to {d}, at {tuple(place.tolist())}"
 
 
 @dataclass(slots=True, eq=False)
@@ -114,12 +113,12 @@ def _unending(split: Split, given: Constraints, pair: Rows, rounds: int) -> Cros
     """Name a place where edges still cross."""
     places = _places(split.points, split.edges[pair].reshape(1, 4))
     pair = split.origins[pair]
-    one, two = map(given.named, pair.tolist())
+    rows = given.edges[pair].reshape(1, 4)
     return CrossingError(
-        f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}, as "
-        f"{one} and {two} do at {tuple(places[0].tolist())}: {TOO_NEAR}",
+        f"edges still cross after {counted(rounds, 'round')} of {Option('crossing', 'split')}: "
+        f"{_told(split.points, given, pair, rows[0], places[0])}: {TOO_NEAR}",
         crossings=pair[None],
-        rows=given.edges[pair].reshape(1, 4),
+        rows=rows,
         places=places,
     )
 

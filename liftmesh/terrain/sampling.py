@@ -30,8 +30,11 @@ from liftmesh.base.options import (
     as_threads,
     check_option,
     refused,
+    shown,
 )
+from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
+from liftmesh.io.read import read_cloud
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
@@ -236,6 +239,67 @@ def interpolator_of(
         return heights_at(surface, at, interpolation, threads=threads, **ways)
 
     return interpolate
+
+
+def heights_above(
+    surface: SurfaceData,
+    cloud: object,
+    *,
+    interpolation: Interpolation = "linear",
+    extrapolate: Extrapolation | None = None,
+    threads: int | None = None,
+) -> Floats:
+    """Compute how high the points of a cloud are above the faces.
+
+    Parameters
+    ----------
+    surface : Surface
+        The ground.
+    cloud : Cloud, array_like of shape (n, 3), path or object
+        The points, in the coordinate system of the surface: all rows of a file or of an object
+        that holds points.
+    interpolation, extrapolate, threads
+        As for `heights_at`.
+
+    Returns
+    -------
+    (n,) ndarray of float64
+        The height of each point above the plane less that of the surface there: below it,
+        negative; NaN as of `heights_at`.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`, or the cloud is in another coordinate system, or has no heights.
+    UnsupportedTypeError, FormatError, OSError
+        As for `read`.
+
+    See Also
+    --------
+    Surface.sample : The heights of the ground.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> ground = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> ground.height_above([[1, 1, 12], [2, 1, 6], [9, 9, 9]])
+    array([ 7.,  0., nan])
+    """
+    above = read_cloud(cloud)
+    if are_different(surface.crs, above.crs):
+        raise InputError(
+            f"the points are in {shown(above.crs)}, and the surface in {shown(surface.crs)}: "
+            "transform the points first"
+        )
+    ground = heights_at(
+        surface,
+        surface.frame.planar(above.points),
+        interpolation,
+        extrapolate=extrapolate,
+        threads=threads,
+    )
+    heights: Floats = surface.frame.heights(above.points) - ground
+    return heights
 
 
 def _check_delaunay(surface: SurfaceData, interpolation: Interpolation) -> None:

@@ -176,6 +176,27 @@ class Surface(SurfaceData):
         """
         return sampling.interpolator_of(self, values, interpolation, extrapolate=extrapolate)
 
+    def height_above(
+        self,
+        cloud: object,
+        *,
+        interpolation: Interpolation = "linear",
+        extrapolate: Extrapolation | None = None,
+        threads: int | None = None,
+    ) -> Floats:
+        """Compute how high the points of a cloud are above the faces.
+
+        Returns (n,) float64: negative below, NaN where there is no face.
+        In full: `liftmesh.terrain.sampling.heights_above`.
+
+        Parameters
+        ----------
+        cloud : Cloud, (n, 3) array_like, path or object with points
+        interpolation, extrapolate, threads : as for `sample`
+        """
+        ways: Any = {"extrapolate": extrapolate, "threads": threads}
+        return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
+
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
 

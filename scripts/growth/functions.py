@@ -296,7 +296,8 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         yield f"Triangulation.{name}", PLANAR, on_triangulation(computed(name)), PLAIN
     yield "Triangulation.verify", PLANAR, on_triangulation(lambda t: t.verify(threads=1)), PLAIN
     yield "Triangulation.lifted", PLANAR, on_triangulation(lambda t: t.lifted("median")), PLAIN
-    yield "Triangulation.to_scipy", PLANAR, on_triangulation(lambda t: t.to_scipy()), ("uniform",)
+    to_scipy = on_triangulation(lambda t: copy.copy(t).to_scipy())  # which keeps its parts
+    yield "Triangulation.to_scipy", PLANAR, to_scipy, ("uniform",)
     yield (
         "Triangulation.lift_points",
         PLANAR,

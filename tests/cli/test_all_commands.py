@@ -25,8 +25,8 @@ from liftmesh.cli import exit_codes, main
 from liftmesh.cli.terminal import bytes_text
 
 COMMANDS = [
-    "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "profile", "raster",
-    "contour", "volume", "solid", "voronoi", "constrain", "refine", "paper",
+    "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "height", "profile",
+    "raster", "contour", "volume", "solid", "voronoi", "constrain", "refine", "paper",
 ]  # fmt: skip
 
 

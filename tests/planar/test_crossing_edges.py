@@ -223,9 +223,19 @@ def test_rounds_are_bounded(bounds: dict[str, int], monkeypatch: pytest.MonkeyPa
     for name, value in bounds.items():
         monkeypatch.setattr(crossing_edges, name, value)
     with pytest.raises(
-        liftmesh.CrossingError, match=r"after 0 rounds .*edge 0 and edge 1 do at \(1.5"
+        liftmesh.CrossingError,
+        match=r"after 0 rounds .*edge 0 from row 0 .* and edge 1 .*, at \(1.5",
     ) as caught:
         constrained_delaunay(SQUARE, [[0, 2], [1, 3]], crossing="split")
     assert caught.value.crossings.tolist() == [[0, 1]]
     assert caught.value.rows.tolist() == [[0, 2, 1, 3]]
     assert caught.value.places.tolist() == [[1.5, 1.5]]
+
+
+def test_bundles_nearer_than_rounding_are_named_by_their_rows() -> None:
+    ends = np.repeat([[0.25, 0.125], [901.5, 981.25]], 20, axis=0)
+    ends += np.random.default_rng(0).integers(-3, 4, ends.shape) * np.spacing(ends)
+    pairs = np.arange(40).reshape(2, 20).T
+    said = r"edge \d+ from row \d+ \(0.2.* to row .*, at \(.*nearer to each other .*; move them, or"
+    with pytest.raises(liftmesh.CrossingError, match=said):
+        constrained_delaunay(ends, pairs, crossing="split")

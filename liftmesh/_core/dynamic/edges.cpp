@@ -99,9 +99,11 @@ std::vector<Piece> Triangulation::holders(Vertex v) const {
     };
     if (constraints_.empty()) return {};
     if (has_triangles()) {
-        Star star;
-        find_star(v, star);
-        for (const std::size_t i : marked_spokes(star, v)) look(star.link[i]);
+        Edge corner = corner_[v];
+        do {
+            if (slots_.is_marked(previous(corner))) look(slots_.tail(corner));
+            corner = next(slots_.twin(next(corner)));
+        } while (corner != corner_[v]);
     } else {
         const auto [a, b] = around(line_.find(points_[v]));
         look(a);

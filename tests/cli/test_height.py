@@ -1,0 +1,110 @@
+"""``liftmesh height``: heights above the ground, and everything else as it was."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import laspy
+import numpy as np
+import pytest
+from commands import failed, liftmesh
+from files.las import encoded, tile
+from scipy.interpolate import LinearNDInterpolator
+
+import liftmesh as lm
+
+COUNT = 600
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    las = tile(COUNT, point_format=6, version="1.4")
+    las.withheld = (np.arange(COUNT) % 50 == 0).astype(np.uint8)
+    (tmp_path / "tile.laz").write_bytes(encoded(las, compressed=True))
+    return tmp_path
+
+
+def heights(cloud: lm.Cloud) -> np.ndarray:
+    """Above the ground, by SciPy."""
+    values = cloud.attributes
+    ground = cloud.points[(values["classification"] == 2) & (values["withheld"] == 0)]
+    return cloud.points[:, 2] - LinearNDInterpolator(ground[:, :2], ground[:, 2])(
+        cloud.points[:, :2]
+    )
+
+
+@pytest.mark.parametrize("name", ["out.laz", "out.las"])
+def test_all_else_stays(folder: Path, name: str) -> None:
+    done = liftmesh("height", "tile.laz", name, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    before, after = laspy.read(folder / "tile.laz"), laspy.read(folder / name)
+    assert [*after.point_format.extra_dimension_names] == ["HeightAboveGround"]
+    for dimension in before.point_format.dimension_names:
+        assert np.array_equal(before[dimension], after[dimension]), dimension
+    assert (before.header.scales == after.header.scales).all()
+    expected = heights(lm.read(folder / "tile.laz"))
+    np.testing.assert_allclose(after["HeightAboveGround"], expected, atol=1e-9)
+    known = np.isfinite(expected).sum()
+    assert f"{known} of {COUNT} points have a height" in done.stdout
+
+
+def test_heights_are_those_of_the_library(folder: Path) -> None:
+    cloud = lm.read(folder / "tile.laz")
+    liftmesh("triangulate", "tile.laz", "ground.ply", cwd=folder)
+    words = ("--ground", "ground.ply", "--extrapolate", "nearest", "--json", "--every", "2")
+    told = json.loads(liftmesh("height", "tile.laz", "out.ply", *words, cwd=folder).stdout)
+    assert (told["n_points"], told["n_known"]) == (COUNT // 2, COUNT // 2)
+    surface = lm.as_surface(folder / "ground.ply")
+    expected = surface.height_above(cloud.select(slice(0, None, 2)), extrapolate="nearest")
+    found = lm.read(folder / "out.ply").attributes["HeightAboveGround"]
+    np.testing.assert_array_equal(found, expected)
+    assert told["n_faces"] == len(surface.faces)
+
+
+def test_the_ground_is_whole_whatever_is_measured(folder: Path) -> None:
+    liftmesh("height", "tile.laz", "all.ply", cwd=folder)
+    liftmesh("height", "tile.laz", "few.ply", "--every", "5", cwd=folder)
+    whole, few = (lm.read(folder / f"{name}.ply") for name in ("all", "few"))
+    name = "HeightAboveGround"
+    np.testing.assert_array_equal(few.attributes[name], whole.attributes[name][::5])
+
+
+def test_heights_take_the_place_of_z(folder: Path) -> None:
+    liftmesh("height", "tile.laz", "flat.ply", "--replace-z", cwd=folder)
+    cloud, flat = lm.read(folder / "tile.laz"), lm.read(folder / "flat.ply")
+    np.testing.assert_allclose(flat.points[:, 2], heights(cloud), atol=1e-9)
+    np.testing.assert_array_equal(flat.attributes["given_z"], cloud.points[:, 2])
+
+
+def test_without_a_ground(folder: Path) -> None:
+    (folder / "plain.csv").write_text("x,y,z\n0,0,1\n4,0,1\n0,4,1\n1,1,5\n")
+    failed(
+        liftmesh("height", "plain.csv", "o.csv", cwd=folder), 3, "no classes: give --ground FILE"
+    )
+    failed(liftmesh("height", "tile.laz", "o.csv", "--ground", "no.ply", cwd=folder), 3, "no.ply")
+    done = liftmesh("height", "plain.csv", "o.csv", "--ground", "plain.csv", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert lm.read(folder / "o.csv").attributes["HeightAboveGround"].tolist() == [0, 0, 0, 0]
+
+
+def test_no_row_of_the_ground(folder: Path) -> None:
+    las = laspy.read(folder / "tile.laz")
+    las.classification[:] = 5
+    las.write(folder / "trees.las")
+    done = liftmesh("height", "trees.las", "o.las", cwd=folder)
+    assert done.returncode == 3
+    assert done.stderr.endswith("error: trees.las: none of 600 rows meets the conditions\n")
+    assert not (folder / "o.las").exists()
+
+
+def test_above_a_surface_of_another_plane_and_system() -> None:
+    ground = lm.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1.0]])
+    wall = lm.triangulate(ground.vertices[:, [2, 0, 1]], plane="yz")
+    points = np.array([[1, 1, 12], [2, 1, 6], [9, 9, 9.0]])
+    np.testing.assert_array_equal(
+        wall.height_above(points[:, [2, 0, 1]]), ground.height_above(points)
+    )
+    there = lm.Cloud(points, crs="EPSG:25832")
+    with pytest.raises(lm.InputError, match="the points are in 'EPSG:25832', and the surface in"):
+        ground.replace(crs="EPSG:25833").height_above(there)
