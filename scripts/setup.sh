@@ -40,8 +40,8 @@ find_python() {
     return 1
 }
 
-# Prints the missing Debian packages, one a line. With "tests", also the libraries that Open3D's wheel loads, clang
-# with its sanitizers, valgrind, and programs that heights are compared with.
+# Prints the missing Debian packages, one a line. With "tests", also the libraries that the wheels of Open3D and
+# Gmsh load, clang with its sanitizers, valgrind, and programs that heights are compared with.
 missing_packages() {
     local python version
     if python=$(find_python); then
@@ -117,6 +117,10 @@ PACKAGES = {
     "libudev.so.1": "libudev1",
     "libidn2.so.0": "libidn2-0",
     "libgomp.so.1": "libgomp1",
+    "libGLU.so.1": "libglu1-mesa",
+    "libXcursor.so.1": "libxcursor1",
+    "libXft.so.2": "libxft2",
+    "libXinerama.so.1": "libxinerama1",
 }
 for library, package in PACKAGES.items():
     try:

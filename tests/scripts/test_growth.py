@@ -12,6 +12,7 @@ from contextlib import nullcontext
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
 import pytest
 from growth import seconds
 from growth.counting import Count, Work
@@ -112,6 +113,12 @@ def test_what_was_not_measured_is_not_fine() -> None:
     assert found.verdict == ""
     found.seconds[16_000] = 8.0
     assert found.verdict == "grows"
+    uneven = {900: 0.9, 5_000: 5.0, 40_000: 160.0}  # at 44 times the least, 4 times a unit
+    assert Timing("numbers", "all", uneven).ratio == pytest.approx(4)
+    del uneven[5_000]
+    assert Timing("numbers", "all", uneven).ratio == pytest.approx(
+        4 ** (np.log(8) / np.log(400 / 9))
+    )
 
 
 class Clock:
