@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
+from itertools import combinations
 from typing import Any
 
 import numpy as np
@@ -381,7 +382,14 @@ def test_damaged_pickles_are_refused(name: str) -> None:
         ({"max_area": [1, -2]}, "max_area is .*each of the 2 regions"),
         ({"max_area": [1, np.nan]}, "max_area is"),
         ({"size": 0}, "size is 0: give a positive number, one for each row"),
-        ({"size": [1, 2]}, r"size has the shape \(2,\), and there are 4 rows: give"),
+        ({"max_area": -np.inf}, "max_area is -inf: give a positive number, or one"),
+        ({"size": [1, 2, 3]}, r"size has the shape \(3,\), and there are 4 rows and 2 regions"),
+        ({"size": [1, -2]}, r"size is \[1, -2\]: give a positive number, one for each row or each"),
+        ({"size": -np.inf}, "size is -inf: give"),
+        ({"size": lambda _: None}, "size returned None: give a positive number"),
+        ({"size": lambda _: 0.5}, "size returned 0.5: give"),
+        ({"threads": "x"}, "threads is 'x': give a whole number"),
+        ({"threads": -5}, "threads is -5: give a whole number"),
         ({"size": [1, 2, -3, 4]}, r"size is -3.0 at \(4.0, 4.0\): give"),
         ({"size": ["a"]}, "size is"),
         ({"size": lambda p: p}, r"size returned the shape \(\d+, 2\) of points"),
@@ -407,10 +415,43 @@ def test_wrong_domains_are_named() -> None:
         refine(liftmesh.regular(SQUARE, weights=[0, 1, 2, 3]))
     with pytest.raises(liftmesh.InputError, match="polygons are 3"):
         refine(3)
+    with pytest.raises(liftmesh.UnsupportedTypeError, match="the domain is None: give"):
+        refine(None)
+    with pytest.raises(liftmesh.InputError, match=r"max_area is 0: give a positive number$"):
+        refine(STRIP, max_area=0)
     with pytest.raises(liftmesh.DegenerateInputError, match="on one line"):
         refine([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]])
     with pytest.raises(liftmesh.InputError, match="threads is 0"):
         refine(STRIP, threads=0)
+
+
+def test_sizes_by_region() -> None:
+    by_region = refine(HALVES, size=[0.3, 9])
+    x, y = HALVES.points[HALVES.simplices[HALVES.regions == 0]].mean(axis=(0, 1))
+    same = refine(HALVES, size=lambda p: np.where((p[:, 0] > p[:, 1]) == (x > y), 0.3, 9))
+    assert len(by_region.steiner) > 50
+    assert as_set(by_region) == as_set(same)
+    assert as_set(refine(STRIP, size=[0.5])) == as_set(refine(STRIP, size=0.5))
+    rows = [*SQUARE[:3], [2.0, 1.0], [3.0, 2.0]]
+    faces = liftmesh.delaunay(rows).simplices.tolist()
+    pairs = {tuple(sorted(pair)) for face in faces for pair in combinations(face, 2)}
+    with pytest.raises(liftmesh.InputError, match="there are 5 rows and 5 regions"):
+        refine(constrained_delaunay(rows, sorted(pairs)), size=[1, 2, 3, 4, 5])
+
+
+def test_infinity_is_no_bound() -> None:
+    expected = as_set(refine(HALVES))
+    for options in ({"max_area": np.inf}, {"size": np.inf}, {"size": [np.inf] * 2}):
+        assert as_set(refine(HALVES, **options)) == expected
+
+
+def test_a_result_is_refined_further() -> None:
+    once = refine(STRIP)
+    further = refine(once, max_area=0.2)
+    assert as_set(further) == as_set(refine(once.triangulation, max_area=0.2))
+    surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    twice = refine(refine(surface, max_area=2), max_area=0.5).surface
+    assert twice.attributes["steiner"].sum() == len(twice.vertices) - 3
 
 
 def test_what_a_size_function_raises_is_raised() -> None:
@@ -436,10 +477,13 @@ def test_scipys_class_and_single_precision() -> None:
 
 
 def test_progress() -> None:
-    told: list[float] = []
-    refine(SQUARE, max_area=1e-3, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    for options in ({"max_area": 1e-4}, {"size": 0.01}, {"max_area": 1e-9, "max_points": 10**5}):
+        told: list[float] = []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            refine(SQUARE, **options, progress=told.append)
+        assert told == sorted(told)
+        assert (told[0] >= 0, told[-1], told.count(1.0)) == (True, 1.0, 1)
 
 
 @pytest.mark.slow
