@@ -21,7 +21,8 @@ SHORT_HELP = "Triangles of good shape and size, by points that are added."
 HELP = (
     "Points are added until no angle is smaller and no triangle larger than asked for. IN holds "
     "polygons, or points whose edges are kept (OBJ, PLY, NPZ, Triangle's .poly), or lines are "
-    "given. Triangles that stay below the angle are counted, with the cause."
+    "given. Triangles that stay below the angle are counted, with the cause, and those that stay "
+    "too large."
 )
 EXAMPLES = [
     "liftmesh refine coast.geojson mesh.vtu --min-angle 30 --max-area 5",
@@ -105,6 +106,8 @@ def _refined(tri: ConstrainedTriangulation, **choices: Any) -> RefineResult:
         refined = liftmesh.refine(tri, progress=progress, **choices)
     if refined.capped:
         terminal.note("no more points may be added, and triangles are left: see --max-points")
+    elif len(refined.too_large):
+        terminal.note("triangles stay too large: float64 has no points that would divide them")
     return refined
 
 
@@ -116,6 +119,7 @@ def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> No
         "triangles": tri.nsimplex,
         "constraints": len(tri.constraints),
         "below": len(causes),
+        "too_large": len(refined.too_large),
         **{
             f"below_by_{cause.replace(' ', '_')}": causes.count(cause)
             for cause in sorted({*causes})

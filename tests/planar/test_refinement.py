@@ -193,6 +193,51 @@ def test_no_angle_asked_for() -> None:
     assert areas(refine(STRIP, min_angle=None, max_area=1).triangulation).max() <= 1
 
 
+def check_sizes(result: RefineResult, size: float | None, area: float | None) -> None:
+    made = result.triangulation
+    assert sides(made).max() <= 2**0.5 * (size or np.inf) * (1 + 1e-12)
+    assert areas(made).max() <= (area or np.inf) * (1 + 1e-12)
+    assert (result.capped, result.too_large.tolist()) == (False, [])
+    assert result.verify().valid
+
+
+@pytest.mark.parametrize("high", [0.5, 0.0872, 1e-3, 1e-9, 1e-15])
+def test_sizes_in_a_wedge(high: float) -> None:
+    """Triangles between edges that meet in a small angle are left for their angle alone."""
+    for bounds in ((0.03, None), (None, 1e-4), (0.1, 1e-3)):
+        for rounds in (0, 2):
+            result = refine(
+                [[0, 0], [1, 0], [0.9962, high]], size=bounds[0], max_area=bounds[1], smooth=rounds
+            )
+            check_sizes(result, *bounds)
+
+
+def test_sizes_at_a_notch() -> None:
+    """Of a small angle outside, which bounds no triangle."""
+    notch = [[0.0, 0], [4, 0], [4, 4], [2.01, 4], [2, 1], [1.99, 4], [0, 4]]
+    check_sizes(refine(notch, size=0.1), 0.1, None)
+
+
+def spokes(rng: np.random.Generator) -> ConstrainedTriangulation:
+    """Edges from one corner, in a box or without one."""
+    count = int(rng.integers(2, 20))
+    turns = rng.uniform(0, rng.choice([0.01, 1, 2 * np.pi]), count)
+    ends = rng.uniform(0.2, 1, (count, 1)) * np.column_stack([np.cos(turns), np.sin(turns)])
+    box = [[-2, -2], [2, -2], [2, 2], [-2, 2]] if rng.random() < 0.5 else np.empty((0, 2))
+    edges = [[0, row + 1] for row in range(count)]
+    return constrained_delaunay(np.vstack([[[0, 0]], ends, box]), edges)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.integers(0, 2**32), st.sampled_from([0, 20, 33]), st.integers(0, 2), st.booleans())
+def test_sizes_between_spokes(seed: int, angle: int, rounds: int, is_conforming: bool) -> None:
+    rng = np.random.default_rng(seed)
+    options: Any = {"min_angle": angle, "smooth": rounds, "conforming": is_conforming}
+    tri, size = spokes(rng), float(rng.uniform(0.03, 0.3))
+    check_sizes(refine(tri, size=size, **options), size, None)
+    check_sizes(refine(tri, max_area=size**2, **options), None, size**2)
+
+
 @pytest.mark.parametrize("angle", [20, 33.5, 34])
 def test_other_angles(angle: float) -> None:
     check(refine([[L_SHAPE, HOLE]], min_angle=angle), np.array([*L_SHAPE, *HOLE]), angle)
@@ -201,7 +246,8 @@ def test_other_angles(angle: float) -> None:
 def test_a_cap() -> None:
     with pytest.warns(liftmesh.DataWarning, match=r"\d+ rows .*under 30 degrees and \d+ too large"):
         result = refine(SQUARE, max_area=1e-4, max_points=20)
-    assert len(result.steiner) <= 20  # some may give way to others
+    assert len(result.steiner) == 20
+    assert areas(result.triangulation)[result.too_large].min() > 1e-4
     assert result.capped
     assert repr(result).endswith(", capped>")
     with pytest.warns(liftmesh.DataWarning, match=r"[1-9]\d* triangles? under 30 degrees and 0"):
