@@ -42,7 +42,8 @@ MOST = 50_000  # points
 MOST_OF_HARD = 500  # points where any number is reached
 HARD = {"every-exponent", "one-exponent", "powers-of-two", "near-a-line", "huge-and-denormal"}
 LEAST = 1e-290  # of areas that doubles tell
-MANY = 1_000_000  # points, or gaps in the length of a strip
+MANY = 1_000_000  # points
+WIDE = 30_000  # gaps in the length of a strip: several strips are refined to fewer points
 SAMPLES = 4000  # of edges
 FEW = 2.0**-40  # heights that are this part of coordinates may have too few digits
 Case = tuple[Points, Edges]
@@ -159,7 +160,7 @@ def check_causes(mesh: Refined, case: Case, demand: Demand) -> None:
         u, v = (corners[1:] - corners[0]) / abs(corners).max()
         longest = max(np.hypot(*each) for each in (u, v, u - v))
         assert u[0] * v[1] - u[1] * v[0] <= FEW * longest, "there are digits for a better triangle"
-    if not mesh.result.capped or narrowness(mesh) > MANY:
+    if not mesh.result.capped or narrowness(mesh) > WIDE:
         return
     more = refined(*case, replace(demand, most=MANY))
     assert not more.result.capped, "the cap is reached without a narrow strip"

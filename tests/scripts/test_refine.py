@@ -52,7 +52,7 @@ def test_only_few_digits_excuse_a_triangle(monkeypatch: pytest.MonkeyPatch) -> N
 
     monkeypatch.setattr(refine, "refined", for_want_of_digits)
     with pytest.raises(SystemExit):
-        some_domains("combs")
+        some_domains("fans")
 
 
 def test_only_narrow_strips_excuse_the_cap(

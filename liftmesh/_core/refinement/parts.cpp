@@ -189,7 +189,7 @@ bool Refinement::fits(const Part& part, Point p) const {
 // The triangle that a point beside the middle of an edge is in, which may be a ghost; or `nothing`
 // if that is behind a constraint, or far.
 TriangleId Refinement::find_beside(Edge e, Point p) const {
-    constexpr unsigned far = 16;
+    constexpr unsigned far = 1000;  // along a fan of slivers
     if (slots().is_ghost(triangle_of(e))) e = slots().twin(e);
     for (unsigned step = 0; step < far; ++step) {
         const TriangleId t = triangle_of(e);

@@ -144,14 +144,14 @@ Refined Refinement::result() {
     rename(found.result.simplices, 3 * found.result.triangle_count);
     rename(found.result.hull, found.result.hull_count);
     sharp_ *= 1 - 0x1p-40;  // those in doubt, too
-    constexpr double tiny = 0x1p-400;
+    constexpr double least2 = 0x1p-400;
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
         found.regions.push_back(region(t));
         Cause cause = Cause::none;
         if (is_inside(t)) {
             const Shape its = shape(t);
-            if (its.is_sharp || its.base2 < tiny)
+            if (its.is_sharp || its.base2 < least2)
                 cause = is_between_constraints(its.base) ? Cause::between_constraints
                         : is_capped_                     ? Cause::cap
                                                          : Cause::precision;
