@@ -71,8 +71,8 @@ class RefineResult(FrozenResult):
     surface : Surface or None
         Of a surface, the refined one: rows that were added have 1 in the values ``steiner``, the
         height of the surface before, and colours and other values of the nearest row.
-    max_deviation : float
-        The largest difference of heights between both surfaces, rounded; it is where edges cross.
+    original : Surface or None
+        Of a surface, the one before.
 
     See Also
     --------
@@ -97,7 +97,7 @@ class RefineResult(FrozenResult):
     capped: bool
     too_large: Rows
     surface: Any = None
-    max_deviation: float = 0.0
+    original: Any = None
 
     def __repr__(self) -> str:
         return (
@@ -143,6 +143,14 @@ class RefineResult(FrozenResult):
         for part, dot, _, cross in _products(self.triangulation, self.triangulation.simplices):
             found[part] = np.degrees(np.arctan2(cross, dot)).T
         return found
+
+    @property
+    def max_deviation(self) -> float:
+        """Of a surface, the largest difference of heights from the one before, rounded.
+
+        It is where edges cross, which are found whenever it is asked for.
+        """
+        return 0.0 if self.surface is None else float(self.surface._deviation(self.original))  # noqa: SLF001
 
     @property
     def min_angle(self) -> float:
