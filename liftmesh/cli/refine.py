@@ -24,7 +24,8 @@ HELP = (
     "Points are added until no angle is smaller and no triangle larger than asked for. IN holds "
     "polygons, or points whose edges are kept (OBJ, PLY, NPZ, Triangle's .poly), or lines are "
     "given; or it is a surface, as of liftmesh triangulate, or a cloud with heights, which becomes "
-    "one: points that are added have its heights. Triangles that stay below the angle are counted."
+    "one: points that are added have its heights. Triangles that stay below the angle, or "
+    "too large, are counted."
 )
 EXAMPLES = [
     "liftmesh refine coast.geojson mesh.vtu --min-angle 30 --max-area 5",
@@ -136,6 +137,8 @@ def _refined(domain: ConstrainedTriangulation | Surface, **choices: Any) -> Refi
         refined = liftmesh.refine(domain, progress=progress, **choices)
     if refined.capped:
         terminal.note("no more points may be added, and triangles are left: see --max-points")
+    elif len(refined.too_large):
+        terminal.note("triangles stay too large: float64 has no points that would divide them")
     return refined
 
 
@@ -147,6 +150,7 @@ def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> No
         "triangles": tri.nsimplex,
         "constraints": len(tri.constraints),
         "below": len(causes),
+        "too_large": len(refined.too_large),
         **{
             f"below_by_{cause.replace(' ', '_')}": causes.count(cause)
             for cause in sorted({*causes})

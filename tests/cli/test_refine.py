@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import meshio
@@ -36,6 +37,7 @@ def test_polygons(folder: Path) -> None:
     expected = liftmesh.refine([[SQUARE, HOLE]], max_area=0.5)
     assert told["n_triangles"] == expected.triangulation.nsimplex
     assert (told["n_added"], told["n_below"]) == (len(expected.steiner), 0)
+    assert told["n_too_large"] == 0
     assert (told["min_angle"], told["capped"]) == (expected.min_angle, False)
     mesh = liftmesh.read(folder / "a.ply")
     assert np.array_equal(mesh.edges, expected.triangulation.constraints)
@@ -106,6 +108,11 @@ def test_what_stays_below_is_counted(folder: Path) -> None:
     )
     assert done.returncode == 0, done.stderr
     assert "--max-points" in done.stderr
+    assert re.search(r"too large +[1-9]", done.stdout)
+    (folder / "far.csv").write_text("x,y\n" + "".join(f"{x},{y}\n" for x, y in SQUARE / 2 + 1e15))
+    done = command("refine", "far.csv", "d.ply", "--size", "0.01", "--json", cwd=folder)
+    assert "triangles stay too large" in done.stderr
+    assert json.loads(done.stdout)["n_too_large"] == 4
     done = command("refine", "wedge.csv", "c.ply", "--min-angle", "0", "--json", cwd=folder)
     assert json.loads(done.stdout)["n_added"] == 0
 

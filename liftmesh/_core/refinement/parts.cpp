@@ -113,7 +113,7 @@ std::int32_t Refinement::piece_at(Vertex a, Vertex b) const {
 void Refinement::split(const Part& part) {
     Edge e = mesh_.edge_between(part.first, part.second);
     if (e == nothing || !slots().is_marked(e)) return;
-    if (made_ >= wanted_.most) {
+    if (!may_add()) {
         is_capped_ = true;
         return;
     }
@@ -151,6 +151,7 @@ bool Refinement::remove_apex(Edge e) {
     if (dot(between(v, slots().tail(e)), between(v, slots().head(e))) >= 0) return false;
     mesh_.find_star(v, star_);
     take_out(v);
+    ++removed_;
     in_order(fresh_);
     for (const TriangleId each : fresh_) {
         for (unsigned k = 0; k < 3; ++k) look_at_side(edge(each, k));

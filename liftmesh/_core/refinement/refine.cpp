@@ -157,19 +157,29 @@ Refined Refinement::result() {
     rename(found.result.hull, found.result.hull_count);
     sharp_ *= 1 - 0x1p-40;  // those in doubt, too
     constexpr double least2 = 0x1p-400;
+    std::vector<std::size_t> number(region_.size());  // of slots
+    unmeasured_.clear();
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
+        number[slot_of(t)] = found.regions.size();
         found.regions.push_back(region(t));
+        bool is_large = false;
         Cause cause = Cause::none;
         if (is_inside(t)) {
             const Shape its = shape(t);
+            is_large = has_large_area(t, its);
+            if (wanted_.lengths) unmeasured_.push_back({its.base2, its.base, stamp_[slot_of(t)]});
             if (its.is_sharp || its.base2 < least2)
                 cause = is_between_constraints(its.base) ? Cause::between_constraints
                         : is_capped_                     ? Cause::cap
                                                          : Cause::precision;
         }
         found.causes.push_back(cause);
+        found.is_large.push_back(is_large);
     }
+    if (wanted_.lengths)
+        for (const Waiting& each : too_long())
+            found.is_large[number[slot_of(triangle_of(each.base))]] = true;
     found.is_capped = is_capped_;
     return found;
 }
