@@ -41,6 +41,7 @@ Refined: TypeAlias = tuple[
     NDArray[np.uint8],
     NDArray[np.int32],
     NDArray[np.uint8],
+    NDArray[np.uint8],
     bool,
 ]
 Counts: TypeAlias = tuple[int, int, int, tuple[int, int, int, int, int, int], int]

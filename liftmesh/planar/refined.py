@@ -57,19 +57,22 @@ class RefineResult(FrozenResult):
     below : (b,) ndarray of int32
         The triangles with an angle under the one that was asked for.
     causes : (b,) ndarray of str
-        Why each of them was left: "input angle" (it is between two edges that meet in a small
-        angle), "cap" (`max_points` was reached) or "precision" (float64 has no better row).
+        Why each of them was left: "input angle" (its shortest side joins two edges that meet in a
+        small angle), "cap" (`max_points` was reached) or "precision" (float64 has no better row).
     asked_angle : float
         The least angle that was asked for, in degrees; 0 for none.
     displacement : float
         The largest distance of an added row from the input edge on which it should be, by rounding.
     capped : bool
         Whether `max_points` ended the refinement.
+    too_large : (l,) ndarray of int32
+        The triangles that are larger than was asked for, by `max_area` or by `size` at their
+        centroid, as the cap was reached or float64 has no row that would divide them.
     surface : Surface or None
         Of a surface, the refined one: rows that were added have 1 in the values ``steiner``, the
         height of the surface before, and colours and other values of the nearest row.
-    max_deviation : float
-        The largest difference of heights between both surfaces, rounded; it is where edges cross.
+    original : Surface or None
+        Of a surface, the one before.
 
     See Also
     --------
@@ -92,8 +95,9 @@ class RefineResult(FrozenResult):
     asked_angle: float
     displacement: float
     capped: bool
+    too_large: Rows
     surface: Any = None
-    max_deviation: float = 0.0
+    original: Any = None
 
     def __repr__(self) -> str:
         return (
@@ -107,6 +111,7 @@ class RefineResult(FrozenResult):
         check_numbers(0, tri.npoints, self.steiner)
         check_numbers(-1, len(tri.input_edges), self.steiner_edges)
         check_numbers(0, tri.nsimplex, self.below)
+        check_numbers(0, tri.nsimplex, self.too_large)
 
     def to_cloud(self) -> Cloud:
         """Convert the surface, or else the triangulation, to a cloud with faces and edges.
@@ -127,9 +132,12 @@ class RefineResult(FrozenResult):
         >>> liftmesh.refine([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).to_cloud()
         <Cloud of 4 points, 2 faces, 4 edges>
         """
-        made = self.triangulation if self.surface is None else self.surface
-        cloud: Cloud = made.to_cloud()
+        cloud: Cloud = self._made.to_cloud()
         return cloud
+
+    @property
+    def _made(self) -> Any:
+        return self.triangulation if self.surface is None else self.surface
 
     @property
     def angles(self) -> Floats:
@@ -138,6 +146,14 @@ class RefineResult(FrozenResult):
         for part, dot, _, cross in _products(self.triangulation, self.triangulation.simplices):
             found[part] = np.degrees(np.arctan2(cross, dot)).T
         return found
+
+    @property
+    def max_deviation(self) -> float:
+        """Of a surface, the largest difference of heights from the one before, rounded.
+
+        It is where edges cross, which are found whenever it is asked for.
+        """
+        return 0.0 if self.surface is None else float(self.surface._deviation(self.original))  # noqa: SLF001
 
     @property
     def min_angle(self) -> float:
@@ -193,7 +209,8 @@ class RefineResult(FrozenResult):
             That the triangles are constrained Delaunay, with further flaws: "small_angles" where an
             angle is less than was asked for and its triangle is not in `below`, and
             "uncovered_edges" where the constraints of an input edge do not lead from end to end, or
-            a row of theirs is farther from it than `displacement`.
+            a row of theirs is farther from it than `displacement`. Sizes are not checked: the
+            result does not hold what was asked for.
 
         Raises
         ------

@@ -18,7 +18,7 @@ from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, 
 from liftmesh.planar.refinement import as_constrained
 from liftmesh.terrain.profile import LineCrossings
 from liftmesh.terrain.sampling import heights_at
-from liftmesh.terrain.surface_data import AnySurface, as_cloud
+from liftmesh.terrain.surface_data import AnySurface, SurfaceData, as_cloud
 
 if TYPE_CHECKING:
     from liftmesh.planar.refined import RefineResult
@@ -31,12 +31,16 @@ def refined(
     surface: AnySurface, refine: Callable[[ConstrainedTriangulation], RefineResult]
 ) -> RefineResult:
     """Refine the faces of a surface, and make a surface of them."""
+    from liftmesh.terrain.breaklines import check_exact, check_flag  # noqa: PLC0415 - makes surfaces
+
     tri = as_constrained(surface.triangulation)
+    check_exact(surface.frame)
+    check_flag(surface.attributes, STEINER)
     if surface.mask is not None:
         tri = with_left(tri, ~surface.mask)
     result = refine(tri)
     made = _surface(surface, result)
-    return replace(result, surface=made, max_deviation=_deviation(surface, made))
+    return replace(result, surface=made, original=surface)
 
 
 def _surface(surface: AnySurface, result: RefineResult) -> AnySurface:
@@ -81,7 +85,7 @@ def _heights(surface: AnySurface, result: RefineResult) -> Floats:
     return heights
 
 
-def _deviation(before: AnySurface, after: AnySurface) -> float:
+def deviation(before: SurfaceData, after: SurfaceData) -> float:
     """Return the largest difference of heights: along edges of the faces before that are gone."""
     keys, kept = map(_edge_keys, (before, after))
     gone = np.stack(pairs_of_keys(keys[~np.isin(keys, kept, assume_unique=True)]), axis=1)
@@ -91,6 +95,6 @@ def _deviation(before: AnySurface, after: AnySurface) -> float:
     return float(np.max(differences, where=~np.isnan(differences), initial=0.0))
 
 
-def _edge_keys(surface: AnySurface) -> Integers:
+def _edge_keys(surface: SurfaceData) -> Integers:
     edges = np.sort(np.concatenate([surface.faces[:, [k - 1, k]] for k in range(3)]), axis=1)
     return np.unique(pair_keys(*edges.T))

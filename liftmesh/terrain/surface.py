@@ -76,6 +76,10 @@ class Surface(SurfaceData):
         """Refine the faces, for `liftmesh.refine`."""
         return refinement.refined(self, refine)
 
+    def _deviation(self, before: Surface) -> float:
+        """The largest difference of heights from those before, for `RefineResult`."""
+        return refinement.deviation(before, self)
+
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""

@@ -167,6 +167,12 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
         by = asked("sample", near_the_middle, interpolation=method)
         hard = ("circle and centre", "parabola") if method == "nearest" else ()
         yield f"Surface.sample by {method}", PLANAR, by, ("uniform", "lattice", *hard), LEAST
+    beyond = asked("sample", lambda tri: tri.points * 3, extrapolate="nearest")
+    yield "Surface.sample beyond", PLANAR, beyond, ("uniform", "circle and centre"), LEAST
+    called = on_surface(lambda found: found.interpolator()(found.vertices[:, :2], threads=1))
+    yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
+    above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
+    yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST
     for name in ("slope", "aspect"):
         yield f"Surface.{name}", PLANAR, asked(name, near_the_middle), ("uniform",), LEAST
     yield "Surface.trim", PLANAR, on_surface(trimmed_inwards), FANS, LEAST

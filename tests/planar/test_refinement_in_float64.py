@@ -81,6 +81,28 @@ def test_rows_few_ulps_apart(width: int) -> None:
         assert result.verify().valid, seed
 
 
+@pytest.mark.parametrize("options", [{"size": 0.01}, {"max_area": 0.01}])
+def test_what_stays_too_large_is_told(options: Any) -> None:
+    square = np.array([[0.0, 0.0], [4, 0], [4, 4], [0, 4]])
+    with pytest.warns(liftmesh.DataWarning, match=r"4 triangles stayed larger .*`too_large`"):
+        result = refine(square + 1e15, **options)
+    assert result.too_large.tolist() == [0, 1, 2, 3]
+    assert (result.capped, result.verify().valid) == (False, True)
+
+
+def test_areas_beyond_float64_are_compared() -> None:
+    """Of coordinates whose products overflow."""
+    square = np.array([[0.0, 0.0], [4, 0], [4, 4], [0, 4]])
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        result = refine(square * 1e307, max_area=1e308, max_points=50)
+    assert [each.category for each in told] == [liftmesh.DataWarning]
+    count = result.triangulation.nsimplex
+    assert (len(result.steiner), len(result.too_large)) == (50, count)
+    assert len(refine(square * 1e-307, max_area=1e-308).too_large) == 0
+    assert len(refine(square * 1e307, size=1e307).too_large) == 0
+
+
 def test_what_cannot_conform_is_told() -> None:
     far, near = 2.0**1000, 2.0**-1074
     points = np.array(

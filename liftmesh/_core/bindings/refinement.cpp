@@ -42,7 +42,7 @@ liftmesh::refinement::Lengths asked(const nb::object& lengths) {
 }
 
 // The rows that were added and the pieces that they divide; triangles, neighbours and hull; of each
-// triangle marks, region and cause; and whether there was to be more.
+// triangle marks, region, cause and whether it is too large; and whether there was to be more.
 nb::tuple refine(const PlanarRows& rows, const Triples& simplices, const Triples& neighbors,
                  const Ids& hull, const Bytes& marks, const EdgeRows& pieces, const Ids& regions,
                  double cosine, const Numbers& largest, const nb::object& lengths,
@@ -69,7 +69,7 @@ nb::tuple refine(const PlanarRows& rows, const Triples& simplices, const Triples
     return nb::make_tuple(adopt(std::move(added), outcome.added.size(), 2),
                           as_array(outcome.divided), triangles, beyond, around,
                           as_array(outcome.marks), as_array(outcome.regions), as_array(causes),
-                          outcome.is_capped);
+                          as_array(outcome.is_large), outcome.is_capped);
 }
 
 }  // namespace

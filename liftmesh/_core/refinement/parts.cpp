@@ -113,7 +113,7 @@ std::int32_t Refinement::piece_at(Vertex a, Vertex b) const {
 void Refinement::split(const Part& part) {
     Edge e = mesh_.edge_between(part.first, part.second);
     if (e == nothing || !slots().is_marked(e)) return;
-    if (made_ >= wanted_.most) {
+    if (!may_add()) {
         is_capped_ = true;
         return;
     }
@@ -151,6 +151,7 @@ bool Refinement::remove_apex(Edge e) {
     if (dot(between(v, slots().tail(e)), between(v, slots().head(e))) >= 0) return false;
     mesh_.find_star(v, star_);
     take_out(v);
+    ++removed_;
     in_order(fresh_);
     for (const TriangleId each : fresh_) {
         for (unsigned k = 0; k < 3; ++k) look_at_side(edge(each, k));
@@ -250,8 +251,8 @@ void Refinement::insert_on(const Part& part, Edge e, Point middle) {
     stuck_.insert(key(part));
 }
 
-// The star of a new vertex between the ends of a part: what is left of it has one region, what is
-// right of it the other.
+// The star of a new vertex between the ends of a part: triangles on the left side of the part get
+// one region, those on the right side the other.
 void Refinement::divide(const Part& part, std::int32_t left, std::int32_t right) {
     const auto& border = mesh_.border();
     std::size_t i = 0;

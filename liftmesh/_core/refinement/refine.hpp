@@ -11,8 +11,9 @@
 // point of that other one that came too near, the split is as far from the corner as this point:
 // each finds its match, and a needle takes few points, where splits in the middle would answer each
 // other along all of it. Points that no constraint needs give way to its split (Chew). Across a
-// small angle between constraints no triangle is split again (G. Miller, S. Pav and N. Walkington,
-// "When and why Ruppert's algorithm works", 2003).
+// small angle between constraints no triangle is split again for its angle (G. Miller, S. Pav and
+// N. Walkington, "When and why Ruppert's algorithm works", 2003); if it is too large, its longer
+// constraint is split, or it gets the centre of its circle.
 //
 // What is shorter than 64 units in the last place of its coordinates is left: rounded points would
 // come ever nearer to each other. Where triangles are to conform, circles around constraints have
@@ -65,6 +66,7 @@ struct Refined {
     std::vector<std::uint8_t> marks;
     std::vector<std::int32_t> regions;  // of each triangle
     std::vector<Cause> causes;
+    std::vector<std::uint8_t> is_large;  // whether each misses an area or a length
     bool is_capped = false;
 };
 

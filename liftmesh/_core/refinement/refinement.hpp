@@ -35,7 +35,7 @@ class Refinement {
 
     Status run();
     Status smooth();
-    Refined result();
+    Refined result();  // ends the refinement
 
  private:
     struct Place {
@@ -61,6 +61,7 @@ class Refinement {
     void begin(const Start& start);
     void in_order(std::vector<TriangleId>& triangles) const;
     void look_at_all();
+    void expect(double area, double largest);
     void tell(std::size_t stage, std::size_t done, std::size_t all);
     bool does_step();
     void prefetch() const;
@@ -70,7 +71,10 @@ class Refinement {
     void look_at(TriangleId t);
     void push(std::vector<Waiting> all);
     std::vector<Waiting> too_long();
+    bool has_large_area(TriangleId t, const Shape& its);
     bool is_between_constraints(Edge base) const;
+    // Of sharp triangles, whether this one is not split for its angle.
+    bool is_left(Edge base) const { return is_between_constraints(base) || is_tiny(base); }
     bool is_tiny(Point a, Point b, double ulps = least_ulps) const;
     bool is_tiny(Edge e, double ulps = least_ulps) const {
         return is_tiny(at(slots().tail(e)), at(slots().head(e)), ulps);
@@ -81,9 +85,13 @@ class Refinement {
     }
     std::int32_t piece_at(Vertex a, Vertex b) const;
 
+    // Those that give way are not counted, up to four for each row that may be there: so it ends.
+    bool may_add() const { return made_ - removed_ < wanted_.most && made_ / 4 < wanted_.most; }
     void treat(const Waiting& waiting);
     bool is_gone(const Waiting& waiting) const;
+    bool split_long_side(Edge base);
     Point center(const Shape& shape) const;
+    Point center(const Shape& shape, double height) const;
     Place walk(Edge base, Point p) const;
     bool is_right_of(Edge e, Point p) const {
         return orient2d(at(slots().tail(e)), at(slots().head(e)), p) < 0;
@@ -154,7 +162,8 @@ class Refinement {
     std::vector<std::uint32_t> stamp_;  // of slots: when they were filled
     std::uint32_t time_ = 0;
     std::vector<std::int32_t> divided_;  // by vertices
-    std::size_t made_ = 0;
+    std::size_t made_ = 0, removed_ = 0;
+    double expected_ = 0;  // points, at the end
     bool is_capped_ = false;
     Buckets waiting_;
     Parts parts_;

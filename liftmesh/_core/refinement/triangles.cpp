@@ -60,14 +60,13 @@ std::optional<Waiting> Refinement::need(TriangleId t) {
     const Shape found = shape(t);
     const Edge base = found.base;
     const Waiting named{found.base2, base, stamp_[slot_of(t)]};
-    if (found.is_sharp) {
-        const bool is_left = is_between_constraints(base) || is_tiny(base);
-        return is_left ? std::nullopt : std::optional(named);
-    }
-    if (!largest_.empty() && found.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))])
-        return named;
+    if ((found.is_sharp && !is_left(base)) || has_large_area(t, found)) return named;
     if (wanted_.lengths) unmeasured_.push_back(named);
     return {};
+}
+
+bool Refinement::has_large_area(TriangleId t, const Shape& its) {
+    return !largest_.empty() && its.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))];
 }
 
 void Refinement::look_at(TriangleId t) {
@@ -93,10 +92,13 @@ std::vector<Waiting> Refinement::too_long() {
     }
     wanted_.lengths(centroids, regions, lengths.data());
     std::vector<Waiting> long_ones;
+    expected_ = static_cast<double>(made_);
     for (std::size_t i = 0; i < lengths.size(); ++i) {
         const Shape found = shape(triangle_of(unmeasured_[i].base));
         const double most = std::numbers::sqrt2 * measures_.scaled(lengths[i]);
-        if (found.longest2 > most * most) long_ones.push_back(unmeasured_[i]);
+        if (!(found.longest2 > most * most)) continue;
+        long_ones.push_back(unmeasured_[i]);
+        expect(found.twice_area / 2, 0.25 * most * most);
     }
     unmeasured_.clear();
     return long_ones;
@@ -104,20 +106,37 @@ std::vector<Waiting> Refinement::too_long() {
 
 // The centre of the circle, or a place nearer to the base.
 Point Refinement::center(const Shape& shape) const {
+    return center(shape, std::min(shape.height, off_center_));
+}
+
+Point Refinement::center(const Shape& shape, double height) const {
     const Vertex a = slots().tail(shape.base), b = slots().head(shape.base);
     const Vector base = between(a, b);
-    const double height = std::min(shape.height, off_center_);
     return measures_.moved(at(a), {base.x / 2 - base.y * height, base.y / 2 + base.x * height});
+}
+
+// False where no longer side is a constraint that can be split.
+bool Refinement::split_long_side(Edge base) {
+    Edge one = next(base), other = previous(base);
+    const auto length2 = [this](Edge e) {
+        return square(between(slots().tail(e), slots().head(e)));
+    };
+    if (length2(one) < length2(other)) std::swap(one, other);
+    return (slots().is_marked(one) && ask_to_split(one)) ||
+           (slots().is_marked(other) && ask_to_split(other));
 }
 
 void Refinement::treat(const Waiting& waiting) {
     if (is_gone(waiting)) return;
-    if (made_ >= wanted_.most) {
+    if (!may_add()) {
         is_capped_ = true;
         return;
     }
-    const TriangleId t = triangle_of(waiting.base);
-    const Point p = center(shape(t));
+    const Shape its = shape(triangle_of(waiting.base));
+    const bool is_large = its.is_sharp && is_left(its.base);  // else it would not wait
+    if (is_large && split_long_side(its.base)) return waiting_.push(waiting);
+    if (is_large && is_tiny(its.base)) return;
+    const Point p = is_large ? center(its, its.height) : center(its);
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return;
     const Place found = walk(waiting.base, p);
     if (found.is_vertex) return;

@@ -94,6 +94,8 @@ void check_causes(const Wanted& wanted, const Refined& found) {
     for (std::size_t t = 0; t < found.result.triangle_count; ++t) {
         demand(found.causes[t] != Cause::cap || found.is_capped, "there was no cap");
         demand(found.causes[t] == Cause::none || found.regions[t] >= 0, "a cause outside");
+        demand(!found.is_large[t] || (found.regions[t] >= 0 && !wanted.largest.empty()),
+               "a triangle is too large for no bound");
     }
 }
 
