@@ -84,8 +84,7 @@ def run(
     cloud = points_of(source, reading)
     cloud, tri = triangulated(cloud, source, target, lines, nonfinite=nonfinite, threads=threads)
     with inputs.about(source):
-        said = "corners or crossings of lines are at no row"
-        mesh = mesh_of(cloud, tri, said, "use liftmesh triangulate --breaklines")
+        mesh = mesh_of(cloud, tri)
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, tri, as_json=json)
@@ -174,7 +173,7 @@ def _triangulated(cloud: Cloud, **choices: Any) -> ConstrainedTriangulation:
         )
 
 
-def mesh_of(cloud: Cloud, tri: ConstrainedTriangulation, said: str, remedy: str) -> Cloud:
+def mesh_of(cloud: Cloud, tri: ConstrainedTriangulation) -> Cloud:
     """Make the mesh: rows of lines have no heights, and no values."""
     from liftmesh.io.metadata import with_carved
 
@@ -184,7 +183,8 @@ def mesh_of(cloud: Cloud, tri: ConstrainedTriangulation, said: str, remedy: str)
         return replace(cloud, faces=mesh.faces, edges=mesh.edges)
     if cloud.points[:, 2].any():
         raise InputError(
-            f"{new:,} {said}, so that they have no height, but the rows have: {remedy}"
+            f"{new:,} corners or crossings of lines are at no row, so that they have no height, "
+            "but the rows have: use liftmesh triangulate --breaklines"
         )
     if cloud.attributes or cloud.colors is not None or cloud.normals is not None:
         terminal.note(f"{new:,} rows are new, and have no values: those of the others are left out")

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.cli import constrain, inputs, options, outputs, terminal
+from liftmesh.cli import constrain, inputs, options, outputs, surfaces, terminal
 from liftmesh.cli.options import flag, option, positive, whole
+from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -16,13 +17,15 @@ if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
     from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
     from liftmesh.planar.refined import RefineResult
+    from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Triangles of good shape and size, by points that are added."
 HELP = (
     "Points are added until no angle is smaller and no triangle larger than asked for. IN holds "
     "polygons, or points whose edges are kept (OBJ, PLY, NPZ, Triangle's .poly), or lines are "
-    "given. Triangles that stay below the angle are counted, with the cause, and those that stay "
-    "too large."
+    "given; or it is a surface, as of liftmesh triangulate, or a cloud with heights, which becomes "
+    "one: points that are added have its heights. Triangles that stay below the angle, or "
+    "too large, are counted."
 )
 EXAMPLES = [
     "liftmesh refine coast.geojson mesh.vtu --min-angle 30 --max-area 5",
@@ -61,7 +64,7 @@ def run(
     target: constrain.Target,
     *,
     wanted: Wanted,
-    reading: inputs.AllRows,
+    reading: inputs.Reading,
     nonfinite: options.SkipNonFinite = "error",
     lines: constrain.Lines,
     threads: options.Threads = None,
@@ -75,13 +78,19 @@ def run(
         cloud = _no_points(source, reading)
         lines = {"polygons": source, "carve": "holes", **lines}
     else:
-        cloud = constrain.points_of(source, reading)
-    given: dict[str, Any] = {"nonfinite": nonfinite, "threads": threads, "needs_lines": False}
-    cloud, tri = constrain.triangulated(cloud, source, target, lines, **given)
-    refined = _refined(tri, **wanted)
-    with inputs.about(source):
-        remedy = "give points without heights"
-        mesh = constrain.mesh_of(cloud, refined.triangulation, "points are added", remedy)
+        cloud = _points(source, reading)
+    given: dict[str, Any] = {"nonfinite": nonfinite, "threads": threads}
+    if cloud.points[:, 2].any():
+        surface = _surface(cloud, source, target, lines, **given)
+        with inputs.about(source):
+            refined = _refined(surface, **wanted)
+        mesh: Any = refined.surface
+    else:
+        cloud, tri = constrain.triangulated(
+            cloud, source, target, lines, needs_lines=False, **given
+        )
+        refined = _refined(tri, **wanted)
+        mesh = constrain.mesh_of(cloud, refined.triangulation)
     written = target.write(mesh)
     with outputs.report_after(target.path):
         _report(written, refined, as_json=json)
@@ -99,11 +108,33 @@ def _no_points(source: Path, reading: dict[str, Any]) -> Cloud:
     return Cloud(np.empty((0, 3)))
 
 
-def _refined(tri: ConstrainedTriangulation, **choices: Any) -> RefineResult:
+def _points(source: Path, reading: dict[str, Any]) -> Cloud:
+    from liftmesh.io.read import for_surface
+
+    return constrain.points_of(source, for_surface(source, reading, reading.get("format")))
+
+
+def _surface(
+    cloud: Cloud, source: Path, target: outputs.Target, lines: dict[str, Any], **choices: Any
+) -> Surface:
+    """Make the surface of rows with heights, or raise before the work starts."""
+    has_faces = cloud.faces is not None and len(cloud.faces) > 0
+    if {*lines} - {"crossing"} or not (has_faces or cloud.edges is None or not len(cloud.edges)):
+        raise InputError(
+            f"{source} has heights, so that --edges, --polylines, --polygons, --carve and edges "
+            "without faces are not taken: give points without heights, or the lines to liftmesh "
+            "triangulate --breaklines, and refine its mesh"
+        )
+    with inputs.about(source):
+        target.check_content(cloud)
+    return surfaces.of_cloud(cloud, source, **choices)
+
+
+def _refined(domain: ConstrainedTriangulation | Surface, **choices: Any) -> RefineResult:
     import liftmesh
 
     with terminal.share_bar("refining", 0) as progress, inputs.without_warnings():
-        refined = liftmesh.refine(tri, progress=progress, **choices)
+        refined = liftmesh.refine(domain, progress=progress, **choices)
     if refined.capped:
         terminal.note("no more points may be added, and triangles are left: see --max-points")
     elif len(refined.too_large):
@@ -128,9 +159,10 @@ def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> No
     if as_json:
         named = {f"n_{name}": count for name, count in counts.items()}
         told = {"min_angle": refined.min_angle, "capped": refined.capped}
-        terminal.as_json(
-            {**outputs.as_values(written), **named, **told, "displacement": refined.displacement}
-        )
+        told |= {"displacement": refined.displacement}
+        if refined.surface is not None:
+            told |= {"max_deviation": refined.max_deviation}
+        terminal.as_json({**outputs.as_values(written), **named, **told})
         return
     line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
     terminal.sentence(outputs.headline(written, line), "good")
@@ -138,4 +170,6 @@ def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> No
     rows.append(("smallest angle", f"{refined.min_angle:.4g} degrees"))
     if refined.displacement:
         rows.append(("displacement", f"{refined.displacement:.3g}"))
+    if refined.surface is not None:
+        rows.append(("deviation of heights", f"{refined.max_deviation:.3g}"))
     terminal.table(rows)

@@ -109,14 +109,19 @@ def read(source: Path, reading: SurfaceOptions) -> Surface:
 
 def read_whole(source: Path, reading: SurfaceOptions) -> Surface:
     """Read a surface without trimming it."""
-    import liftmesh
-
     cloud = inputs.read_rows([source], reading.rows)
     choices = {"plane": reading.plane, "threads": reading.threads}
+    return of_cloud(cloud, source, nonfinite=reading.nonfinite, **choices)
+
+
+def of_cloud(cloud: Cloud, source: Path, *, nonfinite: NonFinite, **choices: Any) -> Surface:
+    """Make a surface of the faces of a file, or of its rows."""
+    import liftmesh
+
     with inputs.about(source), inputs.without_warnings():  # the notes say it
         if cloud.faces is None or not len(cloud.faces):
             with terminal.stage(f"triangulating {len(cloud):,} rows"):
-                made = liftmesh.triangulate(cloud, nonfinite=reading.nonfinite, **choices)
+                made = liftmesh.triangulate(cloud, nonfinite=nonfinite, **choices)
             _note_overhangs(source, made.report.n_overhangs)
             return made
         with terminal.stage(f"finding {len(cloud.faces):,} faces"):

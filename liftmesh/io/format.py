@@ -297,9 +297,12 @@ def dropped(
     names = [name for word in lost for name in _names(cloud, word)]
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
-    names = [name for name in names if name not in metadata.named(file_format.entries)]
+    known, entries = metadata.Provenance(cloud.metadata), file_format.entries
+    if known.carved and file_format.read is None:
+        entries = (*entries, metadata.CARVED)  # the triangles that are left are all that counts
+    names = [name for name in names if name not in metadata.named(entries)]
     named = (each for each in losses if each not in CONTENT)
-    return (*names, *named, *metadata.Provenance(cloud.metadata).lost)
+    return (*names, *named, *known.lost)
 
 
 def _has(cloud: Cloud, word: str) -> bool:

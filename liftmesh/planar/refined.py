@@ -57,8 +57,8 @@ class RefineResult(FrozenResult):
     below : (b,) ndarray of int32
         The triangles with an angle under the one that was asked for.
     causes : (b,) ndarray of str
-        Why each of them was left: "input angle" (it is between two edges that meet in a small
-        angle), "cap" (`max_points` was reached) or "precision" (float64 has no better row).
+        Why each of them was left: "input angle" (its shortest side joins two edges that meet in a
+        small angle), "cap" (`max_points` was reached) or "precision" (float64 has no better row).
     asked_angle : float
         The least angle that was asked for, in degrees; 0 for none.
     displacement : float
@@ -132,9 +132,12 @@ class RefineResult(FrozenResult):
         >>> liftmesh.refine([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]).to_cloud()
         <Cloud of 4 points, 2 faces, 4 edges>
         """
-        made = self.triangulation if self.surface is None else self.surface
-        cloud: Cloud = made.to_cloud()
+        cloud: Cloud = self._made.to_cloud()
         return cloud
+
+    @property
+    def _made(self) -> Any:
+        return self.triangulation if self.surface is None else self.surface
 
     @property
     def angles(self) -> Floats:

@@ -20,11 +20,11 @@ from liftmesh.base.arrays import MOST_ROWS, as_numbers, ends_of, pair_keys, pair
 from liftmesh.base.options import (
     as_count,
     as_number,
-    as_positive,
     as_switch,
     as_threads,
     check_progress,
     counted,
+    part_of,
     refused,
 )
 from liftmesh.errors import DataWarning, InputError, Option, UnsupportedTypeError
@@ -51,7 +51,10 @@ _MOST_MADE = 10_000_000
 _MOST_ROUNDS = 1000
 _CAUSES = np.array(["", "input angle", "cap", "precision"])  # by the kernel's numbers
 _CAP = 2
-_SIZE = "give a positive number, one for each row, or a function of points that returns as many"
+_SIZE = (
+    "give a positive number, one for each row or each region, or a function of points that returns "
+    "as many"
+)
 
 
 def refine(  # noqa: PLR0913 - options are keywords
@@ -75,21 +78,22 @@ def refine(  # noqa: PLR0913 - options are keywords
 
     Parameters
     ----------
-    domain : Triangulation, Surface, list, path or geometries
+    domain : Triangulation, Surface, RefineResult, list, path or geometries
         A triangulation of `delaunay` or `constrained_delaunay`, carved or not; its hull and the
         boundary of what is left become edges, too. Or polygons in any form that `polygons` of
         `constrained_delaunay` has: what is inside of them is triangulated first. Or a surface,
-        whose faces are refined in its plane.
+        whose faces are refined in its plane; or what `refine` returned.
     min_angle : float, default 30
         The smallest angle wanted, in degrees, up to 45; None or 0 for none. Up to 34 the number of
         rows stays small in practice, but where triangles are to conform, which may take several
-        times as many at 34; above, there may be rows without end, up to `max_points`.
+        times as many at 34; above, rows may be added until `max_points` is reached.
     max_area : float or array_like of shape (r,), optional
         The largest area wanted, of all triangles or by ``domain.regions``. Infinity is no bound.
-    size : float, array_like of shape (n,) or callable, optional
-        The length of edges wanted: one for all; one at each row, linear between them; or a function
-        of points, (k, 2), that returns the lengths there, (k,). The longest side of a triangle is
-        at most the square root of two times the length at its centroid, also between edges that
+    size : float, array_like of shape (n,) or (r,), or callable, optional
+        The length of edges wanted: one for all; one at each row, linear between them; one by
+        ``domain.regions``, where these are not as many as rows; or a function of points, (k, 2),
+        that returns the lengths there, (k,). Infinity is no bound. The longest side of a triangle
+        is at most the square root of two times the length at its centroid, also between edges that
         meet in a small angle; a warning counts triangles that float64 has no row to divide.
     conforming : bool, default False
         Whether the triangles are to be Delaunay also across constraints, which takes more rows. A
@@ -118,9 +122,10 @@ def refine(  # noqa: PLR0913 - options are keywords
     ------
     InputError
         An option is out of range or has another shape, `size` returns what is no length, or the
-        domain is a triangulation with weights or a metric.
+        domain is a triangulation with weights or a metric, or a surface over a plane other than
+        "xy", "xz" and "yz".
     UnsupportedTypeError
-        The domain is a triangulation of another kind.
+        The domain is None, or a triangulation of another kind.
     CrossingError, DegenerateInputError, FormatError, MissingDependencyError, NonFiniteError
         Of polygons, as for `constrained_delaunay`.
 
@@ -172,11 +177,16 @@ def refine(  # noqa: PLR0913 - options are keywords
     most = _MOST_MADE if max_points is None else as_count("max_points", max_points, 0)
     rounds = as_count("smooth", smooth, 0, _MOST_ROUNDS)
     check_progress(progress)
+    as_threads(threads, 0)
+    if isinstance(domain, RefineResult):
+        domain = domain._made  # noqa: SLF001 - of this room
     if hasattr(domain, "_refined"):  # a `Surface`, of a room above
         options: Any = {"max_area": max_area, "size": size, "conforming": conforming}
         options |= {"min_angle": min_angle, "max_points": max_points, "smooth": smooth}
-        options["progress"] = progress
+        options["progress"] = part_of(progress, 0.0, 0.9)
         result: RefineResult = domain._refined(lambda tri: refine(tri, **options))  # noqa: SLF001
+        if progress is not None:
+            progress(1.0)
         return result
     own = _triangulated(domain, threads)
     largest, lengths = _largest(max_area, own), _lengths(size, own)
@@ -198,6 +208,8 @@ def refine(  # noqa: PLR0913 - options are keywords
 def _triangulated(domain: Any, threads: int | None) -> ConstrainedTriangulation:
     """Return the triangulation of a domain."""
     if not isinstance(domain, Triangulation):
+        if domain is None:
+            raise UnsupportedTypeError("the domain is None: give a triangulation or polygons")
         if hasattr(domain, "simplices"):
             raise UnsupportedTypeError(
                 f"the domain is a {type(domain).__name__}: give liftmesh.delaunay of its points, "
@@ -231,13 +243,18 @@ def _largest(max_area: ArrayLike | None, tri: ConstrainedTriangulation) -> Float
     if max_area is None:
         return np.empty(0)
     count = int(tri.regions.max()) + 1
-    wanted = f"give a positive number, or one for each of the {counted(count, 'region')}"
+    wanted = "give a positive number" + f", or one for each of the {count:,} regions" * (count > 1)
     areas = as_numbers("max_area", max_area, wanted)
     if areas.ndim == 0:
-        return np.full(count, as_positive("max_area", max_area, wanted.removeprefix("give ")))
+        return np.full(count, _bound("max_area", max_area, wanted))
     if areas.shape != (count,) or not (areas > 0).all():
         raise refused("max_area", max_area, wanted)
     return areas
+
+
+def _bound(name: str, value: Any, wanted: str) -> float:
+    """Convert a bound of all triangles, which may be infinite."""
+    return as_number(name, value, wanted.removeprefix("give "), lambda number: number > 0)
 
 
 def _lengths(size: Any, tri: ConstrainedTriangulation) -> Lengths | None:
@@ -248,14 +265,19 @@ def _lengths(size: Any, tri: ConstrainedTriangulation) -> Lengths | None:
         return lambda places, _: _returned(size, places.reshape(-1, 2))
     lengths = as_numbers("size", size, _SIZE)
     if lengths.ndim == 0:
-        length = as_positive("size", size, _SIZE.removeprefix("give "))
+        length = _bound("size", size, _SIZE)
         return lambda _, regions: np.full(len(regions), length)
     lengths = np.ascontiguousarray(lengths)
-    if lengths.shape != (tri.npoints,):
+    count = int(tri.regions.max()) + 1
+    if (lengths.shape == (tri.npoints,)) == (lengths.shape == (count,)):  # neither or both
         raise InputError(
             f"{Option('size')} has the shape {lengths.shape}, and there are "
-            f"{counted(tri.npoints, 'row')}: {_SIZE}"
+            f"{counted(tri.npoints, 'row')} and {counted(count, 'region')}: {_SIZE}"
         )
+    if len(lengths) == count:
+        if not (lengths > 0).all():
+            raise refused("size", size, _SIZE)
+        return lambda _, regions: lengths[regions]
     _check_lengths(lengths, tri.points)
     simplices, neighbors = map(np.ascontiguousarray, tri._whole)  # noqa: SLF001 - of this room
     relief = _kernel.Relief(tri.points, simplices, neighbors, lengths, None)
@@ -264,13 +286,16 @@ def _lengths(size: Any, tri: ConstrainedTriangulation) -> Lengths | None:
 
 def _returned(size: Callable[[Floats], ArrayLike], places: Floats) -> Floats:
     """Ask the caller's function."""
-    lengths = np.ascontiguousarray(as_numbers("size", size(places), _SIZE, verb="returned"))
+    given = size(places)
+    lengths = as_numbers("size", given, _SIZE, verb="returned")
+    if not lengths.ndim:
+        raise refused("size", given, _SIZE, verb="returned")
     if lengths.shape != (len(places),):
         raise InputError(
             f"{Option('size')} returned the shape {lengths.shape} of points {places.shape}: {_SIZE}"
         )
     _check_lengths(lengths, places)
-    return lengths
+    return np.ascontiguousarray(lengths)
 
 
 def _check_lengths(lengths: Floats, places: Floats) -> None:
@@ -286,7 +311,7 @@ def _between_rows(relief: _kernel.Relief, tri: ConstrainedTriangulation, places:
     lengths = np.empty(len(places))
     run = as_threads(None, len(places))
     relief.sample(tri._locator, places, lengths, "linear", *run)  # noqa: SLF001 - of this room
-    lengths[np.isnan(lengths)] = np.inf  # beyond the hull by rounding: as fine as it can be
+    lengths[np.isnan(lengths)] = np.inf  # beyond the hull by rounding: no bound there
     return lengths
 
 

@@ -147,16 +147,21 @@ def _laid(lines: list[Line], corners: list[Floats], surface: SurfaceData) -> Ite
 
 def in_space(frame: Frame, planar: Floats, heights: Floats) -> Floats:
     """Return the places of coordinates in a plane of two axes, without rounding."""
-    if frame.name not in ("xy", "xz", "yz"):
-        raise InputError(
-            f"new rows need a plane whose coordinates are exact, not {frame.name!r}: give "
-            f"{Option('plane')} 'xy', 'xz' or 'yz'"
-        )
+    check_exact(frame)
     points = np.empty((len(planar), 3))
     for axis, values in zip(frame.axes, (*planar.T, heights), strict=True):
         (column,) = np.flatnonzero(axis)
         points[:, column] = values * axis[column]
     return points
+
+
+def check_exact(frame: Frame) -> None:
+    """Raise unless rows can be added in the plane."""
+    if frame.name not in ("xy", "xz", "yz"):
+        raise InputError(
+            f"new rows need a plane whose coordinates are exact, not {frame.name!r}: give "
+            f"{Option('plane')} 'xy', 'xz' or 'yz'"
+        )
 
 
 class _Drape(LineCrossings):
@@ -328,11 +333,7 @@ def extended(
     cloud: Cloud, frame: Frame, rows: Floats, flags: Array, flag: str = BREAKLINE
 ) -> Cloud:
     """Add rows to a cloud, with the colours and values of the nearest of its own."""
-    if flag in cloud.attributes and cloud.attributes[flag].dtype != np.uint8:
-        raise InputError(
-            f"the points have values named {flag!r}, the name of those that say which rows are "
-            "new: rename them, or leave them out"
-        )
+    check_flag(cloud.attributes, flag)
     values = {flag: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
     nearest = np.empty(0, dtype=np.int64)
     if len(rows) and (len(values) > 1 or cloud.colors is not None or cloud.normals is not None):
@@ -352,6 +353,15 @@ def extended(
         attributes=named,
         faces=None,
     )
+
+
+def check_flag(attributes: Mapping[str, Array], flag: str) -> None:
+    """Raise where other values have the name of those that say which rows are new."""
+    if flag in attributes and attributes[flag].dtype != np.uint8:
+        raise InputError(
+            f"the points have values named {flag!r}, the name of those that say which rows are "
+            "new: rename them, or leave them out"
+        )
 
 
 def _nearest(points: Floats, places: Floats) -> Integers:

@@ -31,7 +31,11 @@ def refined(
     surface: AnySurface, refine: Callable[[ConstrainedTriangulation], RefineResult]
 ) -> RefineResult:
     """Refine the faces of a surface, and make a surface of them."""
+    from liftmesh.terrain.breaklines import check_exact, check_flag  # noqa: PLC0415 - makes surfaces
+
     tri = as_constrained(surface.triangulation)
+    check_exact(surface.frame)
+    check_flag(surface.attributes, STEINER)
     if surface.mask is not None:
         tri = with_left(tri, ~surface.mask)
     result = refine(tri)

@@ -20,9 +20,8 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from liftmesh import _kernel
 from liftmesh._typing import Array, Floats
-from liftmesh.base.arrays import as_pairs, planar_bounds, used_rows
+from liftmesh.base.arrays import as_pairs, planar_bounds
 from liftmesh.base.options import (
     Extrapolation,
     Interpolation,
@@ -35,10 +34,9 @@ from liftmesh.base.options import (
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
 from liftmesh.io.read import read_cloud
-from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
-from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
+from liftmesh.terrain.sampler import Sampler
 from liftmesh.terrain.surface_data import (
     OverPlane,
     SurfaceData,
@@ -48,14 +46,12 @@ from liftmesh.terrain.surface_data import (
     steepness,
     unit_names,
 )
-from liftmesh.terrain.values import Values, columns_over, heights_on_hull, over_values, values_of
+from liftmesh.terrain.values import Values, over_values
 
 Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x and y
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-    from liftmesh.planar.triangulation import Triangulation
 
 
 def heights_at(
@@ -85,8 +81,9 @@ def heights_at(
         Values of the vertices in place of heights: numbers of any shape for each, or the name of
         attributes, or "colors".
     extrapolate : {"nearest", "hull"}, optional
-        What there is where no face contains a point: the value of the nearest vertex, or, of points
-        beyond the convex hull, that of the nearest place on it, linear between its vertices.
+        What there is where no face contains a point: the value of the nearest vertex of a face, or,
+        of points beyond the convex hull of these vertices, that of the nearest place on it, linear
+        between its vertices.
     threads : int, optional
         As for `delaunay`.
 
@@ -103,8 +100,6 @@ def heights_at(
         The last axis is not of length two, an option is unknown, or another interpolation
         than "linear" is asked of a surface with weights, radii or a metric, or than "linear" and
         "nearest" of one that follows lines; there are no such values.
-    MissingDependencyError
-        The hull needs shapely: ``pip install 'liftmesh[shapes]'``.
 
     See Also
     --------
@@ -123,6 +118,9 @@ def heights_at(
     vertex takes longer where many vertices are about as near, as in the middle of a circle.
     Slopes and aspects are those of faces, whatever the interpolation.
 
+    The nearest place on the hull is right to rounding at any distance, and takes log h time for h
+    vertices. Each column of values locates the points anew.
+
     Examples
     --------
     >>> import liftmesh
@@ -135,62 +133,7 @@ def heights_at(
     array([[3., 1.],
            [6., 1.]])
     """
-    check_option("interpolation", interpolation, Interpolation)
-    if values is not None:
-        array = values_of(surface, values)
-        ways: Any = {"extrapolate": extrapolate, "threads": threads}
-        columns = columns_over(surface, array)
-        each = [heights_at(column, points, interpolation, **ways) for column in columns]
-        shape = as_pairs(points).shape[:-1] + array.shape[1:]
-        return np.stack(each, axis=-1).reshape(shape)[()]
-    solved = surface.triangulation
-    is_following = isinstance(solved, ConstrainedTriangulation)
-    if interpolation != "linear":
-        _check_delaunay(surface, interpolation)
-    pairs = as_pairs(points)
-    heights = np.empty(pairs.shape[:-1])
-    asked = kernel_surface(surface)
-    if is_following and interpolation == "nearest":
-        is_off = np.isnan(heights_at(surface, pairs, threads=threads))
-        solved, asked = _without_lines(surface)
-    asked.sample(
-        solved._locator,  # noqa: SLF001 - made once for all that is asked of it
-        pairs.reshape(-1, 2),
-        heights.reshape(-1),
-        interpolation,
-        *as_threads(threads, heights.size),
-    )
-    if is_following and interpolation == "nearest":
-        heights[is_off] = np.nan
-    if extrapolate is not None:
-        _extrapolate(surface, pairs.reshape(-1, 2), heights.reshape(-1), extrapolate, threads)
-    return heights[()]
-
-
-def _extrapolate(
-    surface: SurfaceData,
-    pairs: Floats,
-    heights: Floats,
-    extrapolate: Extrapolation,
-    threads: int | None,
-) -> None:
-    """Put in what is wanted where no face contains a point."""
-    check_option("extrapolate", extrapolate, Extrapolation)
-    without = np.flatnonzero(np.isnan(heights) & np.isfinite(pairs).all(axis=1))
-    level = over_values(surface, np.zeros(len(surface.vertices)))
-    beyond = without[np.isnan(heights_at(level, pairs[without], threads=threads))]
-    places = pairs[beyond]
-    if extrapolate == "hull":
-        heights[beyond] = heights_on_hull(surface, places)
-        return
-    _check_delaunay(surface, "nearest")
-    solved, asked = surface.triangulation, kernel_surface(surface)
-    if isinstance(solved, ConstrainedTriangulation):
-        solved, asked = _without_lines(surface)
-    found = np.empty(len(places))
-    run = as_threads(threads, len(places))
-    asked.sample(solved._locator, places, found, "nearest beyond", *run)  # noqa: SLF001 - as above
-    heights[beyond] = found
+    return Sampler(surface, values, interpolation, extrapolate).at(points, threads)
 
 
 def interpolator_of(
@@ -218,11 +161,15 @@ def interpolator_of(
     Raises
     ------
     InputError
-        When it is called, as for `heights_at`.
+        As for `heights_at`; or, when it is called, the points are none.
 
     See Also
     --------
     Surface.sample : The same at once.
+
+    Notes
+    -----
+    Values and options are taken as they are when the function is made.
 
     Examples
     --------
@@ -232,13 +179,25 @@ def interpolator_of(
     >>> height(1, 1), height([[1, 1], [5, 0]]), height([0, 1], 1)
     (np.float64(5.0), array([5., 9.]), array([4., 5.]))
     """
-    ways: Any = {"values": values, "extrapolate": extrapolate}
+    sampler = Sampler(surface, values, interpolation, extrapolate)
 
     def interpolate(*points: ArrayLike, threads: int | None = None) -> Floats:
-        at = points[0] if len(points) == 1 else np.stack(np.broadcast_arrays(*points), axis=-1)
-        return heights_at(surface, at, interpolation, threads=threads, **ways)
+        return sampler.at(points[0] if len(points) == 1 else _paired(points), threads)
 
     return interpolate
+
+
+def _paired(columns: tuple[ArrayLike, ...]) -> Floats:
+    """Make points of x and y."""
+    if len(columns) != 2:
+        raise InputError(f"{len(columns)} arrays are given: give one of points, or x and y")
+    try:
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    except ValueError as error:
+        x, y = map(np.shape, columns)
+        raise InputError(
+            f"x has the shape {x}, and y {y}: give two that broadcast, or one array of points"
+        ) from error
 
 
 def heights_above(
@@ -300,31 +259,6 @@ def heights_above(
     )
     heights: Floats = surface.frame.heights(above.points) - ground
     return heights
-
-
-def _check_delaunay(surface: SurfaceData, interpolation: Interpolation) -> None:
-    """Raise for an interpolation that a triangulation does not have."""
-    solved = surface.triangulation
-    if solved.metric is not None or hasattr(solved, "hidden"):
-        reason, remedy = "has weights, radii or a metric", "'linear'"
-    elif isinstance(solved, ConstrainedTriangulation) and interpolation != "nearest":
-        reason, remedy = "follows lines", "'linear' or 'nearest'"
-    else:
-        return
-    raise InputError(
-        f"{Option('interpolation')} {interpolation!r} needs a Delaunay triangulation, and the "
-        f"surface {reason}: give {Option('interpolation')} {remedy}"
-    )
-
-
-def _without_lines(surface: SurfaceData) -> tuple[Triangulation, _kernel.Relief]:
-    """Triangulate the vertices anew, for walks to the nearest one."""
-    places = np.full_like(surface.triangulation.points, np.nan)
-    used = used_rows(len(places), surface.triangulation.simplices)
-    places[used] = surface.triangulation.points[used]
-    solved = delaunay(places, nonfinite="skip")
-    arrays = places, solved.simplices, solved.neighbors
-    return solved, _kernel.Relief(*arrays, surface.frame.heights(surface.vertices), None)
 
 
 def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:

@@ -132,14 +132,14 @@ def as_cloud(surface: SurfaceData) -> Cloud:
     )
 
 
-def kernel_surface(surface: SurfaceData) -> _kernel.Relief:
-    """Hand a surface over to the kernel, which shares its arrays."""
+def kernel_surface(surface: SurfaceData, heights: Floats | None = None) -> _kernel.Relief:
+    """Hand a surface over to the kernel, which shares its arrays; or with others for heights."""
     solved = surface.triangulation
     return _kernel.Relief(
         solved.points,
         np.ascontiguousarray(solved.simplices),
         np.ascontiguousarray(solved.neighbors),
-        surface.frame.heights(surface.vertices),
+        surface.frame.heights(surface.vertices) if heights is None else heights,
         None if surface.mask is None else surface.mask.view(np.uint8),
     )
 

@@ -125,6 +125,38 @@ def test_what_is_refused(folder: Path) -> None:
     failed(command(*words, "--smooth", "2000", cwd=folder), 3, "--smooth is 2000: give a whole")
     failed(command(*words, "--flat", cwd=folder), 2, "holds polygons alone")
     failed(command("refine", "none.geojson", "a.ply", cwd=folder), 3, "none.geojson")
-    liftmesh.write(folder / "high.ply", Cloud(np.eye(3)))
+    lines = Cloud(np.eye(3), edges=np.array([[0, 1]]))
+    liftmesh.write(folder / "high.ply", lines)
     done = command("refine", "high.ply", "a.ply", "--size", "0.1", cwd=folder)
-    failed(done, 3, "points are added, so that", "give points without heights")
+    failed(done, 3, "high.ply has heights, so that", "give points without heights")
+    liftmesh.write(folder / "rows.ply", Cloud(np.eye(3)))
+    done = command("refine", "rows.ply", "a.ply", "--carve", "holes", cwd=folder)
+    failed(done, 3, "--carve", "triangulate --breaklines")
+
+
+@pytest.mark.parametrize("is_mesh", [True, False])
+def test_surfaces_keep_their_heights(is_mesh: bool, folder: Path) -> None:
+    rows = np.random.default_rng(8).random((60, 3))
+    surface = liftmesh.triangulate(rows)
+    liftmesh.write(folder / "tin.ply", surface if is_mesh else Cloud(rows))
+    words = ("refine", "tin.ply", "a.ply", "--max-area", "0.01")
+    done = command(*words, "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    expected = liftmesh.refine(surface, max_area=0.01)
+    told, mesh = json.loads(done.stdout), liftmesh.read(folder / "a.ply")
+    assert told["max_deviation"] == pytest.approx(expected.max_deviation)
+    assert told["n_added"] == mesh.attributes["steiner"].sum() == len(expected.steiner)
+    np.testing.assert_allclose(mesh.points, expected.surface.vertices, atol=1e-9)
+    assert liftmesh.verify(mesh).valid
+    done = command("refine", "a.ply", "b.vtu", "--max-area", "0.005", cwd=folder)
+    assert "deviation of heights" in done.stdout, done.stderr
+
+
+def test_the_ground_of_lidar_is_refined(folder: Path) -> None:
+    rows = np.random.default_rng(8).random((60, 3))
+    classes = np.repeat(np.array([2, 5], np.uint8), 30)
+    liftmesh.write(folder / "a.las", Cloud(rows, attributes={"classification": classes}))
+    done = command("refine", "a.las", "a.ply", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert told["n_rows"] - told["n_added"] == 30

@@ -410,61 +410,28 @@ def test_damaged_pickles_are_refused(name: str) -> None:
         pickle.loads(pickle.dumps(wrong))
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        ({"min_angle": 46}, "min_angle is 46: give degrees from 0 to 45"),
-        ({"min_angle": -1}, "min_angle is -1"),
-        ({"min_angle": np.nan}, "min_angle is nan"),
-        ({"min_angle": "30"}, "min_angle is '30'"),
-        (
-            {"max_area": 0},
-            "max_area is 0: give a positive number, or one for each of the 2 regions",
-        ),
-        ({"max_area": np.nan}, "max_area is nan"),
-        ({"max_area": "x"}, "max_area is 'x'"),
-        ({"max_area": [1, 2, 3]}, r"max_area is \[1, 2, 3\]: .* each of the 2 regions"),
-        ({"max_area": [1, -2]}, "max_area is .*each of the 2 regions"),
-        ({"max_area": [1, np.nan]}, "max_area is"),
-        ({"size": 0}, "size is 0: give a positive number, one for each row"),
-        ({"size": [1, 2]}, r"size has the shape \(2,\), and there are 4 rows: give"),
-        ({"size": [1, 2, -3, 4]}, r"size is -3.0 at \(4.0, 4.0\): give"),
-        ({"size": ["a"]}, "size is"),
-        ({"size": lambda p: p}, r"size returned the shape \(\d+, 2\) of points"),
-        ({"size": lambda p: p[:, 0] * np.nan}, r"size is nan at \("),
-        ({"size": lambda p: p[:, 0] * 0}, r"size is 0.0 at \("),
-        ({"size": lambda _: "long"}, "size returned 'long': give"),
-        ({"conforming": "yes"}, "conforming is 'yes'"),
-        ({"max_points": -1}, "max_points is -1"),
-        ({"progress": 3}, "progress is 3"),
-    ],
-)
-def test_wrong_options_are_named(options: dict[str, Any], said: str) -> None:
-    with pytest.raises(liftmesh.InputError, match=said):
-        refine(HALVES, **options)
+def test_sizes_by_region() -> None:
+    by_region = refine(HALVES, size=[0.3, 9])
+    x, y = HALVES.points[HALVES.simplices[HALVES.regions == 0]].mean(axis=(0, 1))
+    same = refine(HALVES, size=lambda p: np.where((p[:, 0] > p[:, 1]) == (x > y), 0.3, 9))
+    assert len(by_region.steiner) > 50
+    assert as_set(by_region) == as_set(same)
+    assert as_set(refine(STRIP, size=[0.5])) == as_set(refine(STRIP, size=0.5))
 
 
-def test_wrong_domains_are_named() -> None:
-    with pytest.raises(liftmesh.UnsupportedTypeError, match="is a DynamicTriangulation: give"):
-        refine(liftmesh.DynamicTriangulation(SQUARE))
-    with pytest.raises(liftmesh.InputError, match="a triangulation with metric, and only Delaunay"):
-        refine(liftmesh.delaunay(SQUARE, metric=[[1, 0], [0, 2]]))
-    with pytest.raises(liftmesh.InputError, match="a triangulation with weights"):
-        refine(liftmesh.regular(SQUARE, weights=[0, 1, 2, 3]))
-    with pytest.raises(liftmesh.InputError, match="polygons are 3"):
-        refine(3)
-    with pytest.raises(liftmesh.DegenerateInputError, match="on one line"):
-        refine([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]])
-    with pytest.raises(liftmesh.InputError, match="threads is 0"):
-        refine(STRIP, threads=0)
+def test_infinity_is_no_bound() -> None:
+    expected = as_set(refine(HALVES))
+    for options in ({"max_area": np.inf}, {"size": np.inf}, {"size": [np.inf] * 2}):
+        assert as_set(refine(HALVES, **options)) == expected
 
 
-def test_what_a_size_function_raises_is_raised() -> None:
-    def broken(_: Array) -> Array:
-        raise ZeroDivisionError("of the caller")
-
-    with pytest.raises(ZeroDivisionError, match="of the caller"):
-        refine(STRIP, size=broken)
+def test_a_result_is_refined_further() -> None:
+    once = refine(STRIP)
+    further = refine(once, max_area=0.2)
+    assert as_set(further) == as_set(refine(once.triangulation, max_area=0.2))
+    surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    twice = refine(refine(surface, max_area=2), max_area=0.5).surface
+    assert twice.attributes["steiner"].sum() == len(twice.vertices) - 3
 
 
 def test_skipped_rows_stay() -> None:
@@ -482,10 +449,13 @@ def test_scipys_class_and_single_precision() -> None:
 
 
 def test_progress() -> None:
-    told: list[float] = []
-    refine(SQUARE, max_area=1e-3, progress=told.append)
-    assert told == sorted(told)
-    assert told[-1] == 1.0
+    for options in ({"max_area": 1e-4}, {"size": 0.01}, {"max_area": 1e-9, "max_points": 10**5}):
+        told: list[float] = []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            refine(SQUARE, **options, progress=told.append)
+        assert told == sorted(told)
+        assert (told[0] >= 0, told[-1], told.count(1.0)) == (True, 1.0, 1)
 
 
 @pytest.mark.slow

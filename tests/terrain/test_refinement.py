@@ -85,10 +85,21 @@ def test_other_planes_and_what_is_refused() -> None:
     points = hills(30).vertices
     wall = liftmesh.triangulate(points[:, [0, 2, 1]], plane="xz")
     assert refine(wall).surface.verify().valid
+    told: list[float] = []
     with pytest.raises(liftmesh.InputError, match="new rows need a plane whose coordinates"):
-        refine(liftmesh.triangulate(points, plane="fit"), size=0.01)
+        refine(liftmesh.triangulate(points, plane="fit"), size=0.01, progress=told.append)
     with pytest.raises(liftmesh.InputError, match="a triangulation with weights"):
         refine(liftmesh.triangulate(points, weights=np.zeros(30)))
     named = hills().with_attributes(steiner=np.arange(200.0))
     with pytest.raises(liftmesh.InputError, match="values named 'steiner'"):
-        refine(named)
+        refine(named, progress=told.append)
+    assert not told  # the work has not begun
+    with pytest.raises(liftmesh.InputError, match="threads is 0"):
+        refine(hills(), threads=0)
+
+
+def test_progress_ends_with_the_heights() -> None:
+    told: list[float] = []
+    refine(hills(), max_area=1e-4, progress=told.append)
+    assert told == sorted(told)
+    assert (told[-2] <= 0.9, told.count(1.0), told[-1]) == (True, 1, 1.0)

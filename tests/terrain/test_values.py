@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from clouds import FAMILIES
@@ -12,6 +14,7 @@ from surfaces import family_surface
 
 import liftmesh
 from liftmesh import InputError
+from liftmesh.terrain.hull_places import HullPlaces
 
 
 def surface_of(count: int = 500, seed: int = 1) -> liftmesh.Surface:
@@ -97,6 +100,8 @@ def test_values_that_are_none() -> None:
         (np.ones(499), r"values have the shape \(499,\), and there are 500 vertices"),
         (3.0, r"values have the shape \(\), and there are 500"),
         (["a"] * 500, "values"),
+        ([1.0] * 7 + [None] * 493, "values hold None in row 7: give NaN"),
+        (np.empty((500, 0)), r"values have the shape \(500, 0\), so none"),
     ],
 )
 def test_values_that_fit_no_vertices(values: object, said: str) -> None:
@@ -112,6 +117,8 @@ def test_values_for_which_a_raster_has_no_room() -> None:
         surface.raster(0.1, values="intensity", quantity="slope")
     with pytest.raises(InputError, match="the surface has no values 'flow', but none at all"):
         liftmesh.triangulate(np.random.default_rng(1).random((9, 3))).contours([1], values="flow")
+    with pytest.raises(InputError, match="no values 'depth', but 'intensity': give"):
+        surface.raster(0.1, values="depth")
 
 
 def test_beyond_the_hull_is_the_nearest_vertex() -> None:
@@ -164,13 +171,100 @@ def test_in_a_gap_there_is_the_nearest_vertex_and_no_hull() -> None:
     assert surface.sample([20, 20], extrapolate="hull") == 4
 
 
+TRIANGLE = [[0, 0, 5], [4, 0, 9], [0, 4, 1]]
+
+
+@pytest.mark.parametrize(
+    ("place", "height"),
+    [
+        ([1e200, 1], 9),
+        ([-1e8, 1], 4),
+        ([1, 1e17], 1),
+        ([2 + 1e17, 2 + 1e17], 5),
+        ([3 + 1e200, 1 + 1e200], 5),
+        ([1.5e308, -1.5e308], 9),
+        ([2, -1e-200], 7),
+        ([2, -1e300], 7),
+        ([5e-324, -5e-324], 5),
+    ],
+)
+def test_the_nearest_place_on_the_hull_at_any_distance(place: list[float], height: float) -> None:
+    assert liftmesh.triangulate(TRIANGLE).sample(place, extrapolate="hull") == height
+
+
+@pytest.mark.parametrize("scale", [-664, 0, 600, 1020])
+def test_the_nearest_place_on_the_hull_at_any_scale(scale: int) -> None:
+    points = np.array(TRIANGLE) * [2.0**scale, 2.0**scale, 1]
+    queries = np.array([[-1, 1], [-1, -2], [2, -3], [6, 1], [3, 3], [-2, 5]]) * 2.0**scale
+    found = liftmesh.triangulate(points).sample(queries, extrapolate="hull")
+    assert found.tolist() == [4, 5, 7, 9, 5, 1]
+    assert liftmesh.triangulate(points).sample([-1e-200, 0], extrapolate="hull") == 5
+
+
+def exact_place(corners: np.ndarray, query: np.ndarray) -> list[Fraction] | None:
+    """Find the nearest place on a hull by rational distances; None inside."""
+    ring = [[*map(Fraction, each)] for each in corners.tolist()]
+    x, y = map(Fraction, query.tolist())
+    places, is_beyond = [], False
+    for (a, b), (c, d) in zip(ring, ring[1:] + ring[:1], strict=True):
+        u, v = c - a, d - b
+        is_beyond |= u * (y - b) - v * (x - a) < 0
+        share = min(max((u * (x - a) + v * (y - b)) / (u * u + v * v), Fraction(0)), Fraction(1))
+        places.append([a + share * u, b + share * v])
+    return min(places, key=lambda p: (p[0] - x) ** 2 + (p[1] - y) ** 2) if is_beyond else None
+
+
+@given(st.integers(0, 2**32 - 1), st.sampled_from([-660, -30, 0, 30, 660]), st.booleans())
+def test_nearest_places_are_those_of_rational_distances(seed: int, scale: int, grid: bool) -> None:
+    rng = np.random.default_rng(seed)
+    points = rng.integers(0, 6, (20, 2)) + 0.0 if grid else rng.random((20, 2))
+    points *= [2.0**scale, 2.0 ** (scale - int(rng.integers(0, 40)))]
+    corners = points[liftmesh.delaunay(points).convex_hull]
+    size = np.ptp(corners, axis=0).max()
+    far = 10.0 ** rng.integers(0, 17, (6, 1))
+    queries = np.concatenate([
+        corners.mean(axis=0) + size * rng.uniform(-2, 2, (6, 2)),
+        corners[rng.integers(len(corners), size=6)] + size * rng.integers(-2, 3, (6, 2)) * far,
+        rng.uniform(-1, 1, (4, 2)) * [[1e17], [1e200], [1e-200], [1e300]],
+    ])  # fmt: skip
+    side, share = HullPlaces(corners).nearest(queries)
+    ends = np.roll(corners, -1, axis=0)
+    for query, k, part in zip(queries, side, share, strict=True):
+        expected = exact_place(corners, query)
+        assert (expected is None) == (k < 0)
+        for a, b, exact in zip(corners[k], ends[k], expected or (), strict=False):
+            place = Fraction(a) + Fraction(part) * (Fraction(b) - Fraction(a))
+            assert abs(place - exact) <= Fraction(size) / 2**50
+
+
+def test_a_vertex_without_a_value_spoils_no_other_corner() -> None:
+    for value in (np.nan, np.inf):
+        surface = liftmesh.triangulate(TRIANGLE)
+        found = surface.sample(
+            [[9, -1], [-1, 9], [-1, -1]], values=[value, 2, 3], extrapolate="hull"
+        )
+        np.testing.assert_array_equal(found, [2, 3, value])
+
+
+def test_vertices_in_no_face_are_not_extrapolated() -> None:
+    square = [[0, 0, 1], [2, 0, 1], [2, 2, 1], [0, 2, 1], [9, 1, 777]]
+    ring = [[0, 0], [2, 0], [2, 2], [0, 2]]
+    carved = liftmesh.triangulate(square, boundary=ring)
+    trimmed = liftmesh.triangulate(square).trim(max_edge=3)
+    for surface in (carved, trimmed):
+        assert 4 not in surface.faces
+        for way in ("nearest", "hull"):
+            assert surface.sample([8, 1], extrapolate=way) == 1
+
+
 def test_what_cannot_be_extrapolated() -> None:
     surface = surface_of()
     with pytest.raises(InputError, match="extrapolate"):
         surface.sample([2, 2], extrapolate="cubic")  # type: ignore[arg-type]
     weighted = liftmesh.triangulate(np.random.default_rng(1).random((9, 3)), weights=np.zeros(9))
-    with pytest.raises(InputError, match="needs a Delaunay triangulation"):
+    with pytest.raises(InputError, match=r"extrapolate 'nearest' .* extrapolate 'hull'"):
         weighted.sample([2, 2], extrapolate="nearest")
+    assert not np.isnan(weighted.sample([2, 2], extrapolate="hull"))
     assert np.isnan(surface.sample([np.nan, 2], extrapolate="nearest"))
     assert np.isnan(surface.sample([np.nan, 2], extrapolate="hull"))
 
@@ -187,3 +281,21 @@ def test_an_interpolator_is_called_as_that_of_scipy() -> None:
         surface.interpolator(interpolation="sibson")(x, y, threads=1),
         surface.sample(np.stack([x, y], axis=-1), "sibson"),
     )
+
+
+def test_an_interpolator_is_checked_and_prepared_when_it_is_made() -> None:
+    surface, values = surface_of(), np.ones(500)
+    for options, said in (
+        ({"values": "depth"}, "no values 'depth'"),
+        ({"interpolation": "cubic"}, "interpolation"),
+        ({"extrapolate": "yes"}, "extrapolate"),
+    ):
+        with pytest.raises(InputError, match=said):
+            surface.interpolator(**options)
+    made = surface.interpolator(values)
+    values[:] = 2
+    assert made(0.5, 0.5) == pytest.approx(1)
+    with pytest.raises(InputError, match="0 arrays are given: give one of points, or x and y"):
+        made()
+    with pytest.raises(InputError, match=r"x has the shape \(2,\), and y \(3,\): give two"):
+        made([1, 2], [1, 2, 3])

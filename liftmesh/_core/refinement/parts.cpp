@@ -251,8 +251,8 @@ void Refinement::insert_on(const Part& part, Edge e, Point middle) {
     stuck_.insert(key(part));
 }
 
-// The star of a new vertex between the ends of a part: what is left of it has one region, what is
-// right of it the other.
+// The star of a new vertex between the ends of a part: triangles on the left side of the part get
+// one region, those on the right side the other.
 void Refinement::divide(const Part& part, std::int32_t left, std::int32_t right) {
     const auto& border = mesh_.border();
     std::size_t i = 0;

@@ -68,6 +68,8 @@ void Refinement::look_at_all() {
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
         if (const auto each = need(t)) found.push_back(*each);
+        if (!largest_.empty() && is_inside(t))
+            expect(shape(t).twice_area / 2, largest_[static_cast<std::size_t>(region(t))]);
         for (unsigned k = 0; k < 3; ++k) look_at_side(edge(t, k));
     }
     push(found);
@@ -82,7 +84,11 @@ Status Refinement::run() {
     look_at_all();
     while (does_step()) {
         if (patience_.ends(256)) return Status::interrupted;
-        if (made_ % 1024 == 0) tell(0, made_, made_ + waiting_.size() + 1);
+        if (made_ % 1024 == 0) {
+            const auto expected = static_cast<std::size_t>(std::min(expected_, 1e15));
+            const std::size_t all = expected > made_ ? expected : made_ + waiting_.size() + 1;
+            tell(0, made_, std::min(all, wanted_.most + 1));
+        }
     }
     return Status::ok;
 }
@@ -98,7 +104,13 @@ void Refinement::prefetch() const {
     mesh_.prefetch_around(triangle_of(next[early - 1].base));
 }
 
-// How far it is: while points are added, by what waits now, and more may.
+// Of a triangle that is larger than asked for: how many points are to be added in it, about.
+void Refinement::expect(double area, double largest) {
+    constexpr double points = 0.8;
+    if (area > largest) expected_ += points * area / largest;
+}
+
+// How far it is: while points are added, by how many are expected, else by what waits now.
 void Refinement::tell(std::size_t stage, std::size_t done, std::size_t all) {
     constexpr std::size_t whole = 1000;
     if (told_ == 0) interrupt_.expect(whole * (1 + wanted_.rounds));

@@ -61,6 +61,7 @@ class Refinement {
     void begin(const Start& start);
     void in_order(std::vector<TriangleId>& triangles) const;
     void look_at_all();
+    void expect(double area, double largest);
     void tell(std::size_t stage, std::size_t done, std::size_t all);
     bool does_step();
     void prefetch() const;
@@ -162,6 +163,7 @@ class Refinement {
     std::uint32_t time_ = 0;
     std::vector<std::int32_t> divided_;  // by vertices
     std::size_t made_ = 0, removed_ = 0;
+    double expected_ = 0;  // points, at the end
     bool is_capped_ = false;
     Buckets waiting_;
     Parts parts_;

@@ -92,10 +92,13 @@ std::vector<Waiting> Refinement::too_long() {
     }
     wanted_.lengths(centroids, regions, lengths.data());
     std::vector<Waiting> long_ones;
+    expected_ = static_cast<double>(made_);
     for (std::size_t i = 0; i < lengths.size(); ++i) {
         const Shape found = shape(triangle_of(unmeasured_[i].base));
         const double most = std::numbers::sqrt2 * measures_.scaled(lengths[i]);
-        if (found.longest2 > most * most) long_ones.push_back(unmeasured_[i]);
+        if (!(found.longest2 > most * most)) continue;
+        long_ones.push_back(unmeasured_[i]);
+        expect(found.twice_area / 2, 0.25 * most * most);
     }
     unmeasured_.clear();
     return long_ones;

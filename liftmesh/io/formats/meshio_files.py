@@ -45,12 +45,7 @@ class _Block(NamedTuple):
 def write_msh(stream: BinaryIO, cloud: Cloud) -> None:
     """Write faces and edges, with regions and markers as physical groups."""
     faces, edges = faces_of(cloud), edges_of(cloud)
-    regions, markers = regions_of(cloud) + 1, markers_of(cloud, _NONE)
-    if (markers < 0).any():
-        raise FormatError(
-            f"the marker of edge {int(markers.argmin())} is {markers.min()}, but physical groups "
-            "of MSH are numbered from 1: give others"
-        )
+    regions, markers = regions_of(cloud) + 1, _markers(cloud, _NONE)
     parts = [(1, *part) for part in _by_tag(edges, markers)]
     parts += [(2, *part) for part in _by_tag(faces, regions)]
     tags = np.array([each[:2] for each in parts], np.int32)
@@ -63,6 +58,16 @@ def write_msh(stream: BinaryIO, cloud: Cloud) -> None:
         point_data={"gmsh:dim_tags": tags[_place_of_nodes(len(cloud), [p[2] for p in parts])]},
         cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
     )
+
+
+def _markers(cloud: Cloud, beyond: Rows) -> Rows:
+    markers = markers_of(cloud, beyond)
+    if (markers < 0).any():
+        raise FormatError(
+            f"the marker of edge {int(markers.argmin())} is {markers.min()}, but markers of MSH "
+            "and SU2 are numbered from 1: give others"
+        )
+    return markers
 
 
 def _by_tag(rows: Rows, tags: Rows) -> Iterator[tuple[int, Rows]]:
@@ -110,7 +115,7 @@ def write_su2(stream: BinaryIO, cloud: Cloud) -> None:
 def _boundary(cloud: Cloud) -> tuple[Rows, Rows]:
     """Return the sides of the boundary and their markers."""
     beyond = beyond_edges(cloud)
-    lines, markers = np.concatenate([edges_of(cloud), beyond]), markers_of(cloud, beyond)
+    lines, markers = np.concatenate([edges_of(cloud), beyond]), _markers(cloud, beyond)
     is_outer = are_at_boundary(cloud, lines)
     return lines[is_outer], markers[is_outer]
 
