@@ -6,12 +6,13 @@
 Domains are stars, combs, needles, fans of edges, rings that touch, boxes and triangles that are
 taken off each other, chains that are nearly straight, and edges between points of `small_sets.py`;
 as they are, at coordinates of a map, in single precision, or of any magnitude. Each is refined to
-an angle of 20, 28 or 33 degrees, perhaps also to an area, or so that it conforms, and half of them
-are smoothed: then no row before is elsewhere, none on an edge moves, and the smallest angle is as
-large.
+an angle of 20, 28 or 33 degrees, perhaps also to an area or a length, or so that it conforms, and
+half of them are smoothed: then no row before is elsewhere, none on an edge moves, and the smallest
+angle is as large.
 `oracles/refined.py` says what must hold in integers; besides, `verify` must accept the triangles,
 those that conform must be some of `delaunay`, and rows and edges in another order must make the
-same. Triangles may only be left for want of precision where heights are a few units in the last
+same. Those that are larger than asked for, and no others, are listed. Triangles may only be left
+for want of precision, or too large, where heights there or beside it are a few units in the last
 place, and the cap may only be reached for strips between edges without a common end, which are
 printed. Exits with 1 and the domain at a difference.
 """
@@ -45,6 +46,8 @@ LEAST = 1e-290  # of areas that doubles tell
 MANY = 1_000_000  # points
 WIDE = 30_000  # gaps in the length of a strip: several strips are refined to fewer points
 SAMPLES = 4000  # of edges
+NEAR = 1e-9  # of sizes, whose roundings differ
+ROUNDED = 2.0**-50  # of the longest side's square, in areas
 FEW = 2.0**-40  # heights that are this part of coordinates may have too few digits
 Case = tuple[Points, Edges]
 
@@ -59,6 +62,7 @@ class Demand:
     carved: bool
     most: int = MOST  # points
     rounds: int = 0  # of smoothing
+    by_length: bool = False  # of a square with the area, in place of it
 
 
 def main() -> None:
@@ -94,6 +98,7 @@ def drawn(kind: str, rng: Generator) -> tuple[Case, Demand]:
         demand = Demand(
             float(rng.choice(ANGLES)), share, bool(rng.random() < 0.3), bool(rng.random() < 0.7),
             MOST_OF_HARD if kind in HARD else MOST, int(rng.choice([0, 0, 1, 4])),
+            bool(rng.random() < 0.5),
         )  # fmt: skip
         try:
             constrained(points, edges, demand)
@@ -110,19 +115,25 @@ def constrained(points: Points, edges: Edges, demand: Demand) -> Any:
 def refined(points: Points, edges: Edges, demand: Demand) -> Refined:
     """Refine, and say what a triangle may be as arrays."""
     tri = constrained(points, edges, demand)
-    largest = None
-    if demand.share is not None and LEAST < (whole := area_of(tri.points, tri.simplices)) < np.inf:
-        largest = demand.share * whole
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always", liftmesh.DataWarning)
         found = liftmesh.refine(
-            tri, min_angle=demand.angle, max_area=largest, conforming=demand.conforming,
+            tri, min_angle=demand.angle, **sizes(tri, demand), conforming=demand.conforming,
             max_points=demand.most, smooth=demand.rounds,
         )  # fmt: skip
     causes = np.full(found.triangulation.nsimplex, "", dtype="U16")
     causes[found.below] = found.causes
     said = "; ".join(str(each.message) for each in told)
     return Refined(found, tri, causes, float(np.cos(np.radians(demand.angle))), said)
+
+
+def sizes(tri: Any, demand: Demand) -> dict[str, float]:
+    """What is asked for but angles."""
+    whole = area_of(tri.points, tri.simplices)
+    if demand.share is None or not LEAST < whole < np.inf:
+        return {}
+    area = demand.share * whole
+    return {"size": float(np.sqrt(area))} if demand.by_length else {"max_area": area}
 
 
 def area_of(points: Points, triangles: Edges) -> float:
@@ -138,6 +149,7 @@ def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
     found = mesh.result.verify(threads=1)
     assert found, found
     mesh.check()
+    check_sizes(mesh, demand)
     if demand.conforming and not mesh.result.capped:
         every = in_place(mesh.points, liftmesh.delaunay(mesh.points, threads=1).simplices)
         others = in_place(mesh.points, mesh.simplices) - every
@@ -154,16 +166,44 @@ def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
     assert same or mesh.result.capped, "rows in another order make other triangles"
 
 
+def check_sizes(mesh: Refined, demand: Demand) -> None:
+    """Assert that the triangles that are too large are those that are listed."""
+    exponent = int(np.frexp(abs(mesh.points).max())[1])
+    a, b, c = np.ldexp(mesh.points, -exponent)[mesh.simplices].transpose(1, 0, 2)
+    sides = np.stack([b - a, c - b, a - c])
+    asked, (u, v, _) = sizes(mesh.before, demand), sides
+    longest, areas = np.hypot(*sides.T).max(axis=1), (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / 2
+    length = np.ldexp(asked.get("size", np.inf), -exponent) * np.sqrt(2)
+    area = np.ldexp(asked.get("max_area", np.inf), -2 * exponent)
+    is_listed = np.isin(np.arange(len(mesh.simplices)), mesh.result.too_large)
+    slack = np.where(is_listed, NEAR, -NEAR)
+    is_large = longest * (1 + slack) > length
+    is_large |= areas * (1 + slack) + np.sign(slack) * ROUNDED * longest**2 > area
+    assert (is_large == is_listed).all(), "others are listed than those that are too large"
+    assert not is_listed.any() or mesh.result.capped or "larger than asked" in mesh.told, "not told"
+
+
 def check_causes(mesh: Refined, case: Case, demand: Demand) -> None:
     """Assert that what was left, or led to the cap, could not be helped."""
-    for corners in mesh.points[mesh.simplices[mesh.causes == PRECISION]]:
-        u, v = (corners[1:] - corners[0]) / abs(corners).max()
-        longest = max(np.hypot(*each) for each in (u, v, u - v))
-        assert u[0] * v[1] - u[1] * v[0] <= FEW * longest, "there are digits for a better triangle"
+    left = mesh.causes == PRECISION
+    if not mesh.result.capped:
+        left[mesh.result.too_large] = True
+    beyond = mesh.result.triangulation.neighbors  # or of one beside, whose side cannot be split
+    for t in np.flatnonzero(left).tolist():
+        beside = [u for u in beyond[t].tolist() if u >= 0]
+        assert any(has_few_digits(mesh.points[mesh.simplices[u]]) for u in (t, *beside)), (
+            "there are digits for a better triangle"
+        )
     if not mesh.result.capped or narrowness(mesh) > WIDE:
         return
     more = refined(*case, replace(demand, most=MANY))
     assert not more.result.capped, "the cap is reached without a narrow strip"
+
+
+def has_few_digits(corners: Points) -> bool:
+    u, v = (corners[1:] - corners[0]) / abs(corners).max()
+    longest = max(np.hypot(*each) for each in (u, v, u - v))
+    return bool(u[0] * v[1] - u[1] * v[0] <= FEW * longest)
 
 
 def narrowness(mesh: Refined) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from liftmesh.base.options import Extrapolation, Interpolation
 from liftmesh.cli import inputs, options, outputs, surfaces, terminal, thin
 from liftmesh.cli.options import argument, flag, option
-from liftmesh.errors import InputError
+from liftmesh.errors import FormatError, InputError, Message, Option
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -26,6 +26,8 @@ EXAMPLES = [
     "liftmesh height trees.csv flat.csv --ground ground.csv --replace-z",
 ]
 _NAME = "HeightAboveGround"
+_GIVEN = "given_z"
+_PARTS = {"bounds", "z_range", "copc_resolution"}  # by which parts of a file are read
 _OF_ROWS = {  # which rows are measured, above the whole ground
     "classes", "all_classes", "withheld", "returns", "bounds", "z_range", "every", "color_depth",
     "copc_resolution",
@@ -56,6 +58,12 @@ def run(
         outputs.check_stdout()
     target.check()
     cloud = inputs.read_rows([source], reading, of_surface=False)
+    made = _GIVEN if replace_z else _NAME
+    if made in cloud.attributes:
+        raise InputError(
+            f"{source}: the points have values named {made!r}, which this command writes: rename "
+            "them, or leave them out"
+        )
     below = _ground(source, ground, cloud, reading, threads)
     with inputs.about_rows([source], cloud):
         with terminal.stage(f"measuring {len(cloud):,} points"):
@@ -63,9 +71,21 @@ def run(
                 cloud, interpolation=interpolation, extrapolate=extrapolate, threads=threads
             )
         measured = _with_heights(cloud, heights, replace_z=replace_z)
-        target.check_content(measured)
+        known = int((heights == heights).sum())  # noqa: PLR0124 - those that are no NaN
+        if not known and extrapolate is None:
+            left, low, right, high = (f"{each:.10g}" for each in below.bounds)
+            terminal.note(
+                f"{source}: no point is over the ground, whose x is from {left} to {right}, and y "
+                f"from {low} to {high}"
+            )
+        try:
+            target.check_content(measured)
+        except FormatError as error:
+            if replace_z and known < len(cloud) and extrapolate is None:
+                remedy = f"{error.message.marked}, or give {Option('extrapolate', 'nearest')}"
+                error.args = (Message(remedy),)
+            raise
     written = target.write(measured)
-    known = int((heights == heights).sum())  # noqa: PLR0124 - those that are no NaN
     with outputs.report_after(target.path):
         if json:
             counts = {"n_points": len(cloud), "n_known": known, "n_faces": len(below.faces)}
@@ -85,6 +105,8 @@ def _ground(
         ground = source
         rows = {name: value for name, value in reading.items() if name not in _OF_ROWS}
         rows["classes"] = (2,)
+        if cloud.color_depth is not None and not _PARTS & reading.keys():
+            rows["color_depth"] = cloud.color_depth  # decided, and said, once
     else:
         rows = {}
     return surfaces.read(ground, surfaces.SurfaceOptions(rows, "xy", "error", threads, {}))
@@ -99,5 +121,5 @@ def _with_heights(cloud: Cloud, heights: Any, *, replace_z: bool) -> Cloud:
         return replace(cloud, attributes={**cloud.attributes, _NAME: heights})
     points = np.column_stack([cloud.points[:, :2], heights])
     return replace(
-        cloud, points=points, attributes={**cloud.attributes, "given_z": cloud.points[:, 2]}
+        cloud, points=points, attributes={**cloud.attributes, _GIVEN: cloud.points[:, 2]}
     )

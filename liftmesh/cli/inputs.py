@@ -225,10 +225,11 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     if not_read := notes.parts_not_read(cloud):
         note(f"{name}: not read: {notes.listed(not_read)}")
     if "color_depth" not in reading and cloud.color_depth == 8 and len(cloud):
-        note(
-            f"{name}: no colour exceeds 255: they are read as 8-bit colours "
-            "(liftmesh triangulate has --color-depth)"
-        )
+        context = click.get_current_context(silent=True)
+        options_here = () if context is None else context.command.params
+        is_here = any("--color-depth" in each.opts for each in options_here)
+        how = "--color-depth says another" if is_here else "liftmesh triangulate has --color-depth"
+        note(f"{name}: no colour exceeds 255: they are read as 8-bit colours ({how})")
     return cloud
 
 

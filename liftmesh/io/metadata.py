@@ -138,6 +138,11 @@ class Provenance:
         return entry if isinstance(entry, NotedColumns) else {}
 
     @property
+    def is_flat(self) -> bool:
+        """Whether a table was read without heights."""
+        return bool(self.columns) and "z" not in self.columns
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What is worth knowing about how the file was read."""
         entry = self.entries.get("notes")

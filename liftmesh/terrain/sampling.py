@@ -33,6 +33,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
+from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
@@ -229,7 +230,8 @@ def heights_above(
     Raises
     ------
     InputError
-        As for `heights_at`, or the cloud is in another coordinate system, or has no heights.
+        As for `heights_at`, or the cloud is in another coordinate system; or the points have no z,
+        or the ground, by the columns it was read from, has none.
     UnsupportedTypeError, FormatError, OSError
         As for `read`.
 
@@ -245,6 +247,11 @@ def heights_above(
     array([ 7.,  0., nan])
     """
     above = read_cloud(cloud)
+    shape = np.shape(cloud) if isinstance(cloud, list | tuple) else getattr(cloud, "shape", ())
+    if shape[1:] == (2,) or Provenance(above.metadata).is_flat:
+        raise InputError("the points have no z: give rows of x, y and z")
+    if Provenance(surface.metadata).is_flat:
+        raise InputError("the ground has no z: read it with a column of heights")
     if are_different(surface.crs, above.crs):
         raise InputError(
             f"the points are in {shown(above.crs)}, and the surface in {shown(surface.crs)}: "

@@ -98,6 +98,60 @@ def test_no_row_of_the_ground(folder: Path) -> None:
     assert not (folder / "o.las").exists()
 
 
+@pytest.mark.parametrize(
+    ("words", "name"), [((), "HeightAboveGround"), (("--replace-z",), "given_z")]
+)
+def test_values_of_the_same_name_are_not_replaced(
+    folder: Path, words: tuple[str, ...], name: str
+) -> None:
+    (folder / "in.csv").write_text(f"x,y,z,{name}\n0,0,1,7\n4,0,1,7\n0,4,1,7\n1,1,5,7\n")
+    done = liftmesh("height", "in.csv", "o.csv", "--ground", "in.csv", *words, cwd=folder)
+    failed(done, 3, f"in.csv: the points have values named '{name}', which this command writes")
+    assert not (folder / "o.csv").exists()
+
+
+def test_rows_without_z_are_not_measured(folder: Path) -> None:
+    (folder / "flat.csv").write_text("x,y\n0,0\n4,0\n0,4\n1,1\n")
+    surface = lm.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1.0]])
+    cloud = lm.read(folder / "flat.csv", flat=True)
+    for points in ([[1, 1]], np.ones((3, 2)), cloud):
+        with pytest.raises(lm.InputError, match="the points have no z: give rows of x, y and z"):
+            surface.height_above(points)
+    with pytest.raises(lm.InputError, match="the ground has no z"):
+        lm.triangulate(cloud).height_above([[1, 1, 1]])
+    done = liftmesh("height", "flat.csv", "o.csv", "--ground", "flat.csv", "--flat", cwd=folder)
+    assert done.returncode == 3
+    assert "no z" in done.stderr
+
+
+def test_heights_that_las_does_not_hold_as_z(folder: Path) -> None:
+    done = liftmesh("height", "tile.laz", "o.laz", "--replace-z", cwd=folder)
+    assert done.returncode == 3
+    assert done.stderr.endswith("or write PLY or OBJ, or give --extrapolate nearest\n")
+    words = ("--replace-z", "--extrapolate", "nearest")
+    assert liftmesh("height", "tile.laz", "o.laz", *words, cwd=folder).returncode == 0
+
+
+def test_a_ground_elsewhere_is_said(folder: Path) -> None:
+    (folder / "far.csv").write_text("x,y,z\n0,0,1\n4,0,1\n0,5,1\n")
+    done = liftmesh("height", "tile.laz", "o.laz", "--ground", "far.csv", cwd=folder)
+    assert done.returncode == 0
+    said = "note: tile.laz: no point is over the ground, whose x is from 0 to 4, and y from 0 to 5"
+    assert said in done.stderr
+
+
+def test_a_narrow_range_of_colours_is_said_once(folder: Path) -> None:
+    las = laspy.read(folder / "tile.laz")
+    las = laspy.convert(las, point_format_id=7)
+    las.red[:] = 200
+    las.write(folder / "colors.las")
+    said = "no colour exceeds 255: they are read as 8-bit colours (--color-depth says another)"
+    done = liftmesh("height", "colors.las", "o.las", cwd=folder)
+    assert done.stderr.count("no colour exceeds") == done.stderr.count(said) == 1
+    words = ("--color-depth", "16")
+    assert "colour" not in liftmesh("height", "colors.las", "p.las", *words, cwd=folder).stderr
+
+
 def test_above_a_surface_of_another_plane_and_system() -> None:
     ground = lm.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1.0]])
     wall = lm.triangulate(ground.vertices[:, [2, 0, 1]], plane="yz")

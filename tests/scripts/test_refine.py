@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -64,6 +65,34 @@ def test_only_narrow_strips_excuse_the_cap(
     monkeypatch.setattr(refine, "MANY", 4)
     with pytest.raises(SystemExit):
         some_domains("boxes")
+
+
+@pytest.mark.parametrize("by_length", [False, True])
+def test_sizes_are_compared(by_length: bool) -> None:
+    demand = refine.Demand(20, 0.02, conforming=False, carved=False, by_length=by_length)
+    mesh = refine.refined(STRIP * [1, 500], np.array([[0, 2]], dtype=np.int32), demand)
+    refine.check_sizes(mesh, demand)
+    assert len(mesh.simplices) > 50
+    for share, listed in ((0.002, []), (0.02, [3]), (None, [3])):
+        result = replace(mesh.result, too_large=np.array(listed, dtype=np.int32))
+        other = Refined(result, mesh.before, mesh.causes, mesh.cosine)
+        with pytest.raises(AssertionError, match="others are listed"):
+            refine.check_sizes(other, replace(demand, share=share))
+
+
+def test_what_is_beside_few_digits_may_be_left() -> None:
+    """A chain whose corners are up to the last digits on a line, which hides other places."""
+    points = np.array([
+        [-0.8880552409434754, -0.9109810339847131], [-0.8427241473266485, -0.8620542727831363],
+        [-0.6567716427373573, -0.6613519940386829], [-0.010327156842911188, 0.7496613995985723],
+        [-0.0022856669563313284, 0.7697663337571684], [0.0066633877404711495, 0.7867471610142212],
+    ])  # fmt: skip
+    edges = np.array([[2, 3], [3, 5], [5, 4], [4, 0], [0, 1], [1, 2]], dtype=np.int32)
+    demand = refine.Demand(33, 0.0566, conforming=False, carved=False)
+    mesh = refine.refined(points, edges, demand)
+    assert "1 triangle stayed larger than asked for" in mesh.told
+    refine.check(mesh, (points, edges), demand, np.random.default_rng(1))
+    refine.check_causes(mesh, (points, edges), demand)
 
 
 @pytest.mark.parametrize("gap", [1e-3, 1e-6])
