@@ -135,6 +135,7 @@ class Refinement {
     bool is_delaunay_across(Edge e) const;
 
     bool move(Vertex v);
+    TriangleId fresh_around(Point p) const;
     void find_star(Vertex v);
     Point better_place(Vertex v) const;
     double sharpest(const std::vector<TriangleId>& triangles) const;

@@ -37,15 +37,28 @@ bool Refinement::move(Vertex v) {
     if (!std::isfinite(to.x) || !std::isfinite(to.y) || to == from) return false;
     const double before = sharpest(star_.triangles);
     take_out(v);
-    const Place found = walk(edge(fresh_[0], 0), to);
+    Edge home = edge(fresh_around(from), 0);
+    const Vertex tail = slots().tail(home), head = slots().head(home);
+    const Place found = walk(home, to);
     if (!found.is_vertex && found.blocked == nothing) {
         if (is_better(to, found.triangle, before)) return true;
         find_star(v);
         take_out(v);
+        home = mesh_.edge_between(tail, head);
     }
-    mesh_.dig(from, walk(edge(fresh_[0], 0), from).triangle);
+    mesh_.dig(from, triangle_of(home));
     put(from);
     return false;
+}
+
+// The triangle with a point among those in the place of its star. A walk to it might be blocked, as
+// a constraint may end at the star.
+TriangleId Refinement::fresh_around(Point p) const {
+    const auto holds = [&](TriangleId t) {
+        return !is_right_of(edge(t, 0), p) && !is_right_of(edge(t, 1), p) &&
+               !is_right_of(edge(t, 2), p);
+    };
+    return *std::find_if(fresh_.begin(), fresh_.end(), holds);
 }
 
 void Refinement::find_star(Vertex v) {
