@@ -153,7 +153,7 @@ def by_triangle(least: float, spread: float) -> Mesh:
 def by_gmsh(least: float, spread: float) -> Mesh:
     """Mesh with the field that it computes itself from a formula, and its usual algorithm."""
     gmsh = import_module("gmsh")
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.option.setNumber("General.NumThreads", 1)

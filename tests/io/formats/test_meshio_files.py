@@ -49,7 +49,7 @@ def test_gmsh_reads_what_was_refined(tmp_path: Path) -> None:
     tri = refined.triangulation
     written = liftmesh.write(tmp_path / "a.msh", refined)
     assert (written.format, written.dropped) == ("msh", ())
-    gmsh.initialize()
+    gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)
         gmsh.open(str(tmp_path / "a.msh"))
