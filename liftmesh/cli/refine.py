@@ -125,6 +125,8 @@ def _surface(
             "without faces are not taken: give points without heights, or the lines to liftmesh "
             "triangulate --breaklines, and refine its mesh"
         )
+    if "markers" in cloud.metadata:
+        terminal.note(f"{source}: markers of edges are left out, as edges of surfaces are divided")
     with inputs.about(source):
         target.check_content(cloud)
     return surfaces.of_cloud(cloud, source, **choices)

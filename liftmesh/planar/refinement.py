@@ -116,7 +116,8 @@ def refine(  # noqa: PLR0913 - options are keywords
     RefineResult
         The triangulation, with the rows that were added and the triangles that are below
         `min_angle` or too large. Rows of the domain keep their numbers. Of a surface it has a
-        ``surface``, too, where heights of added rows are those of the surface before.
+        ``surface``, too, where heights of added rows are those of the surface before, and
+        edges have no markers.
 
     Raises
     ------

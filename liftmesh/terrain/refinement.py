@@ -14,6 +14,7 @@ import numpy as np
 
 from liftmesh._typing import Floats, Integers
 from liftmesh.base.arrays import pair_keys, pairs_of_keys
+from liftmesh.io.tags import MARKERS
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_left
 from liftmesh.planar.refinement import as_constrained
 from liftmesh.terrain.profile import LineCrossings
@@ -68,6 +69,7 @@ def _surface(surface: AnySurface, result: RefineResult) -> AnySurface:
         colors=cloud.colors,
         normals=cloud.normals,
         attributes=cloud.attributes,
+        metadata={key: each for key, each in surface.metadata.items() if key != MARKERS},
         mask=mask if mask.any() else None,
     )
 

@@ -67,7 +67,7 @@ void add_regions(Digests& digests, const liftmesh::Input& input, const Rows& edg
     const Marked mesh{found.result.neighbors.get(), found.marks.data(),
                       found.result.triangle_count};
     const std::vector<std::uint8_t> all(found.pieces.size(), 1);
-    const Rows none(found.pieces.size());
+    const Rows none(2 * found.pieces.size());
     const std::int32_t* const simplices = found.result.simplices.get();
     const auto kept =
         carve(mesh, simplices, {found.pieces, all.data(), none.data()}, Carving::holes, {});

@@ -40,7 +40,7 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
     if "classes" in texts:
         default = (
             "By default all."
-            if name in {"info", "thin", "constrain", "refine"}
+            if name in {"info", "thin", "constrain", "height"}
             else "as by default of LAS and LAZ."
         )
         assert texts["classes"].endswith(default)
@@ -49,9 +49,9 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 IN_THE_LIBRARY_ALONE = {
     "constrained_delaunay",
     "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
-    "density", "dtype", "folder", "furthest_site", "heights", "incremental", "light", "masses",
-    "max_iter", "max_proofs", "order", "origin", "planar", "progress", "row", "rows", "shape",
-    "strict", "tol", "transform", "values", "vertices",
+    "density", "dtype", "folder", "furthest_site", "heights", "incremental", "light", "markers",
+    "masses", "max_iter", "max_proofs", "order", "origin", "planar", "progress", "row", "rows",
+    "shape", "strict", "tol", "transform", "vertices",
 }  # fmt: skip
 NAMING = {
     "Option", "refused", "as_count", "as_number", "as_numbers", "as_positive", "as_distance",

@@ -150,6 +150,14 @@ def test_surfaces_keep_their_heights(is_mesh: bool, folder: Path) -> None:
     assert liftmesh.verify(mesh).valid
     done = command("refine", "a.ply", "b.vtu", "--max-area", "0.005", cwd=folder)
     assert "deviation of heights" in done.stdout, done.stderr
+    assert "carved" not in done.stdout
+    edges = np.array([[0, 1]])
+    faces = np.array([[0, 1, 2]])
+    numbered = Cloud(np.eye(3), faces=faces, edges=edges, metadata={"markers": [4]})
+    liftmesh.write(folder / "c.ply", numbered)
+    done = command("refine", "c.ply", "c.vtu", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert "markers of edges are left out" in done.stderr
 
 
 def test_the_ground_of_lidar_is_refined(folder: Path) -> None:

@@ -79,6 +79,8 @@ def test_breaklines_stay() -> None:
     assert result.max_deviation < 1e-12
     assert liftmesh.verify(after).valid
     assert not after.attributes["breakline"][len(before.vertices) :].all()
+    numbered = before.replace(metadata={"markers": [3] * len(before.to_cloud().edges), "by": "me"})
+    assert refine(numbered).surface.metadata == {"by": "me"}
 
 
 def test_other_planes_and_what_is_refused() -> None:

@@ -143,7 +143,7 @@ void check_regions(const Constrained& found) {
                                              count};
     const std::vector<std::int32_t> labels = liftmesh::constrained::label(mesh);
     const std::vector<std::uint8_t> all(found.pieces.size(), 1);
-    const std::vector<std::int32_t> none(found.pieces.size());
+    const std::vector<std::int32_t> none(2 * found.pieces.size());
     for (const Carving carving : {Carving::outside, Carving::holes}) {
         const auto kept =
             liftmesh::constrained::carve(mesh, found.result.simplices.get(),
