@@ -76,7 +76,7 @@ class Sampler:
         """Put in what is wanted where no face contains a point."""
         without = np.flatnonzero(np.isnan(found).all(axis=0) & np.isfinite(places).all(axis=1))
         beyond = without[self._are_beyond(places[without], threads)]
-        if not len(beyond) or not len(self._surface.faces):
+        if not len(beyond):
             return
         if self._extrapolate == "nearest":
             others = np.empty((len(found), len(beyond)))
