@@ -54,6 +54,8 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read points and the ground, write the points with heights, and say how many have one."""
+    import numpy as np
+
     if json:
         outputs.check_stdout()
     target.check()
@@ -71,7 +73,7 @@ def run(
                 cloud, interpolation=interpolation, extrapolate=extrapolate, threads=threads
             )
         measured = _with_heights(cloud, heights, replace_z=replace_z)
-        known = int((heights == heights).sum())  # noqa: PLR0124 - those that are no NaN
+        known = int(np.count_nonzero(~np.isnan(heights)))
         if not known and extrapolate is None:
             left, low, right, high = (f"{each:.10g}" for each in below.bounds)
             terminal.note(

@@ -53,8 +53,7 @@ class ConstrainedTriangulation(Triangulation):
     A `Triangulation`, with the same attributes and methods; what the constraints add stands here.
     ``convex_hull``, ``min_bound`` and ``max_bound`` are those of all rows, also where regions were
     removed; ``neighbors``, ``edges``, ``vertex_to_simplex`` and ``vertex_neighbor_vertices`` are
-    those of the triangles that are left, and `find_simplex` returns -1 where none is. Arrays are
-    read-only.
+    those of the triangles that are left; `find_simplex` returns -1 where none is. Read-only.
 
     Parameters
     ----------
@@ -62,39 +61,32 @@ class ConstrainedTriangulation(Triangulation):
         As for `Triangulation`, of the whole convex hull.
     constrained : (m,) ndarray of uint8
         For each triangle, bit k tells whether the edge opposite vertex k is a constraint.
-    pieces : object
-        The constraints and where they come from.
-    left : int
-        How many triangles are left, which are the first.
+    pieces, left : object, and int
+        The constraints and where they come from; how many triangles, the first ones, are left.
 
     Attributes
     ----------
     constraints : (p, 2) ndarray of int32
-        The edges that are constraints, as rows: the lesser first, in ascending order. An input edge
-        through other rows is several of them.
+        The edges that are constraints, ascending, the lesser row first; of an input edge several.
     constraint_inputs : tuple of ndarray of int32
         The input edges of each constraint: indptr, (p + 1,), and indices. Those of constraint i are
         ``indices[indptr[i]:indptr[i + 1]]``, in ascending order; see also `inputs_of`.
     input_edges : (k, 2) ndarray of int32
-        The input edges as rows: those given as edges, then those along polylines, then those along
-        the rings of polygons.
+        The input edges as rows: those given as edges, then of polylines, then of polygons.
     input_polylines, input_polygons : (k,) ndarray of int32
-        The polyline, and the polygon, that each input edge belongs to; -1 for other edges. The
-        parts of a MultiLineString or MultiPolygon, and the rows of a table, count one by one.
+        The polyline, and the polygon, of each input edge; -1 for other edges. The parts of a
+        MultiLineString or MultiPolygon, and the rows of a table, count one by one.
     zero_length : (z,) ndarray of int32
         Input edges whose ends are at one position, which are no constraints.
-    added : (a,) ndarray of int32
-        The rows that coordinates of polylines and polygons have become: those that follow the
-        caller's.
-    crossing_rows : (c,) ndarray of int32
-        The rows inserted where edges cross: those that follow.
+    added, crossing_rows : (a,) and (c,) ndarray of int32
+        After the caller's rows, those of coordinates of polylines and polygons; then those where
+        edges cross.
     displacement : float
         The largest distance of a crossing row from an input edge that it is on.
 
     See Also
     --------
-    constrained_delaunay : Computes it.
-    Triangulation : Without constraints.
+    constrained_delaunay, Triangulation
 
     Examples
     --------
@@ -184,10 +176,7 @@ class ConstrainedTriangulation(Triangulation):
 
     @cached_property
     def regions(self) -> Rows:
-        """The region of each triangle, (m,) int32: regions are what constraints separate.
-
-        They are numbered from 0 in the order of their first triangles.
-        """
+        """The region of each triangle, (m,) int32: what constraints separate, from 0 on."""
         bits = self._constrained[: self.nsimplex]
         return self._kept(_kernel.label_regions(np.ascontiguousarray(self.neighbors), bits))
 
@@ -247,60 +236,14 @@ class ConstrainedTriangulation(Triangulation):
     def to_cloud(self, *, markers: ArrayLike | None = None) -> Cloud:
         """Convert the triangulation to a cloud with faces and edges, as files have them.
 
+        Returns a Cloud with z = 0.
+        In full: `liftmesh.planar.constrained_triangulation.as_cloud`.
+
         Parameters
         ----------
-        markers : array_like of int of shape (k,), optional
-            A number for each of `input_edges`, or for the first of them; 0 stands for none. Those
-            of the constraints, each that of its first input edge that has one, are "markers" of the
-            metadata, which MSH, SU2, VTU and .poly hold.
-
-        Returns
-        -------
-        Cloud
-            The rows with z = 0, the triangles that are left as faces, and the constraints as edges.
-
-        Raises
-        ------
-        InputError
-            `markers` are no whole numbers of 32 bits, or more than there are input edges.
-
-        See Also
-        --------
-        liftmesh.write : Takes the triangulation itself, too.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> points = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0]]
-        >>> tri = liftmesh.constrained_delaunay(points, [[0, 1], [3, 0], [1, 2]])
-        >>> cloud = tri.to_cloud(markers=[7, 8])
-        >>> cloud.edges.tolist(), cloud.metadata["markers"]
-        ([[0, 3], [0, 4], [1, 2], [1, 4]], array([8, 7, 0, 7], dtype=int32))
+        markers : (k,) array_like of int, optional, a number for each of `input_edges`
         """
-        from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
-        from liftmesh.io.metadata import with_carved  # noqa: PLC0415
-
-        entries = {} if markers is None else {"markers": self._markers(markers)}
-        return Cloud(
-            as_rows3(self.points),
-            faces=self.simplices,
-            edges=self.constraints,
-            metadata=with_carved(entries, self.carved),
-        )
-
-    def _markers(self, given: ArrayLike) -> Rows:
-        """Return the markers of constraints: that of the first input edge with one."""
-        from liftmesh.io.tags import whole_numbers  # noqa: PLC0415 - as above
-
-        numbers, (indptr, members) = whole_numbers(given), self.constraint_inputs
-        if numbers is None or numbers.ndim != 1 or len(numbers) > len(self.input_edges):
-            wanted = f"whole numbers of 32 bits, at most {len(self.input_edges):,}"
-            raise refused("markers", given, f"give one for each input edge: {wanted}")
-        found = np.zeros(len(self.input_edges) + 1, np.int32)
-        found[: len(numbers)] = numbers
-        found = np.append(found[members], np.int32(0))
-        places = np.where(found != 0, np.arange(len(found)), len(members))
-        return found[np.minimum.reduceat(places, indptr[:-1]) if len(indptr) > 1 else []]
+        return as_cloud(self, markers)
 
     def _left(self, found: Rows) -> Rows:
         found[found >= self.nsimplex] = -1
@@ -448,6 +391,68 @@ def pieces_of(tri: ConstrainedTriangulation, rows: Rows, indptr: Rows, members: 
         tri.displacement,
         tri._steiner,  # noqa: SLF001 - of this module
     )
+
+
+def as_cloud(tri: ConstrainedTriangulation, markers: ArrayLike | None = None) -> Cloud:
+    """Convert a triangulation to a cloud with faces and edges, as files have them.
+
+    Parameters
+    ----------
+    tri : ConstrainedTriangulation
+        What is converted.
+    markers : array_like of int of shape (k,), optional
+        A number for each of `input_edges`, or for the first of them; 0 stands for none. Those of
+        the constraints, each that of its first input edge that has one, are "markers" of the
+        metadata, which MSH, SU2, VTU and .poly hold.
+
+    Returns
+    -------
+    Cloud
+        The rows with z = 0, the triangles that are left as faces, and the constraints as edges.
+
+    Raises
+    ------
+    InputError
+        `markers` are no whole numbers of 32 bits, or more than there are input edges.
+
+    See Also
+    --------
+    liftmesh.write : Takes the triangulation itself, too.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[0, 0], [2, 0], [2, 1], [0, 1], [1, 0]]
+    >>> tri = liftmesh.constrained_delaunay(points, [[0, 1], [3, 0], [1, 2]])
+    >>> cloud = tri.to_cloud(markers=[7, 8])
+    >>> cloud.edges.tolist(), cloud.metadata["markers"]
+    ([[0, 3], [0, 4], [1, 2], [1, 4]], array([8, 7, 0, 7], dtype=int32))
+    """
+    from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - a first triangulation does without
+    from liftmesh.io.metadata import with_carved  # noqa: PLC0415
+
+    entries = {} if markers is None else {"markers": _markers_of(tri, markers)}
+    return Cloud(
+        as_rows3(tri.points),
+        faces=tri.simplices,
+        edges=tri.constraints,
+        metadata=with_carved(entries, tri.carved),
+    )
+
+
+def _markers_of(tri: ConstrainedTriangulation, given: ArrayLike) -> Rows:
+    """Return the markers of constraints: that of the first input edge with one."""
+    from liftmesh.io.tags import whole_numbers  # noqa: PLC0415 - as above
+
+    numbers, (indptr, members) = whole_numbers(given), tri.constraint_inputs
+    if numbers is None or numbers.ndim != 1 or len(numbers) > len(tri.input_edges):
+        wanted = f"whole numbers of 32 bits, at most {len(tri.input_edges):,}"
+        raise refused("markers", given, f"give one for each input edge: {wanted}")
+    found = np.zeros(len(tri.input_edges) + 1, np.int32)
+    found[: len(numbers)] = numbers
+    found = np.append(found[members], np.int32(0))
+    places = np.where(found != 0, np.arange(len(found)), len(members))
+    return found[np.minimum.reduceat(places, indptr[:-1]) if len(indptr) > 1 else []]
 
 
 def bits_of(sides: Mask) -> Bits:

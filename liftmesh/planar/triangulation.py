@@ -504,10 +504,10 @@ def check_unwritten(tri: Triangulation) -> None:
     """Raise if rows were written after they were triangulated, so that triangles are turned."""
     hull = tri._hull  # noqa: SLF001 - of this module
     turns = np.stack([hull, np.roll(hull, -1), np.roll(hull, -2)], axis=1)
+    is_finite = np.asarray(np.isfinite(tri.points).all(axis=1))
     for rows, least in ((tri.simplices, 1), (turns, 0)):
-        corners = tri.points[rows]
-        is_wrong = np.asarray(~np.isfinite(corners).all(axis=(1, 2)))
-        is_wrong[~is_wrong] = orient2d(*np.moveaxis(corners[~is_wrong], 1, 0)) < least
+        is_wrong = np.asarray(~is_finite[rows].all(axis=1))
+        is_wrong[~is_wrong] = orient2d(*tri.points[rows[~is_wrong].T]) < least
         if is_wrong.any():
             named = rows[np.argmax(is_wrong)].tolist()
             raise InputError(

@@ -143,6 +143,20 @@ def test_a_cap() -> None:
     moved(plain, result)
 
 
+@pytest.mark.parametrize("most", [6, 8, 10, 12])
+def test_a_row_comes_back_where_an_edge_ends_beside_it(most: int) -> None:
+    """It was put back into a triangle behind that edge, and triangles were clockwise."""
+    points = np.array(
+        [
+            [20860, 20860], [10826, 10826], [10826, 20974], [13989, 33824], [19680, 28899],
+            [35124, 1268], [32079, 29194], [4156, 1871], [20876, 20860], [20860, 16384],
+        ]
+    )  # fmt: skip
+    tri = constrained_delaunay(points, [[0, 2]])
+    with pytest.warns(liftmesh.DataWarning, match="no more may be"):
+        assert refine(tri, min_angle=25, max_points=most, smooth=1).verify().canonical
+
+
 def test_moved_rows_have_the_heights_before() -> None:
     x, y = np.random.default_rng(4).random((2, 200))
     before = liftmesh.triangulate(np.stack([x, y, np.sin(5 * x) + y**2], axis=1))

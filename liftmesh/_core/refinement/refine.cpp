@@ -157,11 +157,16 @@ Refined Refinement::result() {
     rename(found.result.hull, found.result.hull_count);
     sharp_ *= 1 - 0x1p-40;  // those in doubt, too
     constexpr double least2 = 0x1p-400;
-    std::vector<std::size_t> number(region_.size());  // of slots
+    constexpr std::size_t at_once = std::size_t{1} << 16;
+    std::vector<std::uint32_t> number(wanted_.lengths ? region_.size() : 0);  // of slots
     unmeasured_.clear();
+    const auto list_too_long = [&] {
+        for (const Waiting& each : too_long())
+            found.is_large[number[slot_of(triangle_of(each.base))]] = true;
+    };
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
         if (slots().is_free(t) || slots().is_ghost(t)) continue;
-        number[slot_of(t)] = found.regions.size();
+        if (wanted_.lengths) number[slot_of(t)] = static_cast<std::uint32_t>(found.regions.size());
         found.regions.push_back(region(t));
         bool is_large = false;
         Cause cause = Cause::none;
@@ -176,10 +181,9 @@ Refined Refinement::result() {
         }
         found.causes.push_back(cause);
         found.is_large.push_back(is_large);
+        if (unmeasured_.size() == at_once) list_too_long();
     }
-    if (wanted_.lengths)
-        for (const Waiting& each : too_long())
-            found.is_large[number[slot_of(triangle_of(each.base))]] = true;
+    if (!unmeasured_.empty()) list_too_long();
     found.is_capped = is_capped_;
     return found;
 }
