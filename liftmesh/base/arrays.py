@@ -262,9 +262,9 @@ def as_reals(values: ArrayLike) -> Floats:
 
 
 def as_numbers(name: str, values: ArrayLike, remedy: str, *, verb: str = "is") -> Floats:
-    """Convert an option that is several numbers."""
+    """Convert an option that is several numbers; masked ones are NaN."""
     try:
-        return as_reals(values)
+        return as_reals(unmasked(values) if is_masked_array(values) else values)
     except (TypeError, ValueError, OverflowError) as error:
         raise refused(name, values, remedy, verb=verb) from error
 

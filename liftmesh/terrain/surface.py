@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
+    from liftmesh.base.weights import Weights
     from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
@@ -143,6 +144,7 @@ class Surface(SurfaceData):
         interpolation: Interpolation = "linear",
         *,
         values: Values | None = None,
+        gradients: ArrayLike | None = None,
         extrapolate: Extrapolation | None = None,
         threads: int | None = None,
     ) -> Floats:
@@ -154,19 +156,41 @@ class Surface(SurfaceData):
         Parameters
         ----------
         points : (..., 2) array_like, coordinates in the plane
-        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+        interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
         values : (n, ...) array_like or name of attributes, optional, in place of heights
+        gradients : (n, ..., 2) array_like, optional, of the values, for "c1"
         extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
         threads : int, optional, as for `delaunay`
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
-        return sampling.heights_at(self, points, interpolation, **ways)
+        return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
+
+    def weights(
+        self,
+        points: ArrayLike,
+        interpolation: Interpolation = "linear",
+        *,
+        extrapolate: Extrapolation | None = None,
+        threads: int | None = None,
+    ) -> Weights:
+        """Weigh the vertices at points, for many values: ``weights @ values`` samples them.
+
+        Returns Weights: a sparse matrix of points and vertices.
+        In full: `liftmesh.terrain.sampling.weights_at`.
+
+        Parameters
+        ----------
+        points, interpolation, extrapolate, threads : as for `sample`
+        """
+        ways: Any = {"extrapolate": extrapolate, "threads": threads}
+        return sampling.weights_at(self, points, interpolation, **ways)
 
     def interpolator(
         self,
         values: Values | None = None,
         interpolation: Interpolation = "linear",
         *,
+        gradients: ArrayLike | None = None,
         extrapolate: Extrapolation | None = None,
     ) -> Interpolator:
         """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
@@ -176,9 +200,10 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        values, interpolation, extrapolate : as for `sample`
+        values, interpolation, gradients, extrapolate : as for `sample`
         """
-        return sampling.interpolator_of(self, values, interpolation, extrapolate=extrapolate)
+        ways: Any = {"gradients": gradients, "extrapolate": extrapolate}
+        return sampling.interpolator_of(self, values, interpolation, **ways)
 
     def height_above(
         self,
@@ -238,8 +263,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `gradient`
         """
         return sampling.aspects_at(self, points, threads=threads)
 
@@ -261,6 +285,7 @@ class Surface(SurfaceData):
         resolution: float | Sequence[float] | None = None,
         *,
         values: Values | None = None,
+        gradients: ArrayLike | None = None,
         **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute heights, or what follows from them, at the centres of pixels.
@@ -271,13 +296,14 @@ class Surface(SurfaceData):
         Parameters
         ----------
         resolution : float or pair of float, optional, width and height of a pixel
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        values, gradients : as for `sample`, one value of each vertex
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
             ``quantity`` ("height", "slope", "aspect" or "hillshade"), ``interpolation`` as for
-            `sample`, ``light`` (azimuth and altitude in degrees), ``z_factor`` as for `slope`,
-            ``dtype`` ("float64" or "float32"), ``threads`` as for `delaunay`
+            `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth and altitude in
+            degrees), ``z_factor`` as for `slope`, ``dtype`` and ``threads``
         """
-        return sampling.rasterize(self, resolution, values=values, **options)
+        ways: Any = {"values": values, "gradients": gradients}
+        return sampling.rasterize(self, resolution, **ways, **options)
 
     def contours(
         self,
