@@ -16,7 +16,16 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
+from liftmesh.terrain import (
+    accuracy,
+    boundary,
+    changes,
+    contours,
+    measures,
+    profile,
+    refinement,
+    sampling,
+)
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -34,6 +43,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
     from liftmesh.raster.raster import Raster
+    from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
@@ -45,21 +55,9 @@ if TYPE_CHECKING:
 class Surface(SurfaceData):
     """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
+    Its fields are those of a mesh, with the planar problem (``triangulation``, ``frame``), the
+    use of every row (``report``) and the triangles that are no faces (``mask``).
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
-
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float64, all rows of the input in their order
-    faces : (m, 3) ndarray of int32, rows of ``vertices``, counter-clockwise seen from above
-    triangulation : Triangulation, the planar problem and its solution
-    frame : Frame, the projection plane and its axes
-    report : Report, on the use of every row
-    colors : (n, 3) or (n, 4) ndarray, optional, of the vertices
-    normals : (n, 3) ndarray, optional, those of the input
-    attributes : mapping of str to (n, ...) ndarray, further named values of the vertices
-    metadata : mapping, information about the input as a whole
-    crs : str, optional, the coordinate reference system of the input: WKT or ``EPSG:n``
-    mask : (t,) ndarray of bool, optional, True for triangles that are no faces, as of `trim`
 
     Examples
     --------
@@ -201,6 +199,25 @@ class Surface(SurfaceData):
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
 
+    def accuracy(
+        self,
+        checkpoints: object = None,
+        *,
+        interpolation: Interpolation = "linear",
+        threads: int | None = None,
+    ) -> Accuracy:
+        """Compare heights with checkpoints, or each vertex with the surface of the others.
+
+        Returns an Accuracy: an error for each point, RMSE and what else standards ask for.
+        In full: `liftmesh.terrain.accuracy.accuracy_of`.
+
+        Parameters
+        ----------
+        checkpoints : object, optional, as for `height_above`; without, vertices are left out
+        interpolation, threads : as for `sample`
+        """
+        return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
+
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
 
@@ -209,8 +226,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `sample`
         """
         return sampling.gradients_at(self, points, threads=threads)
 
@@ -238,8 +254,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `sample`
         """
         return sampling.aspects_at(self, points, threads=threads)
 
@@ -255,6 +270,23 @@ class Surface(SurfaceData):
         values : (n,) array_like or name of attributes, optional, in place of heights
         """
         return profile.profile_along(self, line, values=values)
+
+    def cross_sections(
+        self, line: ArrayLike, *, spacing: float, half_width: float, values: Values | None = None
+    ) -> Profile:
+        """Drape lines across a line over the faces.
+
+        Returns a Profile with stations; its distances are offsets, negative on the left.
+        In full: `liftmesh.terrain.profile.cross_sections`.
+
+        Parameters
+        ----------
+        line : (k, 2) array_like, its corners in the plane, two at least
+        spacing, half_width : float, between stations, and to both sides
+        values : as for `profile`
+        """
+        ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
+        return profile.cross_sections(self, line, **ways)
 
     def raster(
         self,
@@ -273,9 +305,9 @@ class Surface(SurfaceData):
         resolution : float or pair of float, optional, width and height of a pixel
         values : (n,) array_like or name of attributes, optional, in place of heights
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect" or "hillshade"), ``interpolation`` as for
-            `sample`, ``light`` (azimuth and altitude in degrees), ``z_factor`` as for `slope`,
-            ``dtype`` ("float64" or "float32"), ``threads`` as for `delaunay`
+            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
+            ``interpolation`` as for `sample`, ``light`` (azimuth and altitude in degrees),
+            ``z_factor`` as for `slope`, ``dtype`` ("float64" or "float32"), ``threads``
         """
         return sampling.rasterize(self, resolution, values=values, **options)
 
