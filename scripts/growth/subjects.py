@@ -27,6 +27,7 @@ from growth.files.points import ELE, GZIP, NODE, PCD, POLY, PTS, XYZN, XYZRGB
 from growth.files.raster import RASTER
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
+from growth.files.xml import LANDXML
 from growth.planar import DEAR
 from growth.spatial import DEEP
 
@@ -58,6 +59,7 @@ FILES: dict[str, Families] = {
     "las": LAS,
     "raster": RASTER,
     "e57": E57,
+    "landxml": LANDXML,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
