@@ -16,7 +16,16 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
+from liftmesh.terrain import (
+    boundary,
+    changes,
+    contours,
+    measures,
+    profile,
+    refinement,
+    sampling,
+    stages,
+)
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -38,6 +47,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
 
@@ -54,8 +64,7 @@ class Surface(SurfaceData):
     triangulation : Triangulation, the planar problem and its solution
     frame : Frame, the projection plane and its axes
     report : Report, on the use of every row
-    colors : (n, 3) or (n, 4) ndarray, optional, of the vertices
-    normals : (n, 3) ndarray, optional, those of the input
+    colors, normals : (n, 3) or colors (n, 4) ndarray, optional, of the vertices
     attributes : mapping of str to (n, ...) ndarray, further named values of the vertices
     metadata : mapping, information about the input as a whole
     crs : str, optional, the coordinate reference system of the input: WKT or ``EPSG:n``
@@ -104,8 +113,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         vertices : (n, 3) array_like, moved ones, if the triangles stay those of `delaunay`
-        colors : (n, 3) or (n, 4) array_like, or None for none
-        normals : (n, 3) array_like, or None for none
+        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
         metadata : mapping, information about the surface as a whole
         crs : str or None, the coordinate reference system: WKT or ``EPSG:n``
@@ -354,6 +362,25 @@ class Surface(SurfaceData):
         by : str, default "name", the property or column that has the names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
+
+    def stage_storage(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        above: bool = False,
+    ) -> StageStorage:
+        """Compute the areas and volumes below many levels: the stage-area-storage table.
+
+        Returns a StageStorage: by ascending level; its `level_of` is the inverse.
+        In full: `liftmesh.terrain.stages.stage_storage`.
+
+        Parameters
+        ----------
+        levels, interval : heights, or all multiples of one, as for `contours`
+        above : bool, default False, whether to measure above the levels instead
+        """
+        return stages.stage_storage(self, levels, interval=interval, above=above)
 
     def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
         """Compute the volumes between this surface and another one.

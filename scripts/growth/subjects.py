@@ -128,6 +128,7 @@ WITHOUT_DATA = {
     "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
+    "StageStorage": "a result, made by Surface.stage_storage; its methods are watched",
     "Surface": "a result, made by triangulate; its methods are watched",
     "Tiled": "a result, made by tile; its methods are watched",
     "TiledSurface": "a result, made by tile_surface; its methods are watched",
