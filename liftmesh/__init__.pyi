@@ -74,6 +74,7 @@ from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
+from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate

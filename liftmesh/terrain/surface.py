@@ -25,6 +25,7 @@ from liftmesh.terrain import (
     profile,
     refinement,
     sampling,
+    stages,
 )
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
 
@@ -55,15 +57,7 @@ if TYPE_CHECKING:
 class Surface(SurfaceData):
     """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
-    Its fields are those of a mesh, with the planar problem (``triangulation``, ``frame``), the
-    use of every row (``report``) and the triangles that are no faces (``mask``).
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
-    <Surface of 2 triangles over 4 vertices>
     """
 
     def __repr__(self) -> str:
@@ -102,8 +96,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         vertices : (n, 3) array_like, moved ones, if the triangles stay those of `delaunay`
-        colors : (n, 3) or (n, 4) array_like, or None for none
-        normals : (n, 3) array_like, or None for none
+        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
         metadata : mapping, information about the surface as a whole
         crs : str or None, the coordinate reference system: WKT or ``EPSG:n``
@@ -387,6 +380,25 @@ class Surface(SurfaceData):
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
 
+    def stage_storage(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        above: bool = False,
+    ) -> StageStorage:
+        """Compute the areas and volumes below many levels: the stage-area-storage table.
+
+        Returns a StageStorage: by ascending level; its `level_of` is the inverse.
+        In full: `liftmesh.terrain.stages.stage_storage`.
+
+        Parameters
+        ----------
+        levels, interval : heights, or all multiples of one, as for `contours`
+        above : bool, default False, whether to measure above the levels instead
+        """
+        return stages.stage_storage(self, levels, interval=interval, above=above)
+
     def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
         """Compute the volumes between this surface and another one.
 
@@ -410,9 +422,8 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, polygons as for `trim`, each measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        other : Surface, as for `cut_and_fill`
+        within, by : as for `volume_by_polygon`
         """
         return measures.cut_and_fill_by_polygon(self, other, within, by=by)
 
