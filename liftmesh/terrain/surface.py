@@ -16,7 +16,17 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
+from liftmesh.terrain import (
+    accuracy,
+    boundary,
+    changes,
+    contours,
+    measures,
+    profile,
+    refinement,
+    sampling,
+    stages,
+)
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -35,10 +45,12 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
     from liftmesh.raster.raster import Raster
+    from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
 
@@ -47,26 +59,6 @@ class Surface(SurfaceData):
     """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
-
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float64, all rows of the input in their order
-    faces : (m, 3) ndarray of int32, rows of ``vertices``, counter-clockwise seen from above
-    triangulation : Triangulation, the planar problem and its solution
-    frame : Frame, the projection plane and its axes
-    report : Report, on the use of every row
-    colors : (n, 3) or (n, 4) ndarray, optional, of the vertices
-    normals : (n, 3) ndarray, optional, those of the input
-    attributes : mapping of str to (n, ...) ndarray, further named values of the vertices
-    metadata : mapping, information about the input as a whole
-    crs : str, optional, the coordinate reference system of the input: WKT or ``EPSG:n``
-    mask : (t,) ndarray of bool, optional, True for triangles that are no faces, as of `trim`
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
-    <Surface of 2 triangles over 4 vertices>
     """
 
     def __repr__(self) -> str:
@@ -105,12 +97,9 @@ class Surface(SurfaceData):
         Parameters
         ----------
         vertices : (n, 3) array_like, moved ones, if the triangles stay those of `delaunay`
-        colors : (n, 3) or (n, 4) array_like, or None for none
-        normals : (n, 3) array_like, or None for none
+        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
-        metadata : mapping, information about the surface as a whole
-        crs : str or None, the coordinate reference system: WKT or ``EPSG:n``
-        color_depth : int, optional, bits per channel that integer colours mean, as for `Cloud`
+        metadata, crs, color_depth : as for `Cloud`
         """
         return changes.replaced(
             self,
@@ -157,8 +146,7 @@ class Surface(SurfaceData):
         ----------
         points : (..., 2) array_like, coordinates in the plane
         interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
-        values : (n, ...) array_like or name of attributes, optional, in place of heights
-        gradients : (n, ..., 2) array_like, optional, of the values, for "c1"
+        values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
         extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
         threads : int, optional, as for `delaunay`
         """
@@ -226,6 +214,25 @@ class Surface(SurfaceData):
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
 
+    def accuracy(
+        self,
+        checkpoints: object = None,
+        *,
+        interpolation: Interpolation = "linear",
+        threads: int | None = None,
+    ) -> Accuracy:
+        """Compare heights with checkpoints, or each vertex with the surface of the others.
+
+        Returns an Accuracy: an error for each point, RMSE and what else standards ask for.
+        In full: `liftmesh.terrain.accuracy.accuracy_of`.
+
+        Parameters
+        ----------
+        checkpoints : object, optional, as for `height_above`; without, vertices are left out
+        interpolation, threads : as for `sample`
+        """
+        return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
+
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
 
@@ -234,8 +241,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `sample`
         """
         return sampling.gradients_at(self, points, threads=threads)
 
@@ -249,9 +255,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        z_factor : float, optional, what heights are multiplied by; by default, units decide
-        threads : int, optional, as for `delaunay`
+        points, z_factor, threads : as for `sample` and `area`
         """
         return sampling.slopes_at(self, points, z_factor=z_factor, threads=threads)
 
@@ -263,7 +267,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points, threads : as for `gradient`
+        points, threads : as for `sample`
         """
         return sampling.aspects_at(self, points, threads=threads)
 
@@ -279,6 +283,23 @@ class Surface(SurfaceData):
         values : (n,) array_like or name of attributes, optional, in place of heights
         """
         return profile.profile_along(self, line, values=values)
+
+    def cross_sections(
+        self, line: ArrayLike, *, spacing: float, half_width: float, values: Values | None = None
+    ) -> Profile:
+        """Drape lines across a line over the faces.
+
+        Returns a Profile with stations; its distances are offsets, negative on the left.
+        In full: `liftmesh.terrain.profile.cross_sections`.
+
+        Parameters
+        ----------
+        line : (k, 2) array_like, its corners in the plane, two at least
+        spacing, half_width : float, between stations, and to both sides
+        values : as for `profile`
+        """
+        ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
+        return profile.cross_sections(self, line, **ways)
 
     def raster(
         self,
@@ -298,9 +319,9 @@ class Surface(SurfaceData):
         resolution : float or pair of float, optional, width and height of a pixel
         values, gradients : as for `sample`, one value of each vertex
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect" or "hillshade"), ``interpolation`` as for
-            `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth and altitude in
-            degrees), ``z_factor`` as for `slope`, ``dtype`` and ``threads``
+            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
+            ``interpolation`` as for `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth
+            and altitude in degrees), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
         return sampling.rasterize(self, resolution, **ways, **options)
@@ -348,7 +369,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         planar : bool, default False, whether to measure in the plane instead of in space
-        z_factor : float, optional, as for `slope`
+        z_factor : float, optional, what heights are multiplied by; by default, units decide
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -375,11 +396,29 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        within : object, polygons as for `trim`, each measured by itself
-        level : float, default 0, a height above the plane
+        within, level : as for `volume`, each polygon measured by itself
         by : str, default "name", the property or column that has the names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
+
+    def stage_storage(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        above: bool = False,
+    ) -> StageStorage:
+        """Compute the areas and volumes below many levels: the stage-area-storage table.
+
+        Returns a StageStorage: by ascending level; its `level_of` is the inverse.
+        In full: `liftmesh.terrain.stages.stage_storage`.
+
+        Parameters
+        ----------
+        levels, interval : heights, or all multiples of one, as for `contours`
+        above : bool, default False, whether to measure above the levels instead
+        """
+        return stages.stage_storage(self, levels, interval=interval, above=above)
 
     def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
         """Compute the volumes between this surface and another one.
@@ -404,9 +443,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, polygons as for `trim`, each measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        other, within, by : as for `cut_and_fill` and `volume_by_polygon`
         """
         return measures.cut_and_fill_by_polygon(self, other, within, by=by)
 
@@ -426,11 +463,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        base_height : float, optional, the height of a flat base below all faces
-        thickness : float, optional, in place of it: the base is the surface, lower by so much
+        base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
-        longest : float, optional, the longer side in x or y to scale to, in millimetres for print
-        z_factor : float, optional, with ``longest``: as for `slope`
+        longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
         """
         return boundary.closed_solid(
             self,
@@ -459,8 +494,7 @@ class Surface(SurfaceData):
         max_edge : float, optional, leave out faces with a side that is longer in the plane
         boundary_only : bool, default False, only those that such sides connect with the outside
         max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
-        polygon : object, optional, leave out faces whose centroid is outside: GeoJSON, a file,
-            any object with ``__geo_interface__``, or an array of shape (k, 2)
+        polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
         """
         return boundary.trim(
             self,
@@ -524,8 +558,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        dtype : {"float64", "float32"}, or a type of NumPy or Open3D, of positions and normals
-        origin : (3,) array_like, optional, subtracted from the positions before they are rounded
+        dtype, origin : type of positions, and (3,) array_like to subtract before they are rounded
         """
         return open3d.to_tensor(self.to_cloud(), dtype, origin)
 

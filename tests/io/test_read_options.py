@@ -8,6 +8,7 @@ import pytest
 from mypy import api
 
 import liftmesh
+from liftmesh.io.formats.landxml_reader import validate_landxml_options
 from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions, validate_table_options
 from liftmesh.raster.reader import validate_raster_options
 
@@ -42,6 +43,7 @@ def types(options: type) -> dict[str, str]:
 
 def test_typed_options_are_those_of_read_and_of_its_formats() -> None:
     of_formats = {**keywords(validate_raster_options), **keywords(validate_table_options)}
+    of_formats |= keywords(validate_landxml_options)
     assert types(FormatOptions) == of_formats
     assert types(ReadOptions) == {**of_formats, **keywords(liftmesh.read)}
     of_chunks = {**of_formats, **keywords(liftmesh.read_chunks)}
