@@ -140,7 +140,9 @@ def read(  # noqa: PLR0913 - options are keywords
         - ``end``: the line that ends the table.
         - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
-        Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
+        Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says. GLB,
+        glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place of their zero, in place of
+        what the file says; without it y is up in glTF, as its standard says, and z in OBJ.
 
     Returns
     -------
