@@ -270,7 +270,8 @@ class File:
             return
         nodes, scene = self.tree["nodes"], self.tree["scenes"][0]
         matrix = [float(each) for column in columns for each in (*column, 0)]
-        nodes.append({"matrix": [*matrix, 0.0, 0.0, 0.0, 1.0], "children": scene["nodes"]})
+        place = {"name": "axes", "matrix": [*matrix, 0.0, 0.0, 0.0, 1.0]}
+        nodes.append({**place, "children": scene["nodes"]})
         scene["nodes"] = [len(nodes) - 1]
 
     def shade(self) -> None:
