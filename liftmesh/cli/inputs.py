@@ -108,6 +108,10 @@ def _selection(
             panel="Input",
         ),
     ] = None,
+    landxml_surface: Annotated[
+        str | None,
+        option("NAME", "LandXML: the surface to read, or CgPoints.", panel="Input"),
+    ] = None,
     src_crs: Annotated[
         str | None,
         option(
@@ -135,7 +139,9 @@ def _selection(
 
         with options.as_usage():
             validate_selection(**conditions)
-    return conditions | options.given(dst_crs=dst_crs, src_crs=src_crs, band=band)
+    return conditions | options.given(
+        dst_crs=dst_crs, src_crs=src_crs, band=band, landxml_surface=landxml_surface
+    )
 
 
 Table: TypeAlias = Annotated[dict[str, Any], options.Group(table, "Input")]

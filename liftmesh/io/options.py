@@ -46,7 +46,7 @@ class ObjectOptions(TypedDict, total=False):
 
 
 class FormatOptions(ObjectOptions, total=False):
-    """Options of single formats: tables as text, rasters, and models."""
+    """Options of single formats: tables as text, rasters, LandXML, and models."""
 
     delimiter: str | None
     decimal: str | None
@@ -55,6 +55,7 @@ class FormatOptions(ObjectOptions, total=False):
     end: str | None
     encoding: str | None
     band: int
+    landxml_surface: str | None
     up: Up | None
     origin: Sequence[float] | None
 

@@ -136,13 +136,16 @@ FORMATS = (
     Format(
         name="landxml",
         suffixes=(".xml", ".landxml"),
-        read=None,
+        read=_code("io.formats.landxml_reader", "read_landxml"),
         write=_code("io.formats.landxml", "write_landxml"),
-        description="LandXML 1.2 surfaces: northing, easting, height, and faces",
+        description="LandXML surfaces: northing, easting, height, and faces; breaklines, points",
         keeps=("points", "faces", "edges", "crs", "float64"),
         needs=("faces", "finite"),
         loses=_code("io.formats.landxml", "dropped_parts"),
         check=_code("io.formats.landxml", "check"),
+        options=_code("io.formats.landxml_reader", "validate_landxml_options"),
+        gzip=True,
+        entries=("landxml",),
     ),
     Format(
         name="3mf",
