@@ -64,6 +64,7 @@ from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
+from .terrain.accuracy import Accuracy as Accuracy
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground

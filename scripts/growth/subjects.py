@@ -122,6 +122,7 @@ WITHOUT_DATA = {
     "Counters": "a result, made by delaunay",
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
     "CutFillResult": "a result, made by Surface.cut_and_fill",
+    "Accuracy": "a result, made by Surface.accuracy",
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",

@@ -226,4 +226,16 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 
-FUNCTIONS = tuple(surface_functions())
+def check_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of what surveyors check a surface with."""
+    compared_with = on_surface(lambda found: found.accuracy(found.vertices, threads=1))
+    yield "Surface.accuracy", PLANAR, compared_with, ("uniform",), LEAST
+    left_out = on_surface(lambda found: found.accuracy(threads=1))
+    yield "Surface.accuracy without each", PLANAR, left_out, ("uniform", "circle and centre"), LEAST
+    across = on_surface(
+        lambda found: found.cross_sections([[0, 0], [1, 1]], spacing=0.01, half_width=0.5)
+    )
+    yield "Surface.cross_sections", PLANAR, across, ("uniform",)
+
+
+FUNCTIONS = (*surface_functions(), *check_functions())

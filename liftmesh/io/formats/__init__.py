@@ -15,11 +15,14 @@ def _code(module: str, name: str) -> LazyFunction:
     return LazyFunction(f"liftmesh.{module}", name)
 
 
+_AXES = _code("io.axes", "validate_axes")
+
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _code("io.formats.gltf.writer", "dropped_parts"),
     "expands": True,
+    "options": _AXES,
     "check": _code("io.formats.gltf.writer", "check"),
     "renames": _code("io.formats.gltf.writer", "renamed"),
 }
@@ -57,6 +60,7 @@ FORMATS = (
         ),
         needs=("points",),
         loses=_code("io.formats.obj", "dropped_parts"),
+        options=_AXES,
         gzip=True,
     ),
     Format(
