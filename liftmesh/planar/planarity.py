@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Mask, Rows
+from liftmesh._typing import Floats, Mask, Reals, Rows
 from liftmesh.base.options import as_threads
 from liftmesh.planar.violations import MEANINGS
 from liftmesh.predicates import orient2d
@@ -40,7 +40,7 @@ class Conflict(NamedTuple):
     row: int | None = None  # a corner of one that is inside a side of the other; None: they overlap
 
 
-def turned(points: Floats, triangles: Rows) -> tuple[Rows, Mask]:
+def turned(points: Reals, triangles: Rows) -> tuple[Rows, Mask]:
     """Make triangles counter-clockwise; and tell which have no area."""
     signs = np.empty(len(triangles), np.int8)
     for start in range(0, len(triangles), _PIECE):
@@ -52,14 +52,30 @@ def turned(points: Floats, triangles: Rows) -> tuple[Rows, Mask]:
     return triangles, signs == 0
 
 
-def are_planar(points: Floats, triangles: Rows, threads: int | None = None) -> bool:
+def are_planar(points: Reals, triangles: Rows, threads: int | None = None) -> bool:
     """Tell whether no two triangles conflict; all are counter-clockwise."""
+    found = _flaws(points, triangles, threads)
+    return not (found["non_manifold_edges"] or found["overlaps"])
+
+
+def is_triangulation(points: Reals, triangles: Rows, threads: int | None = None) -> bool:
+    """Tell whether triangles have an area and do not conflict, whatever their orientation."""
+    corners, is_flat = turned(points[:, :2], triangles)
+    return not is_flat.any() and are_planar(points, corners, threads)
+
+
+def is_locally_delaunay(points: Reals, triangles: Rows, threads: int | None = None) -> bool:
+    """Tell whether no apex of a neighbour is inside the circle of a triangle."""
+    return not _flaws(points, triangles, threads)["not_delaunay"]
+
+
+def _flaws(points: Reals, triangles: Rows, threads: int | None) -> dict[str, int]:
+    """Count what is wrong with triangles that are a part of a triangulation."""
     run = as_threads(threads, max(len(points), len(triangles)))
     nothing = np.empty(0), np.empty((0, 2), np.int32)
     corners = np.ascontiguousarray(triangles, np.int32)
     verdict = _kernel.verify(points, corners, True, *run, None, "delaunay", *nothing, True)
-    found = dict(zip(MEANINGS, verdict[8], strict=True))
-    return not any(found[kind][0] for kind in _KINDS)
+    return {kind: count for kind, (count, _) in zip(MEANINGS, verdict[8], strict=True)}
 
 
 def first_conflict(points: Floats, triangles: Rows, threads: int | None = None) -> Conflict | None:

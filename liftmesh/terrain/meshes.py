@@ -110,8 +110,8 @@ def as_surface(
 
     >>> kite = [[0, 0, 0], [4, -1, 1], [8, 0, 0], [4, 1, 1]]
     >>> mesh = liftmesh.Cloud(np.array(kite), faces=np.array([[0, 1, 2], [0, 2, 3]]))
-    >>> as_surface(mesh).sample([4, 0])
-    0.0
+    >>> as_surface(mesh).sample([[4, 0], [4, 0.5]])
+    array([0. , 0.5])
     >>> as_surface(liftmesh.Cloud(mesh.points, faces=np.array([[0, 1, 2], [0, 1, 3]])))
     Traceback (most recent call last):
         ...

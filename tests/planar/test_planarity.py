@@ -121,3 +121,21 @@ def test_faces_far_apart_in_the_list() -> None:
 def expected_first(points: np.ndarray, triangles: np.ndarray) -> int:
     rings = [[(Fraction(x), Fraction(y)) for x, y in points[rows].tolist()] for rows in triangles]
     return next(number for number, ring in enumerate(rings) if is_overlap(ring, rings[-1]))
+
+
+def test_verify_says_whether_triangles_that_are_not_delaunay_overlap() -> None:
+    kite = np.array([[0, 0], [4, -1], [8, 0], [4, 1], [4, 9]], dtype=float)
+    for faces in ([[0, 1, 2], [0, 2, 3]], [[0, 2, 1], [0, 2, 3]], [[2, 1, 0]]):
+        found = liftmesh.verify(kite, faces)
+        assert (found.valid, found.planar, found.delaunay) == (False, True, False)
+        assert str(found).endswith("no two triangles overlap: as_surface takes them")
+        assert found.as_dict()["planar"] is True
+    for faces in ([[0, 1, 2], [0, 1, 3]], [[0, 1, 1]], [[0, 1, 7]], []):
+        found = liftmesh.verify(kite, faces)
+        assert (found.valid, found.planar, found.delaunay) == (False, False, False)
+        assert "as_surface" not in str(found)
+    whole = liftmesh.verify(kite, liftmesh.delaunay(kite).simplices)
+    assert (whole.valid, whole.planar, whole.delaunay) == (True, True, True)
+    heavy = liftmesh.verify(kite, [[0, 1, 2]], weights=[0, 0, 0, 0, 0])
+    assert (heavy.planar, heavy.delaunay) == (None, None)
+    assert "planar" not in heavy.as_dict()

@@ -75,7 +75,9 @@ def test_the_nearest_vertex(surface) -> None:
 
 def test_what_needs_a_delaunay_triangulation_is_refused(surface) -> None:
     for name in ("laplace", "sibson"):
-        with pytest.raises(InputError, match="follows lines: give interpolation 'linear' or"):
+        with pytest.raises(
+            InputError, match="follows lines or has faces of its own: give interpolation 'lin"
+        ):
             surface.sample([1, 1], name)
         with pytest.raises(InputError, match="follows lines"):
             surface.raster(1, interpolation=name)
