@@ -64,6 +64,7 @@ from .planar.verification import verify as verify
 from .predicates import incircle as incircle, orient2d as orient2d
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
+from .terrain.accuracy import Accuracy as Accuracy
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
@@ -73,6 +74,7 @@ from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
+from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate

@@ -10,7 +10,7 @@ import click
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import option
+from liftmesh.cli.options import option, positive
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,12 +21,14 @@ SHORT_HELP = "Write the heights of a mesh or cloud along lines."
 HELP = (
     "OUT has a point at every corner of a line and at every side of a face that the line crosses, "
     "with its distance along the line; as GeoJSON or GeoPackage, the lines in space. Where a line "
-    "leaves the faces, a part of it ends."
+    "leaves the faces, a part of it ends. With --spacing and --half-width, OUT has cross sections "
+    "instead: the station of each along the line, and offsets from it, negative on its left."
 )
 EXAMPLES = [
     "liftmesh profile tin.ply profile.csv --along 0,0 --along 250,80",
     "liftmesh profile tin.ply heights.csv --along roads.geojson",
     "liftmesh profile survey.csv draped.gpkg --along roads.gpkg --max-edge 20",
+    "liftmesh profile tin.ply sections.csv --along roads.geojson --spacing 20 --half-width 15",
 ]
 
 _ROUNDING = 1e-9  # of the length
@@ -50,14 +52,24 @@ def run(
             "after the other.",
         ),
     ],
+    spacing: Annotated[
+        float | None, option("LENGTH", "Cross sections, one every so far.", positive)
+    ] = None,
+    half_width: Annotated[
+        float | None, option("LENGTH", "Of --spacing: how far to both sides.", positive)
+    ] = None,
     *,
     corners_table: Corners,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface and lines, drape them over it, write them, and say what was found."""
+    from liftmesh.terrain.profile import sections_across
+
     corners = _corners(along)
     path = None if corners else Path(along[0])
+    if (spacing is None) != (half_width is None):
+        raise click.BadParameter("--spacing and --half-width go together")
     if json:
         outputs.check_stdout()
     is_shapes = target.file_format is None and target.path.suffix.lower() in surfaces.SHAPES
@@ -70,8 +82,14 @@ def run(
     lines: list[Any] = [corners]
     if path is not None:
         lines = _lines(path, corners_table, source, surface, max_bytes)
+    cuts = None
+    if spacing is not None and half_width is not None:
+        with options.as_usage():
+            cuts = sections_across(lines, spacing, half_width)
+        lines = list(cuts.ends)
     with terminal.stage(f"draping {counted(len(lines), 'line')}"):
         draped = _draped(surface, lines, along)
+    draped = draped if cuts is None else cuts.of(draped)
     if is_shapes:
         with terminal.stage(f"writing {target.path.name}"):
             written = draped.save(target.path).path
@@ -79,7 +97,8 @@ def run(
         name = target.write(draped.to_cloud()).path
         written = None if name is None else Path(name)
     with outputs.report_after(target.path):
-        _say(written, draped, lines, surface, as_json=json)
+        kind = "line" if cuts is None else "section"
+        _say(written, draped, lines, surface, kind=kind, as_json=json)
 
 
 def _corners(along: list[str]) -> list[list[float]] | None:
@@ -146,9 +165,15 @@ def _length(lines: list[Any]) -> float:
 
 
 def _say(
-    path: Path | None, draped: Profile, given: list[Any], surface: Surface, *, as_json: bool
+    path: Path | None,
+    draped: Profile,
+    given: list[Any],
+    surface: Surface,
+    *,
+    kind: str,
+    as_json: bool,
 ) -> None:
-    """Print how long the lines are and which heights they have, with the units."""
+    """Print how long lines or cross sections are and which heights they have, with the units."""
     from liftmesh.terrain.surface_data import unit_names
 
     plane, upright = unit_names(surface)
@@ -158,11 +183,11 @@ def _say(
         terminal.as_json(
             {
                 "path": str(path or "-"),
-                "n_lines": lines,
+                f"n_{kind}s": lines,
                 "n_parts": len(draped.lines),
                 "n_points": len(heights),
                 "length": length,
-                "length_of_lines": whole,
+                f"length_of_{kind}s": whole,
                 "lowest": float(heights.min()),
                 "highest": float(heights.max()),
                 "unit": plane,
@@ -172,10 +197,12 @@ def _say(
         )
         return
     if whole - length > _ROUNDING * whole:
-        terminal.note(f"{whole - length:.6g} of {whole:.6g} that the lines are long lie on no face")
+        terminal.note(
+            f"{whole - length:.6g} of {whole:.6g} that the {kind}s are long lie on no face"
+        )
     terminal.sentence(
         f"{path or 'stdout'}: {len(heights):,} points in {counted(len(draped.lines), 'part')} of "
-        f"{counted(lines, 'line')}, "
+        f"{counted(lines, kind)}, "
         f"{length:,.10g} {plane or '(unit unknown)'} long, heights from {heights.min():.10g} to "
         f"{heights.max():.10g} {upright or '(unit unknown)'}",
         "good",

@@ -55,7 +55,7 @@ def run(
     asked = _asked(at, points, source, surface.crs, reading.rows.get("max_bytes"))
     with terminal.stage(f"sampling at {len(asked):,} points"):
         sampled, known = _sampled(surface, asked, interpolation, reading.threads)
-    path = _write(target, sampled)
+    path = write_points(target, sampled)
     with outputs.report_after(target.path):
         if json:
             counts: dict[str, Any] = {"n_points": len(asked), "n_known": known}
@@ -117,7 +117,7 @@ class _EmptyFields:
         return len(lines)
 
 
-def _write(target: outputs.Target, found: Any) -> Path | None:
+def write_points(target: outputs.Target, found: Any) -> Path | None:
     """Write the points; return the file, or None for stdout."""
     from liftmesh.io import write
     from liftmesh.io.streams import suffix_of

@@ -16,6 +16,9 @@ from liftmesh.base.options import shown
 from liftmesh.crs.description import FOOT, METRE, SURVEY_FOOT, System, Unit, is_number, parse_crs
 from liftmesh.errors import FormatError, InputError, Option
 
+SAYING_UNITS = ("raster", "landxml")
+"""Entries of the metadata whose "unit" is that of heights."""
+
 _DEGREE = 111_320.0  # metres of a degree on the equator
 
 
@@ -47,12 +50,12 @@ def system_of(cloud: Placed) -> System | None:
 
 
 def band_unit(cloud: Placed) -> Unit | None:
-    """Return the unit that the band of a raster says of its heights."""
-    raster = cloud.metadata.get("raster")
-    text = raster.get("unit") if isinstance(raster, Mapping) else None
-    if not isinstance(text, str) or not text.strip():
+    """Return the unit of heights that the band of a raster says, or a file of LandXML."""
+    entries = (cloud.metadata.get(key) for key in SAYING_UNITS)
+    texts = (each.get("unit") for each in entries if isinstance(each, Mapping))
+    name = next((each.strip() for each in texts if isinstance(each, str) and each.strip()), None)
+    if name is None:
         return None
-    name = text.strip()
     return next((unit for unit, names in _NAMES.items() if name.lower() in names), Unit(name, None))
 
 

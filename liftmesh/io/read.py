@@ -27,7 +27,7 @@ from liftmesh.base.options import ClassChoice, Returns, as_count, refused
 from liftmesh.crs.comparison import is_same
 from liftmesh.crs.description import check_system, parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
-from liftmesh.crs.units import height_factors, steps_in
+from liftmesh.crs.units import SAYING_UNITS, height_factors, steps_in
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.format import configured
@@ -81,9 +81,10 @@ def read(  # noqa: PLR0913 - options are keywords
     ----------
     source : str, path, or binary stream
         PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
-        .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and ASCII
-        grids (.agr, or ``format="raster"``), or a format of a plugin; those of text also compressed
-        with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home folder.
+        LandXML, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and
+        ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of text also
+        compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home
+        folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -141,6 +142,10 @@ def read(  # noqa: PLR0913 - options are keywords
         - ``encoding``: of the text, as ``"cp1252"``; by default UTF-8, or UTF-16 with its mark.
 
         Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
+        LandXML takes ``landxml_surface``: the name of one of several, or ``"CgPoints"`` for the
+        points of the survey. GLB, glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place
+        of their zero, in place of what the file says; without it y is up in glTF, as its standard
+        says, and z in OBJ.
 
     Returns
     -------
@@ -467,8 +472,9 @@ def _moved(cloud: Cloud, target: str) -> dict[str, Any]:
         entries["notes"] = tuple(each for each in notes if each != DEGREES)
     system = parse_crs(target)
     has_unit = system is not None and system.units[2] is not None  # then heights are in that unit
-    if has_unit and (raster := known.raster):
-        entries["raster"] = {key: each for key, each in raster.items() if key != "unit"}
+    for said in SAYING_UNITS if has_unit else ():
+        if isinstance(entry := entries.get(said), Mapping):
+            entries[said] = {key: each for key, each in entry.items() if key != "unit"}
     return entries
 
 

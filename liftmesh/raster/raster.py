@@ -35,7 +35,7 @@ class Raster(FrozenResult):
     crs : str, optional
         The coordinate reference system.
     quantity : str
-        What the values are: "height", "slope", "aspect" or "hillshade".
+        What the values are: "height", "slope", "aspect", "hillshade" or "longest-edge".
     unit : str, optional
         Of the values: that of heights, if the surface says it; degrees; none of shades.
 

@@ -173,10 +173,10 @@ def area_of(surface: SurfaceData, *, planar: bool = False, z_factor: float | Non
     (10.0, 6.0)
     """
     is_planar = as_switch("planar", planar)
-    corners, heights = _faces(surface)
+    corners, heights = faces_of(surface)
     rise, _ = slope_scale(surface, z_factor)
     with np.errstate(all="ignore"):
-        areas = _planar(corners) if is_planar else _inclined(corners, heights * rise)
+        areas = planar_areas(corners) if is_planar else _inclined(corners, heights * rise)
         return _total("area", areas)
 
 
@@ -212,6 +212,7 @@ def volume_of(surface: SurfaceData, level: float = 0.0, *, within: object = None
     See Also
     --------
     Surface.volume_by_polygon : In each of several polygons.
+    Surface.stage_storage : At many levels.
     Surface.cut_and_fill : Between two surfaces.
 
     Examples
@@ -225,11 +226,11 @@ def volume_of(surface: SurfaceData, level: float = 0.0, *, within: object = None
     if within is not None:
         measure = partial(_level_within, surface, at)
         return VolumeResult(*_in_all(surface, within, measure), at, cubic_metres_of(surface))
-    corners, heights = _faces(surface)
+    corners, heights = faces_of(surface)
     with np.errstate(all="ignore"):
-        areas = _planar(corners)
-        prisms = _prisms(areas, np.sort(heights - at, axis=1))
-    above, below = (_total("volume", each) for each in prisms)
+        areas = planar_areas(corners)
+        parts = prisms(areas, np.sort(heights - at, axis=1))
+    above, below = (_total("volume", each) for each in parts)
     return VolumeResult(above, below, _total("area", areas), at, cubic_metres_of(surface))
 
 
@@ -432,7 +433,7 @@ def _total(name: str, parts: Floats) -> float:
     return total
 
 
-def _faces(surface: SurfaceData) -> tuple[Floats, Floats]:
+def faces_of(surface: SurfaceData) -> tuple[Floats, Floats]:
     """Return the corners of the faces by x, then y, (m, 3, 2), and their heights, (m, 3)."""
     faces = surface.faces
     planar = surface.triangulation.points[faces]
@@ -441,7 +442,8 @@ def _faces(surface: SurfaceData) -> tuple[Floats, Floats]:
     return np.take_along_axis(planar, order[..., None], axis=1), heights
 
 
-def _planar(corners: Floats) -> Floats:
+def planar_areas(corners: Floats) -> Floats:
+    """Compute the areas of projections to the plane."""
     return _turns(corners) / 2
 
 
@@ -464,7 +466,7 @@ def _inclined(corners: Floats, heights: Floats) -> Floats:
     return areas
 
 
-def _prisms(areas: Floats, heights: Floats) -> tuple[Floats, Floats]:
+def prisms(areas: Floats, heights: Floats) -> tuple[Floats, Floats]:
     """Compute the volumes of prisms above and below zero, heights ascending in each row."""
     low, middle, high = heights.T
     whole = areas * ((low + middle + high) / 3)

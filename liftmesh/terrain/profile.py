@@ -11,21 +11,23 @@ first: no bit depends on the order of the rows.
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, BinaryIO, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import as_pairs, ends_of, is_after, starts_of_runs
+from liftmesh.base.arrays import as_decimal, as_pairs, ends_of, is_after, starts_of_runs
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import shown
+from liftmesh.base.options import as_positive, as_thousands, refused, shown
 from liftmesh.errors import InputError
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, write
@@ -38,6 +40,7 @@ from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 _AT_VERTEX, _AT_CROSSING = 0.0, 1.0
 _NEXT = [1, 2, 0]
 TAILS, HEADS = slice(None, -1), slice(1, None)
+_MOST_SECTIONS = 1_000_000
 _BATCH = 1 << 16  # pairs of pieces and faces that are looked at together
 Wide: TypeAlias = tuple[Floats, Rows]  # numbers, and powers of two to scale them by
 Met: TypeAlias = tuple[Floats, Floats, Rows]  # x, y, height; kinds; pieces
@@ -53,7 +56,8 @@ class Profile(FrozenResult):
         Coordinates in the plane and heights, one part after the other: the corners of the line, and
         where it crosses sides of faces.
     distances : (n,) ndarray of float64
-        How far along the line they are, in the plane.
+        How far along the line they are, in the plane; of cross sections, how far to the right of
+        the line that they cross, and negative to its left.
     starts : (k + 1,) ndarray of int64
         Where each part begins in ``points``, and where the last ends: a line that leaves the faces
         has several, or none.
@@ -61,10 +65,12 @@ class Profile(FrozenResult):
         The line that each part is of, from 0.
     crs : str, optional
         The coordinate reference system.
+    stations : (k,) ndarray of float64, optional
+        Of cross sections: how far along the line each part crosses it.
 
     See Also
     --------
-    Surface.profile, Contours
+    Surface.profile, Surface.cross_sections, Contours
 
     Examples
     --------
@@ -80,6 +86,7 @@ class Profile(FrozenResult):
     starts: Array
     lines: Array
     crs: str | None = None
+    stations: Floats | None = None
 
     def __repr__(self) -> str:
         return f"<Profile: {len(self.points):,} points in {len(self.starts) - 1:,} parts>"
@@ -97,7 +104,8 @@ class Profile(FrozenResult):
         -------
         Cloud
             The points, with the values ``distance``, ``line`` and ``part``: where along the line
-            each is, and the numbers of its line and of its part.
+            each is, and the numbers of its line and of its part; of cross sections, ``offset`` and
+            ``station`` in place of the distance.
 
         See Also
         --------
@@ -111,11 +119,11 @@ class Profile(FrozenResult):
         array([0., 2.])
         """
         counts = np.diff(self.starts)
-        values = {
-            "distance": self.distances,
-            "line": np.repeat(self.lines, counts),
-            "part": np.repeat(np.arange(len(counts)), counts),
-        }
+        are_across = self.stations is not None
+        of_parts = {"line": self.lines, "part": np.arange(len(counts))}
+        of_parts |= {"station": self.stations} if self.stations is not None else {}
+        values = {"offset" if are_across else "distance": self.distances}
+        values |= {name: np.repeat(each, counts) for name, each in of_parts.items()}
         return Cloud(self.points, attributes=values, crs=self.crs)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
@@ -126,7 +134,8 @@ class Profile(FrozenResult):
         path : path or binary file
             Where to write. GeoJSON and GeoPackage (.geojson, .json, .gpkg) have a line for each
             part, with the number of its line, where along it it begins, and its length, as
-            ``line``, ``start`` and ``length``; other formats have the points of `to_cloud`.
+            ``line``, ``start`` and ``length``, and of cross sections ``station``; other formats
+            have the points of `to_cloud`.
         **options
             Of points, as for `write`; lines have none.
 
@@ -166,6 +175,7 @@ class Profile(FrozenResult):
             "start": self.distances[self.starts[:-1]],
             "length": self.lengths,
         }
+        columns |= {"station": self.stations} if self.stations is not None else {}
         return write_lines(target, self.points, self.starts, columns, self.crs, "profiles")
 
 
@@ -215,7 +225,109 @@ def profile_along(
     return _laid(surface if values is None else over_values(surface, values), [line])
 
 
-def _laid(surface: SurfaceData, lines: Sequence[Any]) -> Profile:
+def cross_sections(
+    surface: SurfaceData,
+    line: ArrayLike,
+    *,
+    spacing: float,
+    half_width: float,
+    values: Values | None = None,
+) -> Profile:
+    """Drape lines across a line over the faces, one every so far.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    line : (k, 2) array_like
+        Its corners in the plane, two at least.
+    spacing : float
+        How far apart the stations are along the line, from 0 on: decimal, as the interval of
+        `contour_lines`.
+    half_width : float
+        How far each cross section reaches to both sides.
+    values : str or array_like of shape (n,), optional
+        As for `profile_along`.
+
+    Returns
+    -------
+    Profile
+        With ``stations``, and as ``distances`` the offsets from the line: from left to right,
+        looking along it. A cross section is at right angles to the piece of the line that it
+        crosses, at a corner to the one that begins there.
+
+    Raises
+    ------
+    InputError
+        As for `profile_along`; the line has no length; spacing or width are not positive; there
+        are more than a million cross sections, or one leaves the doubles.
+
+    See Also
+    --------
+    Surface.profile : Along the line.
+    Profile.save : Write them to a file.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> slope = liftmesh.triangulate([[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]])
+    >>> found = slope.cross_sections([[2, 0], [2, 4]], spacing=2, half_width=1)
+    >>> found.stations, found.distances[:3], found.points[:3, 2]
+    (array([0., 2., 4.]), array([-1.,  1., -1.]), array([2., 6., 2.]))
+    """
+    cuts = sections_across([line], spacing, half_width)
+    return cuts.of(_laid(surface if values is None else over_values(surface, values), cuts.ends))
+
+
+class Sections(NamedTuple):
+    """Where cross sections are."""
+
+    ends: Floats  # (n, 2, 2), left and right
+    stations: Floats
+    lines: Integers  # that they cross
+    half_width: float
+
+    def of(self, draped: Profile) -> Profile:
+        """Say of what was draped where it is."""
+        stations, lines = self.stations[draped.lines], self.lines[draped.lines]
+        offsets = draped.distances - self.half_width
+        return replace(draped, distances=offsets, lines=lines, stations=stations)
+
+
+def sections_across(lines: Sequence[Any], spacing: float, half_width: float) -> Sections:
+    """Place cross sections along lines."""
+    half = as_positive("half_width", half_width, "a positive length")
+    step = as_decimal(as_positive("spacing", spacing, "a positive length"))
+    stations, ends = zip(*(_across(line, step, half) for line in lines), strict=True)
+    numbers = np.repeat(np.arange(len(lines)), [len(each) for each in stations])
+    return Sections(np.concatenate(ends), np.concatenate(stations), numbers, half)
+
+
+def _across(line: Any, step: Fraction, half: float) -> tuple[Floats, Floats]:
+    """Return the stations of a line, and both ends of the cross sections there."""
+    corners = _corners(line)
+    corners = corners[starts_of_runs(corners)]
+    far = _distances(corners)
+    if len(corners) < 2:
+        raise InputError("all corners of the line are at one position: it has no length")
+    count = math.floor(Fraction(far[-1]) / step) + 1
+    if count > _MOST_SECTIONS:
+        reason = f"which makes {as_thousands(count)} cross sections: give a larger one"
+        raise refused("spacing", float(step), reason, mark=", ")
+    stations = np.array([float(step * number) for number in range(count)])
+    piece = np.minimum(np.searchsorted(far, stations, side="right") - 1, len(corners) - 2)
+    tails, heads = corners[piece], corners[piece + 1]
+    lengths = np.hypot(*(heads - tails).T)
+    at = between(tails, heads, ((stations - far[piece]) / lengths)[:, None])
+    right = (heads - tails)[:, ::-1] / lengths[:, None] * (half, -half)
+    with np.errstate(over="ignore"):
+        ends = np.stack([at - right, at + right], axis=1)
+    if not np.isfinite(ends).all():
+        raise refused("half_width", half, "beyond the doubles: give a smaller one")
+    return stations, ends
+
+
+def _laid(surface: SurfaceData, lines: Sequence[Any] | Floats) -> Profile:
     """Drape all lines at once."""
     corners = [_corners(line) for line in lines]
     before = np.concatenate([_distances(each)[:-1] for each in corners])
@@ -265,7 +377,7 @@ def _parts(points: Floats, joined: Mask, line: Integers, crs: str | None) -> Pro
     return Profile(points[kept, :3], points[kept, 3], starts, line[kept][starts[:-1]], crs)
 
 
-def drape(surface: SurfaceData, lines: Sequence[Floats]) -> Profile:
+def drape(surface: SurfaceData, lines: Sequence[Floats] | Floats) -> Profile:
     """Drape lines over the faces of a surface."""
     found = _laid(surface, lines)
     if not len(found.lines):

@@ -54,6 +54,8 @@ Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
+    from liftmesh.base.cloud import Cloud
+
 
 def heights_at(
     surface: SurfaceData,
@@ -247,6 +249,20 @@ def heights_above(
     >>> ground.height_above([[1, 1, 12], [2, 1, 6], [9, 9, 9]])
     array([ 7.,  0., nan])
     """
+    above = points_above(surface, cloud)
+    ground = heights_at(
+        surface,
+        surface.frame.planar(above.points),
+        interpolation,
+        extrapolate=extrapolate,
+        threads=threads,
+    )
+    heights: Floats = surface.frame.heights(above.points) - ground
+    return heights
+
+
+def points_above(surface: SurfaceData, cloud: object) -> Cloud:
+    """Read points that are compared with a surface: with heights, and in its system."""
     above = read_cloud(cloud)
     shape = np.shape(cloud) if isinstance(cloud, list | tuple) else getattr(cloud, "shape", ())
     if shape[1:] == (2,) or Provenance(above.metadata).is_flat:
@@ -258,15 +274,7 @@ def heights_above(
             f"the points are in {shown(above.crs)}, and the surface in {shown(surface.crs)}: "
             "transform the points first"
         )
-    ground = heights_at(
-        surface,
-        surface.frame.planar(above.points),
-        interpolation,
-        extrapolate=extrapolate,
-        threads=threads,
-    )
-    heights: Floats = surface.frame.heights(above.points) - ground
-    return heights
+    return above
 
 
 def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None = None) -> Floats:
@@ -420,7 +428,7 @@ def aspect_degrees(gradients: Floats) -> Floats:
     return aspects[()]
 
 
-_UNITS = {"slope": "degree", "aspect": "degree"}
+_UNITS: dict[str, str | None] = {"slope": "degree", "aspect": "degree"}
 _TOGETHER = 1 << 22  # pixels whose gradients are held at a time
 _TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 _STEEP, _SCALE = 2.0**500, 2.0**-600
@@ -479,8 +487,9 @@ def rasterize(
         - ``transform`` and ``shape``, in place of the resolution: a, b, c, d, e and f of a
           `Raster`, any affine transform, as that of another raster; rows and columns.
         - ``quantity``: "height", above the plane; or what the face that owns the centre has:
-          "slope" or "aspect", in degrees as of `slopes_at` and `aspects_at`, or
-          "hillshade", brightness from 0 to 255.
+          "slope" or "aspect", in degrees as of `slopes_at` and `aspects_at`,
+          "hillshade", brightness from 0 to 255, or "longest-edge", how long its longest side is in
+          the plane: where that is large, the surface is a guess.
         - ``interpolation``: of heights, as for `heights_at`.
         - ``light``, default (315, 45): azimuth of the light, in degrees clockwise from the
           direction of y, and altitude above the plane, for "hillshade".
@@ -535,10 +544,7 @@ def rasterize(
             centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
             block[...] = heights_at(surface, centers, plan.interpolation, threads=plan.threads)
     else:
-        for first, block in _blocks_of_rows(pixels):
-            gradients = np.empty((*block.shape, 2))
-            scan(gradients, first)
-            block[...] = plan.of_gradients(gradients)
+        _scan_faces(surface, plan, scan, pixels)
     plan.finish(pixels)
     return plan.raster(pixels, plane_system(surface))
 
@@ -548,6 +554,33 @@ def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     solved = surface.triangulation
     corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
     return planar_bounds(solved.points[corners])
+
+
+def _scan_faces(
+    surface: SurfaceData, plan: RasterPlan, scan: Callable[[Array, int], None], pixels: Array
+) -> None:
+    """Fill pixels with what the faces have that own their centres."""
+    if plan.quantity == "longest-edge":
+        lengths = np.append(_longest_sides(surface), np.nan)
+    for first, block in _blocks_of_rows(pixels):
+        if plan.quantity == "longest-edge":
+            faces = np.empty((*block.shape, 1), np.int32)
+            scan(faces, first)
+            block[...] = lengths[faces[..., 0]]
+        else:
+            gradients = np.empty((*block.shape, 2))
+            scan(gradients, first)
+            block[...] = plan.of_gradients(gradients)
+
+
+def _longest_sides(surface: SurfaceData) -> Floats:
+    """Return the length of the longest side of each triangle in the plane."""
+    solved = surface.triangulation
+    corners = solved.points[solved.simplices].astype(np.float64, copy=False)
+    with np.errstate(over="ignore"):
+        sides = corners - np.roll(corners, 1, axis=1)
+        lengths: Floats = np.hypot(sides[..., 0], sides[..., 1]).max(axis=1)
+    return lengths
 
 
 def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:
@@ -613,8 +646,10 @@ class RasterPlan:
         check_option("quantity", quantity, RasterQuantity)
         check_option("interpolation", interpolation, Interpolation)
         check_interpolation(quantity, interpolation)
-        rise = (slope_scale if quantity == "height" else steepness)(surface, all_of["z_factor"])
-        unit = unit_names(surface)[1] if quantity == "height" else _UNITS.get(quantity)
+        has_slopes = quantity in _OF_GRADIENTS
+        rise = (steepness if has_slopes else slope_scale)(surface, all_of["z_factor"])
+        lengths = dict(zip(("longest-edge", "height"), unit_names(surface), strict=True))
+        unit = (lengths | _UNITS).get(quantity)
         kind, light = _checked_type(all_of["dtype"]), _light_of(all_of["light"])
         return cls(layout, quantity, interpolation, kind, light, rise, unit, all_of["threads"])
 

@@ -16,7 +16,17 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
-from liftmesh.terrain import boundary, changes, contours, measures, profile, refinement, sampling
+from liftmesh.terrain import (
+    accuracy,
+    boundary,
+    changes,
+    contours,
+    measures,
+    profile,
+    refinement,
+    sampling,
+    stages,
+)
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 
 if TYPE_CHECKING:
@@ -34,10 +44,12 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
     from liftmesh.raster.raster import Raster
+    from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
 
@@ -46,26 +58,6 @@ class Surface(SurfaceData):
     """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
 
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
-
-    Parameters
-    ----------
-    vertices : (n, 3) ndarray of float64, all rows of the input in their order
-    faces : (m, 3) ndarray of int32, rows of ``vertices``, counter-clockwise seen from above
-    triangulation : Triangulation, the planar problem and its solution
-    frame : Frame, the projection plane and its axes
-    report : Report, on the use of every row
-    colors : (n, 3) or (n, 4) ndarray, optional, of the vertices
-    normals : (n, 3) ndarray, optional, those of the input
-    attributes : mapping of str to (n, ...) ndarray, further named values of the vertices
-    metadata : mapping, information about the input as a whole
-    crs : str, optional, the coordinate reference system of the input: WKT or ``EPSG:n``
-    mask : (t,) ndarray of bool, optional, True for triangles that are no faces, as of `trim`
-
-    Examples
-    --------
-    >>> import liftmesh
-    >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7], [1, 1, 8]])
-    <Surface of 2 triangles over 4 vertices>
     """
 
     def __repr__(self) -> str:
@@ -104,8 +96,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         vertices : (n, 3) array_like, moved ones, if no two faces overlap
-        colors : (n, 3) or (n, 4) array_like, or None for none
-        normals : (n, 3) array_like, or None for none
+        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
         metadata : mapping, information about the surface as a whole
         crs : str or None, the coordinate reference system: WKT or ``EPSG:n``
@@ -201,6 +192,25 @@ class Surface(SurfaceData):
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
 
+    def accuracy(
+        self,
+        checkpoints: object = None,
+        *,
+        interpolation: Interpolation = "linear",
+        threads: int | None = None,
+    ) -> Accuracy:
+        """Compare heights with checkpoints, or each vertex with the surface of the others.
+
+        Returns an Accuracy: an error for each point, RMSE and what else standards ask for.
+        In full: `liftmesh.terrain.accuracy.accuracy_of`.
+
+        Parameters
+        ----------
+        checkpoints : object, optional, as for `height_above`; without, vertices are left out
+        interpolation, threads : as for `sample`
+        """
+        return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
+
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
 
@@ -209,8 +219,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `sample`
         """
         return sampling.gradients_at(self, points, threads=threads)
 
@@ -238,8 +247,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        threads : int, optional, as for `delaunay`
+        points, threads : as for `sample`
         """
         return sampling.aspects_at(self, points, threads=threads)
 
@@ -255,6 +263,23 @@ class Surface(SurfaceData):
         values : (n,) array_like or name of attributes, optional, in place of heights
         """
         return profile.profile_along(self, line, values=values)
+
+    def cross_sections(
+        self, line: ArrayLike, *, spacing: float, half_width: float, values: Values | None = None
+    ) -> Profile:
+        """Drape lines across a line over the faces.
+
+        Returns a Profile with stations; its distances are offsets, negative on the left.
+        In full: `liftmesh.terrain.profile.cross_sections`.
+
+        Parameters
+        ----------
+        line : (k, 2) array_like, its corners in the plane, two at least
+        spacing, half_width : float, between stations, and to both sides
+        values : as for `profile`
+        """
+        ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
+        return profile.cross_sections(self, line, **ways)
 
     def raster(
         self,
@@ -273,9 +298,9 @@ class Surface(SurfaceData):
         resolution : float or pair of float, optional, width and height of a pixel
         values : (n,) array_like or name of attributes, optional, in place of heights
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect" or "hillshade"), ``interpolation`` as for
-            `sample`, ``light`` (azimuth and altitude in degrees), ``z_factor`` as for `slope`,
-            ``dtype`` ("float64" or "float32"), ``threads`` as for `delaunay`
+            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
+            ``interpolation`` as for `sample`, ``light`` (azimuth and altitude in degrees),
+            ``z_factor`` as for `slope`, ``dtype`` ("float64" or "float32"), ``threads``
         """
         return sampling.rasterize(self, resolution, values=values, **options)
 
@@ -355,6 +380,25 @@ class Surface(SurfaceData):
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
 
+    def stage_storage(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        above: bool = False,
+    ) -> StageStorage:
+        """Compute the areas and volumes below many levels: the stage-area-storage table.
+
+        Returns a StageStorage: by ascending level; its `level_of` is the inverse.
+        In full: `liftmesh.terrain.stages.stage_storage`.
+
+        Parameters
+        ----------
+        levels, interval : heights, or all multiples of one, as for `contours`
+        above : bool, default False, whether to measure above the levels instead
+        """
+        return stages.stage_storage(self, levels, interval=interval, above=above)
+
     def cut_and_fill(self, other: Surface, *, within: object = None) -> CutFillResult:
         """Compute the volumes between this surface and another one.
 
@@ -378,9 +422,8 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, polygons as for `trim`, each measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        other : Surface, as for `cut_and_fill`
+        within, by : as for `volume_by_polygon`
         """
         return measures.cut_and_fill_by_polygon(self, other, within, by=by)
 

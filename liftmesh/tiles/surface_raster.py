@@ -25,7 +25,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
-from liftmesh.base.options import as_switch, check_progress
+from liftmesh.base.options import as_switch, check_progress, refused
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
@@ -101,6 +101,9 @@ def _plan(
 ) -> RasterPlan:
     west, south, low, east, north, high = box_of(tiled)
     plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
+    if plan.quantity == "longest-edge":
+        reason = "which rasters of tiles do not have: take a surface in memory"
+        raise refused("quantity", plan.quantity, reason, mark=", ")
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
     return plan

@@ -6,7 +6,6 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree as ET
 
 import lib3mf
 import meshio
@@ -15,26 +14,6 @@ import numpy as np
 from liftmesh import Cloud, InputError
 from liftmesh.io.format import checked_origin, with_origin
 from liftmesh.io.metadata import Label
-
-_LANDXML = "{http://www.landxml.org/schema/LandXML-1.2}"
-
-
-def landxml(data: bytes) -> Cloud:
-    """Read points, faces, breaklines and coordinate system: no library reads LandXML."""
-    root = ET.fromstring(data)
-    rows = [each.text or "" for each in root.iter(f"{_LANDXML}P")]
-    points = np.array([[float(word) for word in row.split()] for row in rows])[:, [1, 0, 2]]
-    numbers = [each.get("id") for each in root.iter(f"{_LANDXML}P")]
-    assert numbers == [str(k) for k in range(1, len(points) + 1)], "points are numbered from 1"
-    corners = [(each.text or "").split() for each in root.iter(f"{_LANDXML}F")]
-    faces = np.array([[int(word) - 1 for word in face] for face in corners], np.int32)
-    lines = [(each.text or "").split() for each in root.iter(f"{_LANDXML}PntList3D")]
-    ends = np.array(lines, np.float64).reshape(-1, 2, 3)[..., [1, 0, 2]]
-    known = {row.tobytes(): k for k, row in enumerate(points)}
-    edges = [[known[end.tobytes()] for end in line] for line in ends]
-    system = root.find(f"{_LANDXML}CoordinateSystem")
-    crs = None if system is None else system.get("ogcWktCode", system.get("desc"))
-    return Cloud(points, faces=faces, crs=crs, edges=np.array(edges, np.int32).reshape(-1, 2))
 
 
 def three_mf(data: bytes) -> Cloud:
@@ -116,7 +95,6 @@ def _native(values: Any) -> Any:
 
 
 READERS: dict[str, Callable[[bytes], Cloud]] = {
-    "landxml": landxml,
     "3mf": three_mf,
     "vtu": vtu,
     "msh": msh,

@@ -27,6 +27,7 @@ from growth.files.points import ELE, GZIP, NODE, PCD, POLY, PTS, XYZN, XYZRGB
 from growth.files.raster import RASTER
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
+from growth.files.xml import LANDXML
 from growth.planar import DEAR
 from growth.spatial import DEEP
 
@@ -58,6 +59,7 @@ FILES: dict[str, Families] = {
     "las": LAS,
     "raster": RASTER,
     "e57": E57,
+    "landxml": LANDXML,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -119,6 +121,7 @@ WITHOUT_DATA = {
     "Counters": "a result, made by delaunay",
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
     "CutFillResult": "a result, made by Surface.cut_and_fill",
+    "Accuracy": "a result, made by Surface.accuracy",
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
@@ -126,6 +129,7 @@ WITHOUT_DATA = {
     "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
+    "StageStorage": "a result, made by Surface.stage_storage; its methods are watched",
     "Surface": "a result, made by triangulate; its methods are watched",
     "Tiled": "a result, made by tile; its methods are watched",
     "TiledSurface": "a result, made by tile_surface; its methods are watched",

@@ -127,6 +127,11 @@ contoured = on(lambda points: surface_over(points).contours(interval=0.25))
 """Prepare a call on the contours of a surface with random heights."""
 
 
+def half_filled(found: liftmesh.StageStorage) -> object:
+    """Find the level of half a volume."""
+    return found.level_of(found.volumes / 2)
+
+
 def pixels_over(points: Points) -> liftmesh.Raster:
     """Make a raster of as many pixels as there are rows."""
     side = max(isqrt(len(points)), 2)
@@ -177,6 +182,21 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
     yield "as_surface of faces that overlap", PLANAR, overlapping, ("uniform",), LEAST
 
 
+def measuring_functions() -> Iterator[tuple[Any, ...]]:
+    """The same, for what measures areas and volumes."""
+    yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
+    cut = on_surface(lambda found: found.volume(0.5))
+    yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
+    tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
+    yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
+    level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)
+    yield "StageStorage.level_of", PLANAR, level, ("uniform",), LEAST
+    inside = on_surface(lambda found: found.volume(0.5, within=[[0, 0], [1, 0], [0.5, 1]]))
+    yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
+    each = on_surface(lambda found: found.volume_by_polygon(HALVES, 0.5))
+    yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST
+
+
 def surface_functions() -> Iterator[tuple[Any, ...]]:
     """Name, families, preparation, counted families and least size."""
     for name in ("sample", "gradient"):
@@ -201,13 +221,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.trim by a polygon", PLANAR, within, ("uniform",)
     yield "Surface.trim by a comb", PLANAR, combed, ("uniform",)
     yield "Surface.boundary", PLANAR, bounded, FANS, LEAST
-    yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
-    cut = on_surface(lambda found: found.volume(0.5))
-    yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
-    inside = on_surface(lambda found: found.volume(0.5, within=[[0, 0], [1, 0], [0.5, 1]]))
-    yield "Surface.volume in a polygon", PLANAR, inside, ("uniform",), LEAST
-    each = on_surface(lambda found: found.volume_by_polygon(HALVES, 0.5))
-    yield "Surface.volume_by_polygon", PLANAR, each, (), LEAST
+    yield from measuring_functions()
     line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
     yield "Surface.profile", PLANAR, line, ("uniform", "lattice")
     yield "Profile.to_cloud", PLANAR, profiled(liftmesh.Profile.to_cloud), ("uniform",)
@@ -233,4 +247,16 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 
-FUNCTIONS = tuple(surface_functions())
+def check_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of what surveyors check a surface with."""
+    compared_with = on_surface(lambda found: found.accuracy(found.vertices, threads=1))
+    yield "Surface.accuracy", PLANAR, compared_with, ("uniform",), LEAST
+    left_out = on_surface(lambda found: found.accuracy(threads=1))
+    yield "Surface.accuracy without each", PLANAR, left_out, ("uniform", "circle and centre"), LEAST
+    across = on_surface(
+        lambda found: found.cross_sections([[0, 0], [1, 1]], spacing=0.01, half_width=0.5)
+    )
+    yield "Surface.cross_sections", PLANAR, across, ("uniform",)
+
+
+FUNCTIONS = (*surface_functions(), *check_functions())

@@ -26,7 +26,7 @@ from liftmesh.cli.terminal import bytes_text
 
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "height", "profile",
-    "raster", "contour", "volume", "solid", "voronoi", "constrain", "refine", "paper",
+    "accuracy", "raster", "contour", "volume", "solid", "voronoi", "constrain", "refine", "paper",
 ]  # fmt: skip
 
 

@@ -192,3 +192,44 @@ def test_what_lies_on_no_face_is_said(tin: Path, tmp_path: Path) -> None:
     whole_tin = liftmesh.triangulate(meadow()).save(tmp_path / "whole.ply").path
     done = run("profile", whole_tin, tmp_path / "q.csv", *corners(SECOND))
     assert "on no face" not in done.stderr
+
+
+@pytest.mark.parametrize("suffix", ["csv", "gpkg"])
+def test_cross_sections(tin: Path, tmp_path: Path, suffix: str) -> None:
+    (tmp_path / "lines.geojson").write_text(features(LINE, SECOND))
+    target = tmp_path / f"out.{suffix}"
+    words = (
+        "--along",
+        tmp_path / "lines.geojson",
+        "--spacing",
+        "20",
+        "--half-width",
+        "7.5",
+        "--json",
+    )
+    done = run("profile", tin, target, *words)
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    each = [surface().cross_sections(line, spacing=20, half_width=7.5) for line in (LINE, SECOND)]
+    stations = np.concatenate([found.stations for found in each])
+    assert told["n_sections"] == 9 + 2
+    assert told["length_of_sections"] == pytest.approx(11 * 15)
+    assert told["n_parts"] == len(stations)
+    if suffix == "gpkg":
+        found = geopandas.read_file(target)
+        assert found["line"].tolist() == np.repeat([0, 1], [len(x.lines) for x in each]).tolist()
+        np.testing.assert_array_equal(found["station"], stations)
+        np.testing.assert_allclose(found["start"].min(), -7.5)
+    else:
+        values = liftmesh.read(target).attributes
+        offsets = np.concatenate([found.distances for found in each])
+        np.testing.assert_array_equal(values["offset"], offsets)
+        assert {*values["station"].tolist()} == {*stations.tolist()}
+
+
+def test_cross_sections_need_both(tin: Path, tmp_path: Path) -> None:
+    done = run("profile", tin, tmp_path / "p.csv", *corners(LINE), "--spacing", "20")
+    failed(done, 2, "--spacing and --half-width go together")
+    many = ("--spacing", "1e-9", "--half-width", "1")
+    done = run("profile", tin, tmp_path / "p.csv", *corners(LINE), *many)
+    failed(done, 2, "cross sections: give a larger one")

@@ -199,6 +199,10 @@ def test_a_format_keeps_what_it_declares_and_names_the_rest(
         with pytest.raises(FormatError, match=f"without faces .* as {kind.upper()}"):
             round_trip(cloud, kind, options)
         return
+    if kind == "landxml" and content == "a long coordinate system":
+        with pytest.raises(FormatError, match=r"the unit of 'PROJCRS.* is not known"):
+            round_trip(cloud, kind, options)
+        return
     back, written = round_trip(cloud, kind, options)
     losses = set() if declared.loses is None else set(declared.loses(cloud, options))
     promised = set(declared.keeps) - {"float64" if name == LAST_BITS else name for name in losses}

@@ -146,7 +146,6 @@ def test_every_format_of_text_may_be_compressed() -> None:
             "las",
             "e57",
             "raster",
-            "landxml",
             "3mf",
             "vtu",
             "msh",

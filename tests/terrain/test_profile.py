@@ -237,3 +237,59 @@ def test_profiles_are_written_as_lines_or_points(tmp_path: Path) -> None:
     stream = io.BytesIO()
     found.save(stream, format="csv")
     assert stream.getvalue().startswith(b"x,y,z,distance,line,part")
+
+
+def test_cross_sections_lie_across_the_line() -> None:
+    surface = liftmesh.triangulate(meadow())
+    line = [[10, 20], [70, 20], [70, 90]]
+    found = surface.cross_sections(line, spacing=12.5, half_width=8)
+    assert found.stations.tolist() == [12.5 * k for k in range(11)]
+    assert not found.lines.any()
+    for number, station in enumerate(found.stations):
+        part = slice(*found.starts[number : number + 2])
+        x, y, z = found.points[part].T
+        offsets = found.distances[part]
+        assert (offsets[0], offsets[-1]) == (-8, 8)
+        if station < 60:  # eastwards: what is north is on the left
+            np.testing.assert_allclose(np.stack([x - 10, 20 - y]), [[station] * len(x), offsets])
+        else:
+            np.testing.assert_allclose([y - 20, x - 70], [[station - 60] * len(x), offsets])
+        np.testing.assert_allclose(z, surface.sample(np.stack([x, y], axis=1)), atol=1e-9)
+
+
+def test_stations_are_decimal_and_corners_may_be_repeated() -> None:
+    surface = liftmesh.triangulate(meadow())
+    line = [[20, 20], [20, 20], [20, 21], [20, 21]]
+    found = surface.cross_sections(line, spacing=0.1, half_width=1, values=surface.vertices[:, 0])
+    assert found.stations.tolist() == [0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]
+    np.testing.assert_allclose(found.points[:, 2], found.points[:, 0])
+
+
+def test_cross_sections_with_gaps_have_parts() -> None:
+    surface = liftmesh.triangulate(meadow()).trim(max_edge=9)
+    found = surface.cross_sections([[0, 50], [100, 50]], spacing=10, half_width=60)
+    assert len(found.stations) > len({*found.stations.tolist()})
+    assert len(found.to_cloud()) == len(found.points)
+    assert {*found.to_cloud().attributes} == {"offset", "line", "part", "station"}
+
+
+@pytest.mark.parametrize(
+    ("line", "given", "said"),
+    [
+        ([[0, 0], [9, 9]], {"spacing": 0, "half_width": 1}, "spacing is 0: give a positive length"),
+        (
+            [[0, 0], [9, 9]],
+            {"spacing": 1, "half_width": -1},
+            "half_width is -1: give a positive length",
+        ),
+        ([[0, 0], [9, 9]], {"spacing": 1e-9, "half_width": 1}, "cross sections: give a larger one"),
+        ([[0, 0], [9, 9]], {"spacing": np.nan, "half_width": 1}, "spacing"),
+        ([[1e308, 0], [1e308, 9]], {"spacing": 1, "half_width": 1.7e308}, "beyond the doubles"),
+        ([[1, 1], [1, 1]], {"spacing": 1, "half_width": 1}, "has no length"),
+        ([[1, 1]], {"spacing": 1, "half_width": 1}, "two corners at least"),
+    ],
+)
+def test_cross_sections_that_are_none(line, given, said) -> None:
+    surface = liftmesh.triangulate(meadow())
+    with pytest.raises(liftmesh.InputError, match=said):
+        surface.cross_sections(line, **given)

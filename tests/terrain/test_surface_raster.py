@@ -10,7 +10,7 @@ import rasterio
 from clouds import FAMILIES
 from hypothesis import given, settings, strategies as st
 from oracles.surfaces import exact_point
-from surfaces import LATTICE, covering, exactly, family_surface, raster, with_heights
+from surfaces import LATTICE, covering, exactly, family_surface, meadow, raster, with_heights
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
@@ -377,3 +377,17 @@ def test_unknown_options_are_told_with_those_there_are() -> None:
     surface = liftmesh.triangulate(np.eye(3))
     with pytest.raises(TypeError, match="no option 'method': give some of bounds, transform"):
         surface.raster(1, method="linear")  # type: ignore[call-arg]
+
+
+@pytest.mark.parametrize("limit", [None, 12])
+def test_the_longest_edge_is_that_of_the_face_at_each_centre(limit: float | None) -> None:
+    surface = liftmesh.triangulate(meadow())
+    surface = surface if limit is None else surface.trim(max_edge=limit)
+    found = surface.raster(1.25, quantity="longest-edge")
+    face = surface.triangulation.find_simplex(found.centers())
+    corners = surface.triangulation.points[surface.triangulation.simplices[face]]
+    sides = np.linalg.norm(corners - np.roll(corners, 1, axis=-2), axis=-1).max(axis=-1)
+    sides[np.isnan(surface.sample(found.centers()))] = np.nan
+    np.testing.assert_allclose(found.values, sides)
+    assert np.isfinite(sides).any()
+    assert found.quantity == "longest-edge"

@@ -15,11 +15,14 @@ def _code(module: str, name: str) -> LazyFunction:
     return LazyFunction(f"liftmesh.{module}", name)
 
 
+_AXES = _code("io.axes", "validate_axes")
+
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _code("io.formats.gltf.writer", "dropped_parts"),
     "expands": True,
+    "options": _AXES,
     "check": _code("io.formats.gltf.writer", "check"),
     "renames": _code("io.formats.gltf.writer", "renamed"),
 }
@@ -57,6 +60,7 @@ FORMATS = (
         ),
         needs=("points",),
         loses=_code("io.formats.obj", "dropped_parts"),
+        options=_AXES,
         gzip=True,
     ),
     Format(
@@ -132,13 +136,16 @@ FORMATS = (
     Format(
         name="landxml",
         suffixes=(".xml", ".landxml"),
-        read=None,
+        read=_code("io.formats.landxml_reader", "read_landxml"),
         write=_code("io.formats.landxml", "write_landxml"),
-        description="LandXML 1.2 surfaces: northing, easting, height, and faces",
+        description="LandXML surfaces: northing, easting, height, and faces; breaklines, points",
         keeps=("points", "faces", "edges", "crs", "float64"),
         needs=("faces", "finite"),
         loses=_code("io.formats.landxml", "dropped_parts"),
         check=_code("io.formats.landxml", "check"),
+        options=_code("io.formats.landxml_reader", "validate_landxml_options"),
+        gzip=True,
+        entries=("landxml",),
     ),
     Format(
         name="3mf",

@@ -1,4 +1,4 @@
-"""LandXML 1.2, the surfaces of civil engineering: written, not read.
+"""LandXML 1.2, the surfaces of civil engineering, the writer.
 
 Points are northing, easting and height, in this order, with digits that round-trip; a face lists
 its points counter-clockwise seen from above. Edges are breaklines of two points, which hold their
@@ -21,6 +21,7 @@ from liftmesh.crs.description import is_number, urn_of
 from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import edges_of, faces_of
+from liftmesh.io.formats.landxml_reader import LANDXML
 from liftmesh.io.markup import attribute, is_possible
 from liftmesh.io.text_tables import write_rows
 
@@ -44,8 +45,9 @@ _UNITS = {
 }
 
 
-def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str = "surface") -> None:
+def write_landxml(stream: BinaryIO, cloud: Cloud, *, name: str | None = None) -> None:
     """Write a mesh as a LandXML surface."""
+    name = _stated_name(cloud) if name is None else name
     if not isinstance(name, str) or not is_possible(name):
         raise FormatError(f"name is {name!r}: give a text that XML can hold")
     units = _units(cloud)
@@ -80,6 +82,13 @@ def _write_breaklines(stream: BinaryIO, cloud: Cloud) -> None:
     begin, end = '<Breakline brkType="standard"><PntList3D>', "</PntList3D></Breakline>\n"
     write_rows(stream, [ends], prefix=begin, end=end)
     stream.write(b"</Breaklines>\n</SourceData>\n")
+
+
+def _stated_name(cloud: Cloud) -> str:
+    """Return the name that a surface had in its file."""
+    entry = cloud.metadata.get(LANDXML)
+    name = entry.get("surface") if isinstance(entry, Mapping) else None
+    return name if isinstance(name, str) and is_possible(name) else "surface"
 
 
 def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:

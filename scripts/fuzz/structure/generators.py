@@ -14,6 +14,7 @@ from fuzz.structure.ply import ply
 from fuzz.structure.points import compressed, ele, node, pcd, poly, pts, xyzrgb
 from fuzz.structure.raster import geotiff, grid
 from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
+from fuzz.structure.xml import landxml
 
 if TYPE_CHECKING:
     from fuzz.structure.case import Case
@@ -39,6 +40,7 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "laz": laz,
     "copc": copc,
     "e57": scans,
+    "landxml": landxml,
     "geotiff": geotiff,
     "grid": grid,
 }

@@ -9,11 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import gmsh
 import meshio
 import numpy as np
 import pytest
 from constrained.families import FAMILIES
+from gmsh_apart import apart, read
 from hypothesis import given, settings, strategies as st
 
 import liftmesh
@@ -49,19 +49,7 @@ def test_gmsh_reads_what_was_refined(tmp_path: Path) -> None:
     tri = refined.triangulation
     written = liftmesh.write(tmp_path / "a.msh", refined)
     assert (written.format, written.dropped) == ("msh", ())
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(tmp_path / "a.msh"))
-        numbers, places, _ = gmsh.model.mesh.getNodes()
-        found: dict[tuple[int, int], Any] = {}
-        for kind, tag in gmsh.model.getPhysicalGroups():
-            (entity,) = gmsh.model.getEntitiesForPhysicalGroup(kind, tag)
-            corners = gmsh.model.mesh.getElements(kind, entity)[2][0]
-            found[kind, tag] = corners.reshape(-1, kind + 1).astype(int) - 1
-    finally:
-        gmsh.finalize()
-    points = places.reshape(-1, 3)[np.argsort(numbers)]
+    points, found = apart(read, str(tmp_path / "a.msh"))
     assert points[:, :2].tobytes() == tri.points.tobytes()
     assert {k: {*map(frozenset, v.tolist())} for (d, k), v in found.items() if d == 1} == (
         expected_lines(tri)

@@ -1,0 +1,91 @@
+"""``liftmesh accuracy``: errors of a surface at checkpoints, or at each vertex without it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any, TypeAlias
+
+import click
+
+from liftmesh.base.options import Interpolation
+from liftmesh.cli import inputs, notes, options, outputs, sample, surfaces, terminal
+from liftmesh.cli.options import argument, flag, option
+from liftmesh.errors import InputError
+
+SHORT_HELP = "Compare a mesh or cloud with checkpoints, or each vertex with the others."
+HELP = (
+    "Prints RMSE, mean, standard deviation and what is within 95 % of the errors: heights of the "
+    "surface less those of the points of --at. Without --at, each vertex is left out in turn. OUT "
+    "has the points, and as residual the error of each: none where no face contains the point."
+)
+EXAMPLES = [
+    "liftmesh accuracy tin.ply --at checkpoints.csv",
+    "liftmesh accuracy survey.laz residuals.csv --at checkpoints.csv --at-columns id,x,y,z",
+    "liftmesh accuracy tin.ply leave-one-out.ply --interpolation sibson --json",
+]
+_NAME = "residual"
+_MEASURES = (
+    "n_points", "n_outside", "rmse", "mean", "std", "confidence_95", "percentile_95", "min", "max",
+)  # fmt: skip
+
+Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at")]
+
+
+@outputs.guards("target")
+def run(
+    source: surfaces.Source,
+    target: Annotated[
+        Path | None, argument("[OUT]", "Cloud file of the points with their errors.")
+    ] = None,
+    at: Annotated[
+        Path | None, option("FILE", "Checkpoints x, y, z: a cloud of any format.")
+    ] = None,
+    *,
+    points: Points,
+    interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
+    reading: surfaces.Horizontal,
+    json: options.Json = False,
+) -> None:
+    """Read a surface and checkpoints, compare them, and print what was found."""
+    from liftmesh.terrain.accuracy import table
+
+    outputs.check_stdout()
+    written = None if target is None else outputs.Target(target)
+    if written is not None:
+        written.check()
+    surface = surfaces.read(source, reading)
+    cloud = surface.to_cloud() if at is None else _checkpoints(at, points, source, surface, reading)
+    if _NAME in cloud.attributes:
+        raise InputError(f"the points have values named {_NAME!r}, which this command writes")
+    with (
+        inputs.about(source if at is None else at),
+        terminal.stage(f"comparing {len(cloud):,} points"),
+    ):
+        asked = None if at is None else cloud
+        found = surface.accuracy(asked, interpolation=interpolation, threads=reading.threads)
+    if written is not None:
+        sample.write_points(written, _with_errors(cloud, found.residuals, surface.crs))
+    with outputs.report_after(target):
+        if json:
+            measures: dict[str, Any] = {name: getattr(found, name) for name in _MEASURES}
+            measures |= {"unit": found.unit, **notes.provenance(surface)}
+            terminal.as_json({"interpolation": interpolation, **measures})
+        else:
+            terminal.table(table(found))
+
+
+def _checkpoints(
+    at: Path, points: surfaces.Places, source: Path, surface: Any, reading: surfaces.SurfaceOptions
+) -> Any:
+    """Read the checkpoints, which have to have heights."""
+    if points.are_shapes(at):
+        raise click.BadParameter(f"--at {at}: shapes have no heights: give a table, or a cloud")
+    limit = reading.rows.get("max_bytes")
+    return points.read(at, source, surface.crs, limit, flat=False)
+
+
+def _with_errors(cloud: Any, residuals: Any, crs: str | None) -> Any:
+    from dataclasses import replace
+
+    attributes = {**cloud.attributes, _NAME: residuals}
+    return replace(cloud, attributes=attributes, crs=cloud.crs or crs)
