@@ -41,6 +41,7 @@ Unit3MF: TypeAlias = Literal["micron", "millimeter", "centimeter", "inch", "foot
 Interpolation: TypeAlias = Literal["linear", "nearest", "laplace", "sibson"]
 Extrapolation: TypeAlias = Literal["nearest", "hull"]
 Pinched: TypeAlias = Literal["error", "trim"]
+OwnFaces: TypeAlias = Literal["own"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade", "longest-edge"]
 ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 Returns: TypeAlias = Literal["first", "last", "only"]
