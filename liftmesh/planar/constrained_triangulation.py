@@ -319,7 +319,12 @@ class ConstrainedTriangulation(Triangulation):
 
 
 def with_rows(
-    tri: ConstrainedTriangulation, points: Reals, names: Rows, duplicates: Rows, hull: Rows
+    tri: ConstrainedTriangulation,
+    points: Reals,
+    names: Rows,
+    duplicates: Rows,
+    hull: Rows,
+    skipped: Rows | None = None,
 ) -> ConstrainedTriangulation:
     """Make the same triangles of other rows, of which there are as many."""
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
@@ -330,7 +335,7 @@ def with_rows(
         neighbors,
         names[hull],
         duplicates,
-        tri.skipped,
+        tri.skipped if skipped is None else skipped,
         tri._constrained,  # noqa: SLF001 - of this module
         pieces_of(tri, *pieces),
         tri.nsimplex,
