@@ -330,7 +330,8 @@ def is_after(tails: Reals, heads: Reals) -> Mask:
 
 def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
     """Return the ends of sides opposite vertices k, the lesser row first."""
-    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    one, other = (simplices[face, (k + turn) % 3] for turn in (1, 2))
+    ends: Rows = np.stack([np.minimum(one, other), np.maximum(one, other)], axis=1)
     return ends
 
 

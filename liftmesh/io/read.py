@@ -143,7 +143,9 @@ def read(  # noqa: PLR0913 - options are keywords
 
         Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
         LandXML takes ``landxml_surface``: the name of one of several, or ``"CgPoints"`` for the
-        points of the survey.
+        points of the survey. GLB, glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place
+        of their zero, in place of what the file says; without it y is up in glTF, as its standard
+        says, and z in OBJ.
 
     Returns
     -------

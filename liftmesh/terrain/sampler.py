@@ -232,7 +232,7 @@ def _check_delaunay(surface: SurfaceData, option: str, given: str) -> None:
         remedy = "'linear'" if option == "interpolation" else "'hull'"
         reason = "has weights, radii or a metric"
     elif isinstance(solved, ConstrainedTriangulation) and given != "nearest":
-        reason, remedy = "follows lines", "'linear' or 'nearest'"
+        reason, remedy = "follows lines or has faces of its own", "'linear' or 'nearest'"
     else:
         return
     raise InputError(

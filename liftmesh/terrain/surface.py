@@ -96,7 +96,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices : (n, 3) array_like, moved ones, if the triangles stay those of `delaunay`
+        vertices : (n, 3) array_like, moved ones, if no two faces overlap
         colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
         metadata, crs, color_depth : as for `Cloud`
