@@ -435,6 +435,8 @@ class Surface(SurfaceData):
         pinched: Pinched = "error",
         longest: float | None = None,
         z_factor: float | None = None,
+        base_mm: float | None = None,
+        thickness_mm: float | None = None,
     ) -> Cloud:
         """Close the faces by walls and a base.
 
@@ -448,6 +450,7 @@ class Surface(SurfaceData):
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
         longest : float, optional, the longer side in x or y to scale to, in millimetres for print
         z_factor : float, optional, with ``longest``: as for `slope`
+        base_mm, thickness_mm : float, optional, with ``longest``: base or shell in millimetres
         """
         return boundary.closed_solid(
             self,
@@ -456,6 +459,8 @@ class Surface(SurfaceData):
             pinched=pinched,
             longest=longest,
             z_factor=z_factor,
+            base_mm=base_mm,
+            thickness_mm=thickness_mm,
         )
 
     def trim(
