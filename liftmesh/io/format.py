@@ -298,7 +298,7 @@ def dropped(
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
     known, entries = metadata.Provenance(cloud.metadata), file_format.entries
-    if known.carved and file_format.read is None:
+    if known.carved and "metadata" not in file_format.keeps:
         entries = (*entries, metadata.CARVED)  # the triangles that are left are all that counts
     names = [name for name in names if name not in metadata.named(entries)]
     named = (each for each in losses if each not in CONTENT)

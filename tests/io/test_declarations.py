@@ -139,7 +139,7 @@ def kept(back: Cloud, cloud: Cloud) -> dict[str, bool]:
     return {
         "points": len(back) == len(cloud) and near,
         "faces": cloud.faces is None or (back.faces is not None and len(back.faces) > 0),
-        "edges": np.array_equal(edges_of(back), edges_of(cloud)),
+        "edges": np.array_equal(*(np.sort(np.sort(edges_of(x)), axis=0) for x in (back, cloud))),
         "colors": same_colors(eight(back.colors), eight(cloud.colors), 3),
         "alpha": same_colors(back.colors, cloud.colors, 4),
         "deep_colors": same_colors(back.colors, cloud.colors, 3),

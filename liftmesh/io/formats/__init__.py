@@ -195,7 +195,17 @@ FORMATS = (
         description="meshes of SU2 in the plane: faces, and the boundary by its markers",
         keeps=("faces", "edges", "float64"),
         needs=("faces", "finite"),
-        loses=_code("io.formats.meshio_files", "lost_by_su2"),
+        entries=("markers",),
+    ),
+    Format(
+        name="2dm",
+        suffixes=(".2dm",),
+        read=_code("io.formats.mesh2d", "read_2dm"),
+        write=_code("io.formats.mesh2d", "write_2dm"),
+        description="2DM, meshes of SMS: nodes, elements with materials, nodestrings",
+        keeps=("points", "faces", "edges", "float64"),
+        needs=("faces", "finite"),
+        gzip=True,
         entries=("markers",),
     ),
     Format(

@@ -16,6 +16,7 @@ POSITION_NAMES = (
 )  # fmt: skip
 TEXTS = ("oak", "2019-05-01", "low", "a.b")
 OFF_WORDS = [b"OFF", b"COFF", b"NOFF", b"STOFF", b"4OFF", b"# a\n", b"OFF 1 1 1\n"]
+MESH_WORDS = [b"MESH2D", b"ND", b"E3T", b"E4Q", b"NS", b"NS 1 2\n", b"E6T 1 2 3\n", b"-1"]
 STL_WORDS = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"normal",
              b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n", b"end ",
              b"color 1 0 0\n", b"# a\n", b"; a\n", b"\0", b"\x1a", b"-nan(ind)"]  # fmt: skip
@@ -85,6 +86,24 @@ def off(chance: Chance) -> Case:
         corners = [chance.randrange(rows) for _ in range(size or chance.randint(0, 6))]
         parts += line(len(corners), *corners)
     return told("off", parts, OFF_WORDS, points, chance)
+
+
+def mesh2d(chance: Chance) -> Case:
+    """Make a 2DM file, whose nodes may be in any order."""
+    rows, first = chance.randint(1, 6), chance.choice((1, 1, 7))
+    points = quarters(chance, rows)
+    parts = [*line("MESH2D"), *line("MESHNAME", '"a"') * chance.one_in(2)]
+    for k in range(chance.randint(0, 5)):
+        size = chance.choice((3, 3, 4))
+        nodes = [chance.randrange(rows) + first for _ in range(size)]
+        material = [chance.randint(1, 3)] * chance.randint(0, 1)
+        parts += line("E3T" if size == 3 else "E4Q", k + 1, *nodes, *material)
+    for k in chance.sample(range(rows), rows):
+        parts += line("ND", k + first, *points[k].tolist())
+    for _ in range(chance.randint(0, 2)):
+        nodes = [chance.randrange(rows) + first for _ in range(chance.randint(1, 4))]
+        parts += line("NS", *nodes[:-1], -nodes[-1], *[9] * chance.randint(0, 1))
+    return told("2dm", parts, MESH_WORDS, points, chance)
 
 
 def ascii_stl(chance: Chance) -> Case:

@@ -1,4 +1,4 @@
-"""Families of files of points: PCD, PTS, XYZRGB, XYZN, of Triangle, and text packed with gzip.
+"""Families of files of points: PCD, PTS, XYZRGB, XYZN, of Triangle, 2DM, and text packed with gzip.
 
 Work grows where a header names very many fields, where scans or members are many and empty, where a
 copy of LZF reaches into itself, and where decompression begins anew to go back a little.
@@ -225,6 +225,35 @@ def points_beside(n: int) -> bytes:
 
 
 POLY = named(segments_of_nodes, holes_and_regions, stated_names, points_beside)
+
+
+def mesh_of_sms(n: int) -> bytes:
+    """The ordinary mesh: a strip, with a nodestring along it."""
+    places = positions(n).splitlines()
+    nodes = "".join(f"ND {k} {place}\n" for k, place in enumerate(places, 1)).encode()
+    faces = b"".join(
+        b"E3T %d %d %d %d 1\n" % (k, k, k % n + 1, (k + 1) % n + 1) for k in range(1, n)
+    )
+    string = b"".join(b"NS %d\n" % k for k in range(1, n))
+    return b"MESH2D\n" + faces + nodes + string + b"NS -%d\n" % n
+
+
+def short_cards(n: int) -> bytes:
+    """Elements and strings of one node."""
+    return b"MESH2D\nND 1 1 1 1\n" + b"E3T 1 1 1 1\n" * n + b"NS -1 2\n" * n
+
+
+def other_cards(n: int) -> bytes:
+    """Cards that are all different, which are counted."""
+    return b"MESH2D\nND 1 1 1 1\n" + b"".join(b"A%x 1\n" % k for k in range(n))
+
+
+def long_string(n: int) -> bytes:
+    """One line with all the nodes of a string."""
+    return b"MESH2D\nND 1 1 1 1\nNS" + b" 1" * n + b" -1\n"
+
+
+MESH2D = named(mesh_of_sms, short_cards, other_cards, long_string)
 
 
 def zipped(data: bytes) -> bytes:

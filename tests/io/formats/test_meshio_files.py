@@ -155,7 +155,7 @@ def test_few_nodes(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="4 vertices are too few for the 5 regions and markers"):
         liftmesh.write(tmp_path / "b.msh", square.to_cloud(markers=[1, 2, 3, 4]))
     for name in ("b.msh", "b.su2"):
-        with pytest.raises(FormatError, match="marker of edge 1 is -4, but markers of MSH and SU2"):
+        with pytest.raises(FormatError, match=r"edge 1 is -4, but markers of (MSH|SU2) are"):
             liftmesh.write(tmp_path / name, square.to_cloud(markers=[1, 2, 3, -4]))
         assert not (tmp_path / name).exists()
 
@@ -184,8 +184,6 @@ def test_surfaces_and_rows_without_faces(tmp_path: Path) -> None:
 
 
 def test_formats_that_meshio_has_not(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"'2dm', and meshio has none: write \.msh"):
-        liftmesh.write(tmp_path / "a.2dm", plate())
     with pytest.raises(FormatError, match=r"'xdmf', but `meshio convert` makes such files of"):
         liftmesh.write(tmp_path / "a.xdmf", plate())
 
