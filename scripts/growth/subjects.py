@@ -99,6 +99,7 @@ CHUNKS = 16
 
 
 WITHOUT_DATA = {
+    "Weights": "a result, made by Surface.weights; its methods are watched",
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
     "LloydResult": "a result, made by lloyd",
     "TransportResult": "a result, made by transport",
