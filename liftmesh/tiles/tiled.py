@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.rasters import RasterOptions
     from liftmesh.terrain.report import Report
-    from liftmesh.terrain.sampling import RasterOptions
 
 
 class Tiled(TiledData):
