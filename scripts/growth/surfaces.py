@@ -224,6 +224,8 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     within = on_surface(lambda found: found.trim(polygon=square, max_radius=1e300))
     yield "Surface.trim by a polygon", PLANAR, within, ("uniform",)
     yield "Surface.trim by a comb", PLANAR, combed, ("uniform",)
+    cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
+    yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
     yield "Surface.boundary", PLANAR, bounded, FANS, LEAST
     yield from measuring_functions()
     line = on_surface(lambda found: found.profile([[0, 0], [1, 1], [0, 1]]))
