@@ -448,6 +448,8 @@ class Surface(SurfaceData):
         pinched: Pinched = "error",
         longest: float | None = None,
         z_factor: float | None = None,
+        base_mm: float | None = None,
+        thickness_mm: float | None = None,
     ) -> Cloud:
         """Close the faces by walls and a base.
 
@@ -459,6 +461,7 @@ class Surface(SurfaceData):
         base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
         longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
+        base_mm, thickness_mm : float, with ``longest``: either of them in millimetres
         """
         return boundary.closed_solid(
             self,
@@ -467,6 +470,8 @@ class Surface(SurfaceData):
             pinched=pinched,
             longest=longest,
             z_factor=z_factor,
+            base_mm=base_mm,
+            thickness_mm=thickness_mm,
         )
 
     def trim(
