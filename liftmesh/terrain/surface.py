@@ -20,6 +20,7 @@ from liftmesh.terrain import (
     accuracy,
     boundary,
     changes,
+    clipping,
     contours,
     measures,
     profile,
@@ -124,8 +125,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        attributes : mapping of str to (n, ...) array_like, optional, by names that are no keywords
-        **named : (n, ...) array_like, one value for each vertex
+        attributes, **named : (n, ...) array_like, by names; as a mapping if these are no keywords
         """
         return changes.with_attributes(self, attributes, named)
 
@@ -296,8 +296,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        spacing, half_width : float, between stations, and to both sides
+        line, spacing, half_width : as for `profile`; between stations, and to both sides
         values : as for `profile`
         """
         ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
@@ -348,8 +347,7 @@ class Surface(SurfaceData):
         levels : array_like of float, optional, heights
         values : (n,) array_like or name of attributes, optional, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base : float, default 0, the height where the interval is counted from
-        index_every : int, default 5, every so many multiples are index contours
+        contour_base, index_every : where multiples are counted from, how many to an index contour
         threads : int, optional, as for `delaunay`
         """
         return contours.contour_lines(
@@ -370,8 +368,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        planar : bool, default False, whether to measure in the plane instead of in space
-        z_factor : float, optional, what heights are multiplied by; by default, units decide
+        planar, z_factor : measure in the plane; what heights are multiplied by: units decide
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -383,8 +380,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        level : float, default 0, a height above the plane
-        within : object, optional, polygons to measure in, as for `trim`
+        level, within : a height above the plane, and polygons to measure in, as for `trim`
         """
         return measures.volume_of(self, level, within=within)
 
@@ -398,8 +394,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        within, level : as for `volume`, each polygon measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        within, level, by : as for `volume`, and the property or column with names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
 
@@ -417,8 +412,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels, interval : heights, or all multiples of one, as for `contours`
-        above : bool, default False, whether to measure above the levels instead
+        levels, interval, above : as for `contours`; whether to measure above the levels instead
         """
         return stages.stage_storage(self, levels, interval=interval, above=above)
 
@@ -430,8 +424,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, optional, polygons to measure in, as for `trim`
+        other, within : Surface, what this one becomes; polygons to measure in, as for `trim`
         """
         return measures.cut_and_fill(self, other, within=within)
 
@@ -497,8 +490,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        max_edge : float, optional, leave out faces with a side that is longer in the plane
-        boundary_only : bool, default False, only those that such sides connect with the outside
+        max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
         max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
         polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
         """
@@ -509,6 +501,18 @@ class Surface(SurfaceData):
             max_radius=max_radius,
             polygon=polygon,
         )
+
+    def clip(self, polygon: object, *, invert: bool = False) -> Surface:
+        """Cut the faces along a polygon, and keep what is inside.
+
+        Returns a Surface: the same surface, bounded by the polygon, with the rows in use.
+        In full: `liftmesh.terrain.clipping.clip`.
+
+        Parameters
+        ----------
+        polygon, invert : as for `trim`; whether to keep what is outside instead
+        """
+        return clipping.clip(self, polygon, invert=invert)
 
     def boundary(self) -> list[Rows]:
         """Return the boundary of the faces as closed rings.
@@ -585,7 +589,6 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        path : path or binary file, where to write; the suffix determines the format
-        **options : options of the format, as for `liftmesh.write`
+        path, **options : where to write, and options of the format, as for `liftmesh.write`
         """
         return write.write(path, self, **options)
