@@ -99,7 +99,7 @@ def test_voids_are_filled_and_heights_smooth(tin, tmp_path) -> None:
     failed(
         done,
         3,
-        "--values colors has 3 numbers for each vertex: give values with one, of which there are none",
+        "--values colors has 3 numbers for each vertex: give values with one, of which there",
     )
 
 
