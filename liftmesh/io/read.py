@@ -81,10 +81,10 @@ def read(  # noqa: PLR0913 - options are keywords
     ----------
     source : str, path, or binary stream
         PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
-        LandXML, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and
-        ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of text also
-        compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home
-        folder.
+        LandXML, DXF, 2DM, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC,
+        GeoTIFF and ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of
+        text also compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is
+        the home folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional

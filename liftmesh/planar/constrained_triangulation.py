@@ -132,8 +132,7 @@ class ConstrainedTriangulation(Triangulation):
         """Leave the first triangles, and outside instead of others."""
         simplices, neighbors = self._whole
         if left < len(simplices):
-            cut = neighbors[:left].copy()
-            cut[cut >= left] = -1
+            cut = np.where(neighbors[:left] < left, neighbors[:left], np.int32(-1))
             self.simplices, self.neighbors = simplices[:left], read_only(cut)
 
     def _given(self) -> tuple[Rows, ...]:

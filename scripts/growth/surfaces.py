@@ -183,10 +183,12 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
 
 
 def measuring_functions() -> Iterator[tuple[Any, ...]]:
-    """The same, for what measures areas and volumes."""
+    """The same, for what measures areas and volumes, and for parts."""
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
     cut = on_surface(lambda found: found.volume(0.5))
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
+    cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
+    yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
     tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
     yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
     level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)
@@ -211,6 +213,10 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.sample beyond", PLANAR, beyond, ("uniform", "circle and centre"), LEAST
     called = on_surface(lambda found: found.interpolator()(found.vertices[:, :2], threads=1))
     yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
+    smooth = asked("sample", near_the_middle, interpolation="c1")
+    yield "Surface.sample by c1", PLANAR, smooth, ("uniform", "lattice"), LEAST
+    weights = asked("weights", near_the_middle, interpolation="sibson")
+    yield "Surface.weights", PLANAR, weights, ("uniform",), LEAST
     above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
     yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST
     for name in ("slope", "aspect"):
@@ -244,6 +250,8 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     hillshade = rasters(quantity="hillshade")
     yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
     yield "Raster.centers", PLANAR, on_raster(liftmesh.Raster.centers), ("uniform",), LEAST
+    filled = on_raster(lambda raster: raster.filled(1e300))
+    yield "Raster.filled", PLANAR, filled, ("uniform",), LEAST
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 

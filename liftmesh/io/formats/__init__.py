@@ -148,6 +148,16 @@ FORMATS = (
         entries=("landxml",),
     ),
     Format(
+        name="dxf",
+        suffixes=(".dxf",),
+        read=_code("io.formats.dxf", "read_dxf"),
+        write=_code("io.formats.dxf", "write_dxf"),
+        description="DXF as text, drawings: faces, lines and points",
+        keeps=("faces", "edges", "float64"),
+        needs=("faces", "finite"),
+        gzip=True,
+    ),
+    Format(
         name="3mf",
         suffixes=(".3mf",),
         read=None,

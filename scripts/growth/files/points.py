@@ -1,4 +1,4 @@
-"""Families of files of points: PCD, PTS, XYZRGB, XYZN, of Triangle, 2DM, and text packed with gzip.
+"""Families of PCD, PTS, XYZRGB, XYZN, files of Triangle, 2DM, DXF, and text packed with gzip.
 
 Work grows where a header names very many fields, where scans or members are many and empty, where a
 copy of LZF reaches into itself, and where decompression begins anew to go back a little.
@@ -254,6 +254,41 @@ def long_string(n: int) -> bytes:
 
 
 MESH2D = named(mesh_of_sms, short_cards, other_cards, long_string)
+
+
+def _drawing(entities: bytes) -> bytes:
+    return b"0\nSECTION\n2\nENTITIES\n" + entities + b"0\nENDSEC\n0\nEOF\n"
+
+
+def drawn_faces(n: int) -> bytes:
+    """The ordinary drawing: faces."""
+    corner = "{0}{1}\n{{}}\n{2}{1}\n{{}}\n{3}{1}\n{{}}\n"
+    face = "".join(corner.format(1, k, 2, 3) for k in range(4))
+    rows = np.round(random().random((n, 12)) * 1000, 2).tolist()
+    return _drawing("".join(f"0\n3DFACE\n{face.format(*row)}" for row in rows).encode())
+
+
+def drawn_points(n: int) -> bytes:
+    """Points of few bytes."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n" * n)
+
+
+def long_polyline(n: int) -> bytes:
+    """One line with very many corners, and arcs between them."""
+    return _drawing(b"0\nLWPOLYLINE\n" + b"10\n1\n20\n1\n42\n1\n" * n)
+
+
+def other_entities(n: int) -> bytes:
+    """Entities of very many kinds, which are counted."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n" + b"".join(b"0\nA%x\n" % k for k in range(n)))
+
+
+def endless_line(n: int) -> bytes:
+    """A value that does not end: refused beyond a length."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n1\n" + b"a" * 30 * n + b"\n")
+
+
+DXF = named(drawn_faces, drawn_points, long_polyline, other_entities, endless_line)
 
 
 def zipped(data: bytes) -> bytes:
