@@ -1,5 +1,6 @@
 from . import scipy as scipy
 from .base.cloud import Cloud as Cloud
+from .base.weights import Weights as Weights
 from .cells.disk_cells import (
     ApolloniusCells as ApolloniusCells,
     apollonius_diagram as apollonius_diagram,

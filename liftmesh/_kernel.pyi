@@ -365,9 +365,6 @@ class Locator:
         threads: int,
         shared: bool,
     ) -> None: ...
-    def natural_weights(
-        self, queries: NDArray[np.float64], threads: int, shared: bool
-    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]] | None: ...
 
 def leave_out_from_rim(
     neighbors: NDArray[np.int32], is_long: NDArray[np.uint8], left_out: NDArray[np.uint8]
@@ -404,6 +401,14 @@ class Relief:
         threads: int,
         shared: bool,
     ) -> None: ...
+    def weights(
+        self,
+        locator: Locator,
+        queries: NDArray[np.float64],
+        method: str,
+        threads: int,
+        shared: bool,
+    ) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.float64]] | None: ...
     def gradients(
         self,
         locator: Locator,

@@ -174,7 +174,7 @@ def natural() -> Figure:
     sites, point = np.random.default_rng(8).random((26, 2)), np.array([[0.62, 0.3]])
     box = (0.0, 0.0, 1.0, 1.0)
     found = liftmesh.natural_neighbors(sites, point)
-    weights = dict(zip(found.rows.tolist(), found.weights.tolist(), strict=True))
+    weights = dict(zip(found.indices.tolist(), found.data.tolist(), strict=True))
     cells = liftmesh.voronoi(sites, domain=box)
     taken = liftmesh.voronoi(np.vstack([sites, point]), domain=box).to_shapely()[len(sites)]
     figure, [axes] = sheet(1)

@@ -89,8 +89,8 @@ def difference(
     used = sorted({rows[row]: row for row in tri.simplices.ravel().tolist()}.values())
     areas, lengths = shares([rows[row] for row in used], query)
     own = slice(found.indptr[place], found.indptr[place + 1])
-    assert found.rows[own].tolist() == [used[each] for each in sorted(areas)], "other neighbours"
-    given = dict(zip(found.rows[own].tolist(), found.weights[own].tolist(), strict=True))
+    given = dict(zip(found.indices[own].tolist(), found.data[own].tolist(), strict=True))
+    assert sorted(given) == [used[each] for each in sorted(areas)], "other neighbours"
     of_length = {row: by_length[row] for row in used}
     worst = 0.0
     for weights, expected in ((given, areas), (of_length, lengths)):

@@ -9,11 +9,13 @@ left in one at the end. And no program outlives the time that a test has.
 from __future__ import annotations
 
 import os
+import re
 import signal
 import threading
 import time
 from collections.abc import Iterator
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -40,6 +42,7 @@ LIMIT = 1500.0  # seconds of a test, after which the programs it started are kil
 SLOW = 0.5  # seconds of a processor, from which on a test is marked slow
 TAKEN = "processor seconds"
 _BEGAN = pytest.StashKey[float]()
+_IGNORED = pytest.StashKey[list[bytes]]()
 
 _ends: list[float] = []  # of the test that runs
 _states: dict[np.random.Generator, Any] = {}  # of the generators of modules, as they were imported
@@ -49,6 +52,7 @@ _states: dict[np.random.Generator, Any] = {}  # of the generators of modules, as
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
     """Limit the time of a test, and measure that of the processor."""
     item.stash[_BEGAN] = processor_seconds()
+    item.stash[_IGNORED] = ignored()
     _ends.append(time.monotonic() + LIMIT)
     try:
         return (yield)
@@ -64,6 +68,18 @@ def pytest_runtest_makereport(item: pytest.Item, call: pytest.CallInfo[None]) ->
     return (yield)
 
 
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_teardown(item: pytest.Item) -> Iterator[None]:
+    """Fail where signals are no longer ignored: SIGPIPE would end the process in a later test."""
+    yield
+    assert ignored() == item.stash[_IGNORED], "some library has changed which signals are ignored"
+
+
+def ignored() -> list[bytes]:
+    """Return the set of signals that this process ignores, as the kernel shows it."""
+    return re.findall(rb"SigIgn:\t(\w+)", Path("/proc/self/status").read_bytes())
+
+
 def processor_seconds() -> float:
     """Return what this process and its children that have ended took of processors."""
     return sum(os.times()[:4])
@@ -76,11 +92,11 @@ def _watch() -> None:
             end_children()
 
 
-def end_children() -> None:
-    """Kill all processes below this one."""
-    for process in [*descendants()]:
+def end_children(process: int | str = "self") -> None:
+    """Kill all processes below one."""
+    for each in [*descendants(process)]:
         with suppress(ProcessLookupError):
-            os.kill(process, signal.SIGKILL)
+            os.kill(each, signal.SIGKILL)
 
 
 threading.Thread(target=_watch, daemon=True).start()

@@ -77,9 +77,9 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.natural_neighbors,
         {"points": PLANAR, "queries": PLANAR[:3]},
     ),
-    "NaturalNeighbors.interpolate": (
+    "Weights.interpolate": (
         liftmesh.natural_neighbors(PLANAR, PLANAR[:3]).interpolate,
-        liftmesh.NaturalNeighbors.interpolate,
+        liftmesh.Weights.interpolate,
         {"values": PLANAR[:, 0]},
     ),
     "lloyd": (liftmesh.lloyd, liftmesh.lloyd, {"points": PLANAR, "max_iter": 2}),
@@ -175,6 +175,8 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "with_attributes": (SURFACE.with_attributes, SURFACE.with_attributes, {}),
     "as_surface": (liftmesh.as_surface, liftmesh.as_surface, {"mesh": SURFACE.to_cloud()}),
     "sample": (SURFACE.sample, SURFACE.sample, {"points": PLANAR}),
+    "weights": (SURFACE.weights, SURFACE.weights, {"points": PLANAR}),
+    "filled": (SURFACE.raster(0.1).filled, liftmesh.Raster.filled, {"distance": 1.0}),
     "gradient": (SURFACE.gradient, SURFACE.gradient, {"points": PLANAR}),
     "raster": (SURFACE.raster, SURFACE.raster, {"resolution": 0.1}),
     "trim": (SURFACE.trim, SURFACE.trim, {"max_edge": 5.0}),

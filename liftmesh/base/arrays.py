@@ -262,9 +262,9 @@ def as_reals(values: ArrayLike) -> Floats:
 
 
 def as_numbers(name: str, values: ArrayLike, remedy: str, *, verb: str = "is") -> Floats:
-    """Convert an option that is several numbers."""
+    """Convert an option that is several numbers; masked ones are NaN."""
     try:
-        return as_reals(values)
+        return as_reals(unmasked(values) if is_masked_array(values) else values)
     except (TypeError, ValueError, OverflowError) as error:
         raise refused(name, values, remedy, verb=verb) from error
 
@@ -330,7 +330,8 @@ def is_after(tails: Reals, heads: Reals) -> Mask:
 
 def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
     """Return the ends of sides opposite vertices k, the lesser row first."""
-    ends: Rows = np.sort(simplices[face[:, None], (k[:, None] + [1, 2]) % 3], axis=1)
+    one, other = (simplices[face, (k + turn) % 3] for turn in (1, 2))
+    ends: Rows = np.stack([np.minimum(one, other), np.maximum(one, other)], axis=1)
     return ends
 
 

@@ -8,15 +8,14 @@ the new cell takes of the row's.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
-from liftmesh._typing import Floats, Rows
-from liftmesh.base.arrays import as_numbers, as_pairs, check_finite, read_only
-from liftmesh.base.options import as_threads, counted
+from liftmesh import _kernel
+from liftmesh.base.arrays import as_pairs, check_finite
+from liftmesh.base.options import as_threads
+from liftmesh.base.weights import Weights, weights_of
 from liftmesh.cells.dual import sites_of
 from liftmesh.errors import InputError
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
@@ -25,21 +24,8 @@ from liftmesh.planar.kinds import options_of
 from liftmesh.planar.triangulation import Triangulation
 
 
-@dataclass(frozen=True, slots=True, eq=False, repr=False)
-class NaturalNeighbors:
-    """The natural neighbours of points, as returned by `natural_neighbors`.
-
-    Parameters
-    ----------
-    indptr : (m + 1,) ndarray of int64
-        Point i has the neighbours from ``indptr[i]`` to ``indptr[i + 1]``; none outside of the
-        convex hull.
-    rows : (k,) ndarray of int32
-        The neighbours, in ascending order.
-    weights : (k,) ndarray of float64
-        The share of each in the point's cell: those of a point add up to 1.
-    rows_in_all : int
-        How many rows there are, neighbours or not.
+class NaturalNeighbors(Weights):
+    """The natural neighbours of points, as `natural_neighbors` returns them: their `Weights`.
 
     See Also
     --------
@@ -50,60 +36,11 @@ class NaturalNeighbors:
     >>> import liftmesh
     >>> square = [[0, 0], [2, 0], [2, 2], [0, 2]]
     >>> found = liftmesh.natural_neighbors(square, [[1, 1], [5, 5]])
-    >>> found.rows, found.weights, found.indptr
+    >>> found.indices, found.data, found.indptr
     (array([0, 1, 2, 3], dtype=int32), array([0.25, 0.25, 0.25, 0.25]), array([0, 4, 4]))
     """
 
-    indptr: NDArray[np.int64]
-    rows: Rows
-    weights: Floats
-    rows_in_all: int
-
-    def __repr__(self) -> str:
-        count = len(self.indptr) - 1
-        return f"<NaturalNeighbors: {len(self.rows):,} of {count:,} points>"
-
-    def interpolate(self, values: ArrayLike) -> Floats:
-        """Interpolate values of the rows.
-
-        Parameters
-        ----------
-        values : (n, ...) array_like
-            A value for each row, or several.
-
-        Returns
-        -------
-        (m, ...) ndarray of float64
-            Their means by the weights; NaN for points without neighbours.
-
-        Raises
-        ------
-        InputError
-            There are more or fewer values than rows.
-
-        See Also
-        --------
-        Surface.sample : Heights of a surface, also by natural neighbours.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> found = liftmesh.natural_neighbors([[0, 0], [4, 0], [0, 4]], [[1, 1], [9, 9]])
-        >>> found.interpolate([0, 10, 20])
-        array([7.5, nan])
-        """
-        held = as_numbers("values", values, "give a number for each row", verb="are")
-        if held.ndim == 0 or len(held) != self.rows_in_all:
-            raise InputError(
-                f"values have the shape {held.shape}: give one for each of the "
-                f"{counted(self.rows_in_all, 'row')}"
-            )
-        count = np.diff(self.indptr)
-        means = np.full((len(count), *held.shape[1:]), np.nan)
-        if len(self.rows):
-            products = held[self.rows] * self.weights.reshape(-1, *(1,) * (held.ndim - 1))
-            means[count > 0] = np.add.reduceat(products, self.indptr[:-1][count > 0])
-        return means
+    __slots__ = ()
 
 
 def natural_neighbors(
@@ -123,8 +60,9 @@ def natural_neighbors(
     Returns
     -------
     NaturalNeighbors
-        Rows and weights. At a row this alone has a weight, on the convex hull the two rows of the
-        edge; outside there are none. Of rows at one position the first counts.
+        Rows and weights, from the lexicographically least neighbour on, counter-clockwise. At a
+        row this alone has a weight, on the convex hull the two rows of the edge; outside there
+        are none. Of rows at one position the first counts.
 
     Raises
     ------
@@ -174,12 +112,9 @@ def natural_neighbors(
     asked = sites_of(queries)
     at = as_pairs(asked if asked is queries else np.asarray(asked)[:, :2]).reshape(-1, 2)
     check_finite(at, skippable=False)
+    count = len(tri.points)
+    level = np.broadcast_to(0.0, count)
+    relief = _kernel.Relief(tri.points, tri.simplices, tri.neighbors, level, None)
     located = tri._locator  # noqa: SLF001 - made once for all that is asked of it
-    arrays = located.natural_weights(at, *as_threads(threads, len(at)))
-    if arrays is None:
-        raise InputError(
-            "the points are not those that were triangulated: their array has changed since; "
-            "triangulate them again, by delaunay(points, copy=True)"
-        )
-    starts, rows, weights = (read_only(each) for each in arrays)
-    return NaturalNeighbors(starts.view(np.int64), rows, weights, len(tri.points))
+    found = weights_of(relief.weights(located, at, "sibson", *as_threads(threads, len(at))), count)
+    return NaturalNeighbors(found.indptr, found.indices, found.data, found.shape)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import click
 
-from liftmesh.base.options import Returns, counted
+from liftmesh.base.options import Returns, Up, counted
 from liftmesh.cli import notes, options, terminal
 from liftmesh.cli.options import flag, is_stream, option, positive, whole
 from liftmesh.cli.terminal import note
@@ -169,8 +169,12 @@ def _file(
             panel="Advanced",
         ),
     ] = None,
+    input_up: Annotated[
+        Up | None,
+        flag("GLB, glTF, OBJ: the axis that is up, in place of what the file says.", panel="Input"),
+    ] = None,
 ) -> dict[str, Any]:
-    return options.given(format=input_format, max_bytes=max_bytes)
+    return options.given(format=input_format, max_bytes=max_bytes, up=input_up)
 
 
 File: TypeAlias = Annotated[dict[str, Any], options.Group(_file)]

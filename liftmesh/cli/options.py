@@ -171,6 +171,11 @@ def numbers(text: str) -> list[float]:
     return [number(word) for word in text.split(",")]
 
 
+def origin(text: str) -> str | list[float]:
+    """Parse a place of three numbers, or the word for one that is chosen."""
+    return text if text == "center" else numbers(text)
+
+
 def ends(text: str) -> list[float]:
     """Parse numbers separated by commas that bound something, which may be infinite."""
     return [as_number(VALUE, _number(word), "a number", _is_end) for word in text.split(",")]

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import click
 
 from liftmesh.base.interruption import check
-from liftmesh.base.options import Unit3MF
+from liftmesh.base.options import Unit3MF, Up
 from liftmesh.cli import options, terminal
 from liftmesh.cli.options import argument, flag, is_stream, option, positive, whole
 from liftmesh.cli.signals import Closed
@@ -228,6 +228,20 @@ _WRITING = [
         "point_format", int | None, option("N", "Of LAS: the point format, 0 to 10.", whole(0))
     ),
     options.parameter("unit", Unit3MF | None, flag("Of 3MF: the unit of coordinates.")),
+    options.parameter(
+        "up", Up | None, flag("Of GLB, glTF and OBJ: the axis that is up; of OBJ by default z.")
+    ),
+    options.parameter(
+        "origin",
+        Any,
+        option(
+            "X,Y,Z",
+            "Of GLB, glTF and OBJ: the place that becomes zero, as engines need it near the "
+            "model; center chooses one.",
+            options.origin,
+        ),
+        None,
+    ),
 ]
 
 
@@ -265,7 +279,8 @@ def headline(written: WriteResult, content: str) -> str:
     if written.origin is None:
         return line
     moved = ", ".join(f"{value:.10g}" for value in written.origin)
-    return f"{line}; float32, so the origin ({moved}) was subtracted"
+    why = "" if written.format == "obj" else "float32, so "
+    return f"{line}; {why}the origin ({moved}) was subtracted"
 
 
 def as_values(written: WriteResult) -> dict[str, Any]:

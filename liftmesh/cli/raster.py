@@ -39,6 +39,14 @@ def run(
         RasterQuantity, flag("What a pixel holds; slope and aspect in degrees.")
     ] = "height",
     interpolation: Annotated[Interpolation, flag("How heights are interpolated.")] = "linear",
+    fill: Annotated[
+        float | None,
+        option(
+            "DISTANCE",
+            "Fill pixels without a value from the nearest pixel with one, not farther than this.",
+            positive,
+        ),
+    ] = None,
     values: surfaces.Values = None,
     z_factor: Annotated[
         float | None,
@@ -75,6 +83,7 @@ def run(
         "bounds": raster_bounds,
         "quantity": quantity,
         "interpolation": interpolation,
+        "fill": fill,
         "z_factor": z_factor,
     }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}

@@ -110,26 +110,33 @@ def _verify_file(
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
         planar = resolve_plane(plane, cloud.points).planar(cloud.points)
         certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
-    if not certified.valid and not lifting:
-        _note_part(cloud, plane, choices["threads"])
+    if certified.planar and not certified.valid:
+        _note_own_faces(cloud, plane, choices["threads"])
     return certified
 
 
-def _note_part(cloud: Cloud, plane: Any, threads: int | None) -> None:
-    """Report a mesh that is a part of a triangulation, as what is left of a trimmed surface."""
+def _note_own_faces(cloud: Cloud, plane: Any, threads: int | None) -> None:
+    """Report a mesh that is a surface all the same, as a trimmed one, or one with other sides."""
     from liftmesh.errors import LiftmeshError
     from liftmesh.terrain.meshes import as_surface
 
     try:
         with inputs.without_warnings():
             surface = as_surface(cloud, plane=plane, threads=threads)
-    except LiftmeshError:  # it is no part of one
+    except LiftmeshError as error:
+        terminal.note(f"no two triangles overlap, but it is no surface: {error}")
         return
-    if surface.mask is not None:
-        whole = surface.triangulation.nsimplex
+    solved, count = surface.triangulation, len(surface.faces)
+    if hasattr(solved, "constraints"):
         terminal.note(
-            f"all {len(surface.faces):,} triangles are among the {whole:,} of the triangulation of "
-            f"their corners, and {whole - len(surface.faces):,} are left out: this is a trimmed "
+            f"a surface all the same: no two of the {count:,} triangles overlap, so that other "
+            "commands take them as they are, not Delaunay"
+        )
+    elif surface.mask is not None:
+        whole = solved.nsimplex
+        terminal.note(
+            f"all {count:,} triangles are among the {whole:,} of the triangulation of "
+            f"their corners, and {whole - count:,} are left out: this is a trimmed "
             "surface, and a surface is verified before it is trimmed"
         )
 

@@ -298,7 +298,7 @@ def dropped(
     if "metadata" in kept:
         names += metadata.dropped_entries(cloud.metadata)
     known, entries = metadata.Provenance(cloud.metadata), file_format.entries
-    if known.carved and file_format.read is None:
+    if known.carved and "metadata" not in file_format.keeps:
         entries = (*entries, metadata.CARVED)  # the triangles that are left are all that counts
     names = [name for name in names if name not in metadata.named(entries)]
     named = (each for each in losses if each not in CONTENT)
@@ -367,7 +367,7 @@ def needed_origin(points: Floats, what: str) -> Origin | None:
     if np.isfinite(size) and not needed.any():
         return None
     needed[:2] = needed[:2].any()
-    origin = np.where(needed, _round_below(low, size), 0.0)
+    origin = np.where(needed, round_below(low, size), 0.0)
     fits = np.isfinite(size) and bool(np.all(_moved(points - origin) <= TOLERANCE * size))
     if not fits:
         raise FormatError(
@@ -382,7 +382,8 @@ def _moved(points: Floats) -> Floats:
         return np.array([np.abs(each - each.astype(np.float32)).max() for each in points.T])
 
 
-def _round_below(low: Floats, size: float) -> Floats:
+def round_below(low: Floats, size: float) -> Floats:
+    """Round coordinates down, to units or to a power of ten that suits a smaller model."""
     if size == 0:
         return low
     step = 10.0 ** min(np.floor(np.log10(size)), 0.0)

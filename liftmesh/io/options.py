@@ -34,7 +34,7 @@ from liftmesh.errors import FormatError, InputError, Option
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from liftmesh.base.options import ClassChoice, Returns
+    from liftmesh.base.options import ClassChoice, Returns, Up
 
 
 class ObjectOptions(TypedDict, total=False):
@@ -46,7 +46,7 @@ class ObjectOptions(TypedDict, total=False):
 
 
 class FormatOptions(ObjectOptions, total=False):
-    """Options of single formats: tables as text, rasters, and LandXML."""
+    """Options of single formats: tables as text, rasters, LandXML, and models."""
 
     delimiter: str | None
     decimal: str | None
@@ -56,6 +56,8 @@ class FormatOptions(ObjectOptions, total=False):
     encoding: str | None
     band: int
     landxml_surface: str | None
+    up: Up | None
+    origin: Sequence[float] | None
 
 
 class ChunkOptions(FormatOptions, total=False):

@@ -81,10 +81,10 @@ def read(  # noqa: PLR0913 - options are keywords
     ----------
     source : str, path, or binary stream
         PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
-        LandXML, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC, GeoTIFF and
-        ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of text also
-        compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is the home
-        folder.
+        LandXML, DXF, 2DM, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC,
+        GeoTIFF and ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of
+        text also compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is
+        the home folder.
     format : str, optional
         Name or suffix of the format; by default the suffix of the file's name.
     max_bytes : int, optional
@@ -143,7 +143,9 @@ def read(  # noqa: PLR0913 - options are keywords
 
         Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
         LandXML takes ``landxml_surface``: the name of one of several, or ``"CgPoints"`` for the
-        points of the survey.
+        points of the survey. GLB, glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place
+        of their zero, in place of what the file says; without it y is up in glTF, as its standard
+        says, and z in OBJ.
 
     Returns
     -------

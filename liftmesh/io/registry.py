@@ -42,7 +42,6 @@ Entry = TypeVar("Entry")
 FORMAT_GROUP = "liftmesh.formats"
 ADAPTER_GROUP = "liftmesh.adapters"
 _OF_MESHIO = frozenset({"vtk", "xdmf", "med", "mesh", "inp", "bdf", "exo", "cgns"})
-_INSTEAD = {"2dm": "write .msh, .su2 or .vtu"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -262,7 +261,7 @@ def _unknown(key: str) -> str:
     unknown = f"no format has the suffix or name {key!r}"
     if key in _OF_MESHIO:
         return f"{unknown}, but `meshio convert` makes such files of .vtu, and .ply of them"
-    return unknown + f", and meshio has none: {_INSTEAD[key]}" if key in _INSTEAD else unknown
+    return unknown
 
 
 def _suffixes() -> list[str]:

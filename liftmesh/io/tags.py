@@ -8,6 +8,8 @@ separate, numbered in the order of their first faces, as `ConstrainedTriangulati
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -52,7 +54,27 @@ def whole_numbers(given: Any) -> Rows | None:
     return values.astype(np.int32) if is_whole else None
 
 
-def markers_of(cloud: Cloud, beyond: Rows) -> Rows:
+def positive_markers(
+    cloud: Cloud, beyond: Rows, what: str, boundary: Boundary | None = None
+) -> Rows:
+    """Return markers as `markers_of`; raise for those that a format does not have."""
+    markers = markers_of(cloud, beyond, boundary)
+    if (markers < 0).any():
+        raise FormatError(
+            f"the marker of edge {int(markers.argmin())} is {markers.min()}, but markers of {what} "
+            "are numbered from 1: give others"
+        )
+    return markers
+
+
+def grouped(rows: Rows, tags: Rows) -> Iterator[tuple[int, Rows]]:
+    """Yield each tag in ascending order, with the rows that have it."""
+    order = np.argsort(tags, kind="stable")
+    found, starts = np.unique(tags[order], return_index=True)
+    yield from zip(found.tolist(), np.split(rows[order], starts[1:]), strict=False)
+
+
+def markers_of(cloud: Cloud, beyond: Rows, boundary: Boundary | None = None) -> Rows:
     """Return a marker for each edge, and for each of some sides beyond them."""
     stated = stated_markers(cloud)
     if stated is not None:
@@ -60,7 +82,7 @@ def markers_of(cloud: Cloud, beyond: Rows) -> Rows:
         markers[markers == 0] = max(int(stated.max(initial=0)), 0) + 1
         return markers
     lines = np.concatenate([edges_of(cloud), beyond])
-    is_outer = np.isin(_keys(lines), _keys(boundary_of(cloud)))
+    is_outer = (boundary or Boundary.of(cloud)).has(lines)
     markers = np.empty(len(lines), np.int32)
     markers[is_outer] = _numbered(cloud.points, lines[is_outer]) + 1
     first = int(markers[is_outer].max(initial=0)) + 1
@@ -68,24 +90,29 @@ def markers_of(cloud: Cloud, beyond: Rows) -> Rows:
     return markers
 
 
-def boundary_of(cloud: Cloud) -> Rows:
-    """Return the sides that only one face has, in the order of the faces."""
-    faces = faces_of(cloud)
-    sides = ends_of(faces, np.repeat(np.arange(len(faces)), 3), np.tile(np.arange(3), len(faces)))
-    _, first, count = np.unique(_keys(sides), return_index=True, return_counts=True)
-    boundary: Rows = sides[np.sort(first[count == 1])]
-    return boundary
+@dataclass(frozen=True, slots=True)
+class Boundary:
+    """The sides that only one face has, in the order of the faces."""
 
+    sides: Rows
 
-def beyond_edges(cloud: Cloud) -> Rows:
-    """Return the sides of the boundary that are no edges."""
-    boundary = boundary_of(cloud)
-    return boundary[~np.isin(_keys(boundary), _keys(edges_of(cloud)))]
+    @classmethod
+    def of(cls, cloud: Cloud) -> Boundary:
+        """Find the boundary of a mesh."""
+        faces = faces_of(cloud)
+        each = np.repeat(np.arange(len(faces)), 3), np.tile(np.arange(3), len(faces))
+        sides = ends_of(faces, *each)
+        _, first, count = np.unique(_keys(sides), return_index=True, return_counts=True)
+        return cls(sides[np.sort(first[count == 1])])
 
+    def beyond(self, edges: Rows) -> Rows:
+        """Return the sides that are no edges."""
+        sides: Rows = self.sides[~np.isin(_keys(self.sides), _keys(edges))]
+        return sides
 
-def are_at_boundary(cloud: Cloud, lines: Rows) -> Mask:
-    """Tell which lines are sides of one face alone."""
-    return np.isin(_keys(lines), _keys(boundary_of(cloud)))
+    def has(self, lines: Rows) -> Mask:
+        """Tell which lines are among the sides."""
+        return np.isin(_keys(lines), _keys(self.sides))
 
 
 def regions_of(cloud: Cloud) -> Rows:

@@ -111,7 +111,9 @@ def write(
     **options
         Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
         ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
-        ``scale`` and ``point_format`` for LAS; ``name`` for LandXML, ``unit`` for 3MF.
+        ``scale`` and ``point_format`` for LAS; ``name`` for LandXML, ``unit`` for 3MF; ``up``, "y"
+        or "z", and ``origin`` for GLB, glTF and OBJ: the place that becomes zero in the file, as
+        engines need it near the model, or "center". Reading the file undoes both.
 
     Returns
     -------

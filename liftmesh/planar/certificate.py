@@ -162,6 +162,13 @@ class Certificate:
         Whether regions bounded by constraints were allowed to be missing.
     constraints_sha256 : str or None
         Of the two rows of each constraint, as given, as little-endian int32.
+    planar : bool or None
+        Whether no two triangles overlap, whatever their orientation, and no vertex is inside a side
+        of another one, also if the triangulation is not valid: then `as_surface` makes a surface of
+        a mesh as it is. None if it was not asked, as of invalid ones by weights or in a metric.
+    delaunay : bool or None
+        Whether the triangulation is valid and Delaunay, so that no constraint is needed for that.
+        None if it was not asked, as of invalid ones with constraints, and of other members.
 
     See Also
     --------
@@ -198,6 +205,8 @@ class Certificate:
     n_outside: int | None = 0
     carved: bool = False
     constraints_sha256: str | None = None
+    planar: bool | None = None
+    delaunay: bool | None = None
 
     @property
     def valid(self) -> bool:
@@ -246,12 +255,14 @@ class Certificate:
         said = f"valid: {these} {kind} {self.name} of {self.n_rows:,} rows"
         said += f", {self.n_hidden:,} of them hidden" if self.n_hidden else ""
         said += f", {self.n_outside:,} of them outside" if self.n_outside else ""
+        said += "; not Delaunay along constraints" if self.delaunay is False else ""
         return said + "".join(f"; not canonical: {flaw.text}" for flaw in self.flaws)
 
     def _describe_flaws(self) -> str:
         wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "not_canonical")
         first = [flaw.first[0].text for flaw in self.flaws if flaw.first]
-        return f"not valid: {wrong}" + "".join(f"; first: {text}" for text in first[:1])
+        said = f"not valid: {wrong}" + "".join(f"; first: {text}" for text in first[:1])
+        return said + ("; no two triangles overlap: as_surface takes them" if self.planar else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the certificate as plain values, for JSON.
@@ -285,6 +296,7 @@ class Certificate:
             "liftmesh": self.version,
             "valid": self.valid,
             "canonical": self.canonical,
+            **self._shape(),
             "points_sha256": self.points_sha256,
             "simplices_sha256": self.simplices_sha256,
             "counts": counts,
@@ -299,6 +311,11 @@ class Certificate:
         if self.member == "constrained":
             said |= {"carved": self.carved, "constraints_sha256": self.constraints_sha256}
         return {} if self.member == "delaunay" else {k: v for k, v in said.items() if v is not None}
+
+    def _shape(self) -> dict[str, bool]:
+        """What was asked of a triangulation besides whether it is valid."""
+        said = {"planar": self.planar, "delaunay": self.delaunay}
+        return {name: value for name, value in said.items() if value is not None}
 
     def to_json(self) -> str:
         """Write the certificate as JSON.

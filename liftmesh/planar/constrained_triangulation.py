@@ -132,8 +132,7 @@ class ConstrainedTriangulation(Triangulation):
         """Leave the first triangles, and outside instead of others."""
         simplices, neighbors = self._whole
         if left < len(simplices):
-            cut = neighbors[:left].copy()
-            cut[cut >= left] = -1
+            cut = np.where(neighbors[:left] < left, neighbors[:left], np.int32(-1))
             self.simplices, self.neighbors = simplices[:left], read_only(cut)
 
     def _given(self) -> tuple[Rows, ...]:
@@ -320,7 +319,12 @@ class ConstrainedTriangulation(Triangulation):
 
 
 def with_rows(
-    tri: ConstrainedTriangulation, points: Reals, names: Rows, duplicates: Rows, hull: Rows
+    tri: ConstrainedTriangulation,
+    points: Reals,
+    names: Rows,
+    duplicates: Rows,
+    hull: Rows,
+    skipped: Rows | None = None,
 ) -> ConstrainedTriangulation:
     """Make the same triangles of other rows, of which there are as many."""
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
@@ -331,7 +335,7 @@ def with_rows(
         neighbors,
         names[hull],
         duplicates,
-        tri.skipped,
+        tri.skipped if skipped is None else skipped,
         tri._constrained,  # noqa: SLF001 - of this module
         pieces_of(tri, *pieces),
         tri.nsimplex,

@@ -506,8 +506,8 @@ def check_unwritten(tri: Triangulation) -> None:
     turns = np.stack([hull, np.roll(hull, -1), np.roll(hull, -2)], axis=1)
     is_finite = np.asarray(np.isfinite(tri.points).all(axis=1))
     for rows, least in ((tri.simplices, 1), (turns, 0)):
-        is_wrong = np.asarray(~is_finite[rows].all(axis=1))
-        is_wrong[~is_wrong] = orient2d(*tri.points[rows[~is_wrong].T]) < least
+        is_wrong = np.asarray(~is_finite.take(rows.T).all(axis=0))
+        is_wrong[~is_wrong] = orient2d(*tri.points.take(rows[~is_wrong].T, axis=0)) < least
         if is_wrong.any():
             named = rows[np.argmax(is_wrong)].tolist()
             raise InputError(

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence, Sized
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +29,7 @@ from liftmesh.base.options import (
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
+from liftmesh.planar.planarity import is_locally_delaunay, is_triangulation
 from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
 MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
@@ -109,7 +111,8 @@ def verify(  # noqa: PLR0913 - options are keywords
     -------
     Certificate
         True if the triangulation is valid; ``canonical`` is whether it is also the one that
-        liftmesh makes, as a set of triangles.
+        liftmesh makes, as a set of triangles. ``planar`` tells of triangles that are not valid
+        whether any overlap, and ``delaunay`` of those with constraints whether they need these.
 
     Raises
     ------
@@ -200,6 +203,7 @@ def verify(  # noqa: PLR0913 - options are keywords
         raise non_finite(row, rows[row])
     sums = _sums(rows, triangles, count > 1 and most >= 2 * _kernel.ROWS_PER_THREAD)
     certificate = _certify(rows, triangles, verdict, sums, kind, ends, is_carved)
+    certificate = _with_shape(certificate, rows, corners, threads)
     if progress is not None:
         progress(1.0)
     return certificate
@@ -405,6 +409,24 @@ def _certify(
         carved=carved,
         constraints_sha256=None if constraints is None else sha256_of(constraints, "<i4"),
     )
+
+
+def _with_shape(
+    certificate: Certificate, rows: Reals, corners: Rows, threads: int | None
+) -> Certificate:
+    """Add whether triangles that are not valid are planar, and others Delaunay."""
+    is_lined = certificate.member == "constrained"
+    if certificate.member != "delaunay" and not is_lined:
+        return certificate
+    is_delaunay = is_planar = certificate.valid
+    if not certificate.valid:
+        kinds = {flaw.kind for flaw in certificate.flaws}
+        is_asked = len(corners) > 0 and not kinds & _PREMATURE
+        is_planar = is_asked and is_triangulation(rows, corners, threads)
+    elif is_lined:
+        is_delaunay = is_locally_delaunay(rows, corners, threads)
+    told = None if is_lined and not certificate.valid else is_delaunay
+    return replace(certificate, planar=is_planar, delaunay=told)
 
 
 def _disk_flaw(triangles: int, vertices: int, edges: int, boundary_edges: int) -> dict[str, Flaw]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.io.write import WriteResult, written_file
-from liftmesh.raster import writer
+from liftmesh.raster import fill, writer
 from liftmesh.raster.pixels import Transform, centres_of
 
 if TYPE_CHECKING:
@@ -92,6 +92,45 @@ class Raster(FrozenResult):
         """
         rows, columns = self.values.shape
         return centres_of(self.transform, range(rows), columns)
+
+    def filled(self, distance: float) -> Raster:
+        """Fill voids from the nearest pixels.
+
+        Parameters
+        ----------
+        distance : float
+            How far a pixel with a value may be, from centre to centre, in the units of x and y.
+
+        Returns
+        -------
+        Raster
+            A copy, in which a pixel without a value has that of the nearest pixel with one, of
+            several the least, within the distance; NaN where there is none.
+
+        Raises
+        ------
+        InputError
+            The distance is not positive, or the pixels are no rectangles.
+
+        See Also
+        --------
+        Surface.raster : ``fill=`` does the same at once.
+
+        Notes
+        -----
+        Distances are those of decimals: three pixels of 0.1 are 0.3. Pixels beyond the border of
+        the surface are filled like those of gaps. Time grows with the distance.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
+        >>> wide = surface.raster(1, bounds=(0, 0, 5, 1))
+        >>> wide.values, wide.filled(2).values
+        (array([[0.5, 1.5, nan, nan, nan]]), array([[0.5, 1.5, 1.5, 1.5, nan]]))
+        """
+        reach = fill.Reach.of(distance, self.transform, "distance")
+        return replace(self, values=fill.filled(self.values, reach))
 
     def save(
         self,

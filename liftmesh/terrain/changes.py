@@ -1,10 +1,11 @@
 """Changed copies: clouds and surfaces with other values, and surfaces whose vertices were moved.
 
 A surface whose vertices move keeps its faces. If the planar coordinates stay bit for bit, as when
-heights are scaled, it keeps its triangulation too. If they change, the triangles must be those that
-`delaunay` would make of the new ones, with the same rows merged: this is verified exactly, and the
-triangulation of the copy has the new coordinates. The same holds with weights or in a metric, which
-stay as they are, so points that are scaled seldom keep their triangles; those that are shifted may.
+heights are scaled, it keeps its triangulation too. If they change, but the triangles are those that
+`delaunay` would make of the new ones, which is verified exactly, the triangulation of the copy has
+the new coordinates. Else, as after smoothing, the faces become its own (`own_faces.py`), unless
+they overlap. With weights or in a metric, which stay as they are, the triangles must be right, so
+points that are scaled seldom keep them; those that are shifted may.
 """
 
 from __future__ import annotations
@@ -17,14 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import as_coordinates, non_finite
+from liftmesh.base.arrays import as_coordinates, non_finite, used_rows
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import refused
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
+from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import RegularTriangulation
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.terrain.own_faces import check_faces, with_faces
 from liftmesh.terrain.surface_data import HIDDEN, as_cloud
 
 if TYPE_CHECKING:
@@ -47,9 +50,11 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
         The parts that change, by name:
 
         - ``vertices``: (n, 3) array_like. Moved vertices, one for each row. Faces, frame and
-          report stay; if the planar coordinates change, as those of shifted or scaled points
-          do, the triangles must be the canonical ones of the new coordinates too, which is
-          verified exactly. Weights, radii and a metric stay as they are.
+          report stay. If the planar coordinates change, the triangles are verified exactly: if
+          they are not the canonical ones of the new coordinates, as after smoothing, the faces
+          are kept all the same, perhaps in another order, their sides become constraints where
+          they are not Delaunay, and faces that overlap are refused, as by `as_surface`.
+          Weights, radii and a metric stay as they are, and the triangles have to be canonical.
         - ``colors``: (n, 3) or (n, 4) array_like or None. New colours; None removes them.
         - ``normals``: (n, 3) array_like or None. New normals; None removes them.
         - ``attributes``: mapping of str to (n, ...) array_like. The named values, in place of
@@ -68,8 +73,9 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
     Raises
     ------
     InputError
-        An array does not have one row per vertex, the moved vertices have another
-        triangulation: triangulate them; or weights or radii are other ones.
+        An array does not have one row per vertex; faces of the moved vertices overlap, or rows
+        that were at one position are apart, or with weights, radii or a metric the vertices have
+        another triangulation: triangulate them; or weights or radii are other ones.
 
     See Also
     --------
@@ -96,7 +102,7 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
     as_cloud(changed)  # which checks that the parts belong together
     if "vertices" not in parts:
         return changed
-    return replace(changed, triangulation=_moved(surface, changed.vertices))
+    return replace(changed, **_moved(surface, changed.vertices))
 
 
 def with_attributes(
@@ -190,24 +196,71 @@ def _vertices(given: ArrayLike, surface: SurfaceData) -> Floats:
     return rows.astype(np.float64, copy=False)
 
 
-def _moved(surface: SurfaceData, vertices: Floats) -> Triangulation:
-    """Return the triangulation of moved vertices: the same triangles, if they are right."""
+def _moved(surface: SurfaceData, vertices: Floats) -> dict[str, Any]:
+    """Return the triangulation of moved vertices: the same triangles, or one with the faces."""
     old = surface.triangulation
     planar = surface.frame.planar(vertices)
     used = np.setdiff1d(np.arange(len(vertices)), old.skipped)
     if np.array_equal(planar[used], old.points[used]):
-        return old
+        return {"triangulation": old}
     if len(old.skipped):
         planar = planar.copy()
         planar[old.skipped] = np.nan
     triangulation = _at(planar, old)
     row, kept = old.duplicates.T
-    if not np.array_equal(planar[row], planar[kept]) or not _is_canonical(triangulation):
+    is_merged = np.array_equal(planar[row], planar[kept])
+    if is_merged and _is_canonical(triangulation):
+        return {"triangulation": triangulation}
+    if not is_merged or old.metric is not None or isinstance(old, RegularTriangulation):
         raise InputError(
             "the moved vertices have another triangulation than the surface: triangulate them, "
             "or move them along the normal of the plane only"
         )
-    return triangulation
+    return _with_own_faces(surface, planar, surface.frame.heights(vertices))
+
+
+def _with_own_faces(surface: SurfaceData, planar: Floats, heights: Floats) -> dict[str, Any]:
+    """Keep the faces, which may not overlap; rows in none of them are skipped."""
+    used = used_rows(len(planar), surface.faces)
+    places = np.full_like(planar, np.nan, dtype=np.float64)
+    places[used] = planar[used]
+    remedy = "triangulate the moved vertices"
+    edges = getattr(surface.triangulation, "constraints", np.empty((0, 2), np.int32))
+    check_faces(places, surface.faces, remedy)
+    solved = delaunay(places, nonfinite="skip", order="canonical")
+    found = with_faces(solved, surface.faces, heights, edges, remedy)
+    solved = _with_merged(found.solved, planar, surface.triangulation.duplicates)
+    report, unused = surface.report, len(solved.skipped)
+    stands_for = np.full(len(planar), -1, np.int32)
+    stands_for[report.left_out] = report.representatives
+    left_out = np.sort(np.concatenate([solved.skipped, solved.duplicates[:, 0]]))
+    return {
+        "triangulation": solved,
+        "faces": found.faces,
+        "mask": found.mask,
+        "report": replace(
+            report,
+            n_used=len(used),
+            n_unused=unused - report.n_skipped,
+            n_duplicates=report.n_duplicates,
+            left_out=left_out,
+            representatives=stands_for[left_out],
+        ),
+    }
+
+
+def _with_merged(solved: Triangulation, planar: Floats, duplicates: Rows) -> Triangulation:
+    """Add the rows at the positions of vertices, which are as they were."""
+    duplicates = duplicates[~np.isin(duplicates[:, 1], solved.skipped)]
+    if not len(duplicates):
+        return solved
+    row, points = duplicates[:, 0], solved.points.copy()
+    points[row] = planar[row]
+    skipped = np.setdiff1d(solved.skipped, row)
+    hull, names = solved.convex_hull, np.arange(len(points), dtype=np.int32)
+    if isinstance(solved, ConstrainedTriangulation):
+        return with_rows(solved, points, names, duplicates, hull, skipped)
+    return Triangulation(points, solved.simplices, solved.neighbors, hull, duplicates, skipped)
 
 
 def _at(planar: Floats, old: Triangulation) -> Triangulation:

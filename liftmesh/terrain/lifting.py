@@ -95,7 +95,7 @@ def lifting_of(
     algorithm: Algorithm,
 ) -> Lifting:
     """Convert the options to what the points are lifted by."""
-    cloud = _without_former(cloud)
+    cloud = without_former(cloud)
     if weights is None and radii is None:
         if metric is None:
             return Lifting(cloud)
@@ -143,7 +143,7 @@ def _with_entry(cloud: Cloud, entry: dict[str, Any]) -> Cloud:
     return replace(cloud, metadata={**cloud.metadata, LIFTED: entry})
 
 
-def _without_former(cloud: Cloud) -> Cloud:
+def without_former(cloud: Cloud) -> Cloud:
     """Take off what a former run noted: the entry of the metadata, and which rows it hid."""
     former = Provenance(cloud.metadata).lifted_by
     if not former:

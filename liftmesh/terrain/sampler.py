@@ -14,17 +14,21 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.arrays import as_pairs, used_rows
+from liftmesh.base.arrays import as_numbers, as_pairs, used_rows
 from liftmesh.base.options import Extrapolation, Interpolation, as_threads, check_option
+from liftmesh.base.weights import Weights, spread, weights_of
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.clough_tocher import CloughTocher
 from liftmesh.terrain.hull_places import HullPlaces
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 from liftmesh.terrain.values import Values, values_of
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
+
+_TOGETHER = 1 << 18  # points whose weights are held at a time
 
 
 class Sampler:
@@ -36,11 +40,14 @@ class Sampler:
         values: Values | None,
         interpolation: Interpolation,
         extrapolate: Extrapolation | None,
+        gradients: ArrayLike | None = None,
     ) -> None:
         check_option("interpolation", interpolation, Interpolation)
         if extrapolate is not None:
             check_option("extrapolate", extrapolate, Extrapolation)
-        if interpolation != "linear":
+        if gradients is not None:
+            check_gradients(interpolation)
+        if interpolation not in ("linear", "c1"):
             _check_delaunay(surface, "interpolation", interpolation)
         if extrapolate == "nearest":
             _check_delaunay(surface, "extrapolate", extrapolate)
@@ -54,6 +61,11 @@ class Sampler:
             self._shape = given.shape[1:]
             columns = given.reshape(len(given), -1).T.copy()  # the caller may write to it
         whole = [kernel_surface(surface, each) for each in columns]
+        self._smooth = None
+        if interpolation == "c1":
+            shape = len(columns[0]), *self._shape
+            slopes = None if gradients is None else _slopes(gradients, shape)
+            self._smooth = CloughTocher(surface, columns, slopes)
         self._columns, self._whole = columns, _Columns(surface.triangulation, whole)
         is_lined = isinstance(surface.triangulation, ConstrainedTriangulation)
         self._is_walking = is_lined and interpolation == "nearest"
@@ -64,7 +76,12 @@ class Sampler:
         places = pairs.reshape(-1, 2)
         found = np.empty((len(self._columns), len(places)))
         asked = self._without_lines if self._is_walking else self._whole
-        asked.sample(places, found, self._interpolation, threads)
+        if self._smooth is None:
+            asked.sample(places, found, self._interpolation, threads)
+        else:
+            for first in range(0, len(places), _TOGETHER):
+                some = slice(first, first + _TOGETHER)
+                found[:, some] = self._smooth.at(*asked.faces(places[some], threads))
         if self._is_walking:
             found[:, self._are_beyond(places, threads)] = np.nan
         if self._extrapolate is not None:
@@ -72,23 +89,50 @@ class Sampler:
         shaped: Floats = found.T.reshape(pairs.shape[:-1] + self._shape)
         return shaped[()]
 
+    def weights(self, points: ArrayLike, threads: int | None) -> Weights:
+        """Weigh the vertices at points, (..., 2), in their order."""
+        places = as_pairs(points).reshape(-1, 2)
+        if self._smooth is not None:
+            raise InputError(
+                f"with {Option('interpolation', 'c1')} a value depends on those of all vertices, "
+                "so weights would be no sparse matrix: use interpolator() for many points"
+            )
+        if self._is_walking:
+            within = np.flatnonzero(~self._are_beyond(places, threads))
+            weights = self._without_lines.weights(places[within], "nearest", threads)
+            found = spread([(within, weights)], len(places))
+        else:
+            found = self._whole.weights(places, self._interpolation, threads)
+        if self._extrapolate is None:
+            return found
+        has_some = np.diff(found.indptr) > 0
+        beyond = np.flatnonzero(~has_some & np.isfinite(places).all(axis=1))
+        parts = [(np.arange(len(places)), found), (beyond, self._beyond(places[beyond], threads))]
+        return spread(parts, len(places))
+
     def _put_beyond(self, places: Floats, found: Floats, threads: int | None) -> None:
         """Put in what is wanted where no face contains a point."""
         without = np.flatnonzero(np.isnan(found).all(axis=0) & np.isfinite(places).all(axis=1))
         beyond = without[self._are_beyond(places[without], threads)]
-        if not len(beyond):
-            return
+        if len(beyond):
+            weights = self._beyond(places[beyond], threads)
+            found[:, beyond] = (
+                (weights @ self._columns.T).T
+                if self._smooth is None
+                else self._smooth.at(weights, np.empty(0, np.int32))
+            )
+
+    def _beyond(self, places: Floats, threads: int | None) -> Weights:
+        """Weigh the vertices for points that no face contains."""
         if self._extrapolate == "nearest":
-            others = np.empty((len(found), len(beyond)))
-            self._of_faces.sample(places[beyond], others, "nearest beyond", threads)
-            found[:, beyond] = others
-            return
+            return self._of_faces.weights(places, "nearest beyond", threads)
         hull, sides = self._hull
-        side, share = sides.nearest(places[beyond])
-        first, second = (self._columns[:, each[side]] for each in (hull, np.roll(hull, -1)))
-        with np.errstate(invalid="ignore"):  # infinite ones of both signs have no mean
-            between = np.where(share == 1, second, first * (1 - share) + second * share)
-        found[:, beyond] = np.where(side < 0, np.nan, np.where(share == 0, first, between))
+        side, share = sides.nearest(places)
+        ends = np.column_stack([hull[side], np.roll(hull, -1)[side]])
+        counts = np.column_stack([share < 1, share > 0]) & (side >= 0)[:, None]
+        starts = np.concatenate([[0], np.cumsum(counts.sum(axis=1))])
+        data = np.column_stack([1 - share, share])[counts]
+        return weights_of((starts, ends[counts], data), len(self._columns[0]))
 
     def _are_beyond(self, places: Floats, threads: int | None) -> Mask:
         """Tell which points no face contains, whatever the values of their corners."""
@@ -146,6 +190,40 @@ class _Columns(NamedTuple):
         for relief, row in zip(self.reliefs, found, strict=True):
             relief.sample(locator, places, row, method, *run)
 
+    def weights(self, places: Floats, method: str, threads: int | None) -> Weights:
+        """Weigh the vertices, which does not depend on values."""
+        locator, run = self.solved._locator, as_threads(threads, len(places))  # noqa: SLF001
+        return weights_of(
+            self.reliefs[0].weights(locator, places, method, *run), len(self.solved.points)
+        )
+
+    def faces(self, places: Floats, threads: int | None) -> tuple[Weights, Rows]:
+        """Return the linear weights, and which triangles contain the points."""
+        found = np.empty(len(places), np.int32)
+        run = as_threads(threads, len(places))
+        self.solved._locator.find(places, found, *run)  # noqa: SLF001
+        return self.weights(places, "linear", threads), found
+
+
+def check_gradients(interpolation: Interpolation) -> None:
+    """Raise unless an interpolation takes gradients."""
+    if interpolation != "c1":
+        raise InputError(
+            f"{Option('gradients')} are for {Option('interpolation', 'c1')}, not "
+            f"{interpolation!r}: leave them out"
+        )
+
+
+def _slopes(gradients: ArrayLike, shape: tuple[int, ...]) -> Floats:
+    """Take gradients of values of a shape, as (k, n, 2)."""
+    remedy = "give dz/dx and dz/dy of each value of each vertex"
+    given = as_numbers("gradients", gradients, remedy, verb="are")
+    if given.shape != (*shape, 2):
+        raise InputError(
+            f"{Option('gradients')} have the shape {given.shape}, not {(*shape, 2)}: {remedy}"
+        )
+    return np.moveaxis(given.reshape(shape[0], -1, 2), 1, 0)
+
 
 def _check_delaunay(surface: SurfaceData, option: str, given: str) -> None:
     """Raise for an interpolation, or extrapolation, that a triangulation does not have."""
@@ -154,7 +232,7 @@ def _check_delaunay(surface: SurfaceData, option: str, given: str) -> None:
         remedy = "'linear'" if option == "interpolation" else "'hull'"
         reason = "has weights, radii or a metric"
     elif isinstance(solved, ConstrainedTriangulation) and given != "nearest":
-        reason, remedy = "follows lines", "'linear' or 'nearest'"
+        reason, remedy = "follows lines or has faces of its own", "'linear' or 'nearest'"
     else:
         return
     raise InputError(

@@ -35,9 +35,10 @@ from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
+from liftmesh.raster.fill import Reach, filled
 from liftmesh.raster.pixels import Layout, centres_of, layout_of
 from liftmesh.raster.raster import Raster
-from liftmesh.terrain.sampler import Sampler
+from liftmesh.terrain.sampler import Sampler, check_gradients
 from liftmesh.terrain.surface_data import (
     OverPlane,
     SurfaceData,
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
+    from liftmesh.base.weights import Weights
 
 
 def heights_at(
@@ -63,6 +65,7 @@ def heights_at(
     interpolation: Interpolation = "linear",
     *,
     values: Values | None = None,
+    gradients: ArrayLike | None = None,
     extrapolate: Extrapolation | None = None,
     threads: int | None = None,
 ) -> Floats:
@@ -74,19 +77,24 @@ def heights_at(
         The triangulated cloud.
     points : array_like of shape (..., 2)
         Coordinates in the plane of the surface: x and y, unless it was triangulated on another.
-    interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
+    interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
         Linear in each face; the height of the nearest vertex, of several the lexicographically
         least; or, smooth but for the vertices, from natural neighbours: by the lengths of the
         sides that Voronoi cells would share ("laplace"), or by the areas that a cell would take
         from others ("sibson"). At a vertex the height is the vertex's own; on an edge, linear,
-        and on the hull by all but the nearest, it comes from the two ends.
+        and on the hull by all but the nearest, it comes from the two ends. Or "c1": smooth
+        everywhere, by cubics over the faces (Clough, Tocher 1965), across lines as well; on an
+        edge it comes from the values and gradients of the two ends, and may be beyond all values.
     values : str or array_like of shape (n, ...), optional
         Values of the vertices in place of heights: numbers of any shape for each, or the name of
-        attributes, or "colors".
+        attributes, or "colors". NaN, and what a masked array masks, are none.
+    gradients : array_like of shape (n, ..., 2), optional
+        For "c1", dz/dx and dz/dy of the values at the vertices; by default those by which the
+        cubics along the edges bend least (Nielson 1983), as in SciPy's CloughTocher2DInterpolator.
     extrapolate : {"nearest", "hull"}, optional
         What there is where no face contains a point: the value of the nearest vertex of a face, or,
         of points beyond the convex hull of these vertices, that of the nearest place on it, linear
-        between its vertices.
+        between its vertices, or cubic by "c1".
     threads : int, optional
         As for `delaunay`.
 
@@ -108,6 +116,7 @@ def heights_at(
     --------
     Surface.raster : At the centres of pixels.
     Surface.profile : Along a line.
+    Surface.weights : For many values at the same points.
     Surface.gradient, Surface.slope, Surface.aspect
 
     Notes
@@ -115,15 +124,16 @@ def heights_at(
     A linear height is never beyond those of the corners of its face. In faces that fill less
     than a thousandth of their bounding box the weights come from exact determinants.
 
-    Which vertices are natural neighbours is decided exactly; vertices of faces that are left
-    out are among them. Weights are right to 1e-12 of the largest. By them a point takes time
-    for each of its neighbours: many, near the centre of a circle of vertices. The nearest
-    vertex takes longer where many vertices are about as near, as in the middle of a circle.
+    Which vertices are natural neighbours is decided exactly; vertices of faces that are left out
+    are among them, and where one has no value (NaN), the point has none. Weights are right to 1e-12
+    of the largest. By them a point takes time for each of its neighbours: many, near the centre of
+    a circle of vertices. The nearest vertex takes longer where many vertices are about as near, as
+    in the middle of a circle.
     Slopes and aspects are those of faces, whatever the interpolation.
 
     The nearest place on the hull is right to rounding at any distance, and takes log h time for h
     vertices; of points further away than 10^15 times its size, 0.4 ms each. Each column of values
-    locates the points anew.
+    locates the points anew, which `weights_at` does once.
 
     Examples
     --------
@@ -137,7 +147,55 @@ def heights_at(
     array([[3., 1.],
            [6., 1.]])
     """
-    return Sampler(surface, values, interpolation, extrapolate).at(points, threads)
+    return Sampler(surface, values, interpolation, extrapolate, gradients).at(points, threads)
+
+
+def weights_at(
+    surface: SurfaceData,
+    points: ArrayLike,
+    interpolation: Interpolation = "linear",
+    *,
+    extrapolate: Extrapolation | None = None,
+    threads: int | None = None,
+) -> Weights:
+    """Weigh the vertices at points of the plane, for values that are sampled there again and again.
+
+    Parameters
+    ----------
+    surface : Surface
+        The triangulated cloud.
+    points : array_like of shape (..., 2)
+        As for `heights_at`; m points in all.
+    interpolation, extrapolate, threads
+        As for `heights_at`.
+
+    Returns
+    -------
+    Weights
+        A sparse matrix of m points and n vertices, with the entries of CSR. ``weights @ values`` is
+        ``heights_at(surface, points, values=values)`` bit for bit, one row for each point, NaN
+        where it is; ``weights.to_scipy()`` makes a ``csr_array``, whose products differ by
+        rounding. Linear weights may be negative by rounding.
+
+    Raises
+    ------
+    InputError
+        As for `heights_at`; or the array of points was written to since it was triangulated.
+
+    See Also
+    --------
+    Surface.sample : Once, without weights.
+    natural_neighbors : Sibson's weights of points alone.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> surface = liftmesh.triangulate([[0, 0, 5], [4, 0, 9], [0, 4, 1]])
+    >>> weights = surface.weights([[1, 1], [2, 2], [3, 3]])
+    >>> weights @ [0, 4, 8], weights @ [8, 8, 0]
+    (array([ 3.,  6., nan]), array([ 6.,  4., nan]))
+    """
+    return Sampler(surface, None, interpolation, extrapolate).weights(points, threads)
 
 
 def interpolator_of(
@@ -145,6 +203,7 @@ def interpolator_of(
     values: Values | None = None,
     interpolation: Interpolation = "linear",
     *,
+    gradients: ArrayLike | None = None,
     extrapolate: Extrapolation | None = None,
 ) -> Interpolator:
     """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
@@ -153,7 +212,7 @@ def interpolator_of(
     ----------
     surface : Surface
         The triangulated cloud.
-    values, interpolation, extrapolate
+    values, interpolation, gradients, extrapolate
         As for `heights_at`.
 
     Returns
@@ -183,7 +242,7 @@ def interpolator_of(
     >>> height(1, 1), height([[1, 1], [5, 0]]), height([0, 1], 1)
     (np.float64(5.0), array([5., 9.]), array([4., 5.]))
     """
-    sampler = Sampler(surface, values, interpolation, extrapolate)
+    sampler = Sampler(surface, values, interpolation, extrapolate, gradients)
 
     def interpolate(*points: ArrayLike, threads: int | None = None) -> Floats:
         return sampler.at(points[0] if len(points) == 1 else _paired(points), threads)
@@ -442,6 +501,7 @@ class RasterOptions(TypedDict, total=False):
     shape: Sequence[int] | None
     quantity: RasterQuantity
     interpolation: Interpolation
+    fill: float | None
     light: tuple[float, float]
     z_factor: float | None
     dtype: DTypeLike
@@ -454,6 +514,7 @@ _DEFAULTS: RasterOptions = {
     "shape": None,
     "quantity": "height",
     "interpolation": "linear",
+    "fill": None,
     "light": (315.0, 45.0),
     "z_factor": None,
     "dtype": np.float64,
@@ -466,6 +527,7 @@ def rasterize(
     resolution: float | Sequence[float] | None = None,
     *,
     values: Values | None = None,
+    gradients: ArrayLike | None = None,
     **options: Unpack[RasterOptions],
 ) -> Raster:
     """Compute heights, or what follows from them, at the centres of pixels.
@@ -480,6 +542,8 @@ def rasterize(
     values : str or array_like of shape (n,), optional
         Values of the vertices in place of heights, or the name of attributes, which is the
         quantity of the raster then.
+    gradients : array_like of shape (n, 2), optional
+        As for `heights_at`, with the interpolation "c1".
     **options
         What else is asked for:
 
@@ -491,6 +555,8 @@ def rasterize(
           "hillshade", brightness from 0 to 255, or "longest-edge", how long its longest side is in
           the plane: where that is large, the surface is a guess.
         - ``interpolation``: of heights, as for `heights_at`.
+        - ``fill``: within which distance pixels without a value get that of the nearest pixel with
+          one, as by `Raster.filled`.
         - ``light``, default (315, 45): azimuth of the light, in degrees clockwise from the
           direction of y, and altitude above the plane, for "hillshade".
         - ``z_factor``: as for `slopes_at`; other than 1, it exaggerates shades.
@@ -500,7 +566,7 @@ def rasterize(
     Returns
     -------
     Raster
-        The values; NaN where no face contains the centre of a pixel.
+        The values; NaN where no face contains the centre of a pixel, or, with ``fill``, is near.
 
     Raises
     ------
@@ -529,24 +595,37 @@ def rasterize(
     if values is not None:
         if options.get("quantity", "height") != "height":
             raise InputError(f"give {Option('quantity')} or {Option('values')}, not both")
-        made = rasterize(over_values(surface, values), resolution, **options)
+        over = over_values(surface, values)
+        made = rasterize(over, resolution, gradients=gradients, **options)
         return replace(made, quantity=values if isinstance(values, str) else "values", unit=None)
     plan = RasterPlan.of(surface, resolution, lambda: bounds_of_faces(surface), options)
+    if gradients is not None:
+        check_gradients(plan.interpolation)
     pixels = np.empty((plan.layout.rows, plan.layout.columns), plan.kind)
+    _put(pixels, surface, plan, gradients)
+    plan.finish(pixels)
+    if plan.reach is not None:
+        pixels = filled(pixels, plan.reach)
+    return plan.raster(pixels, plane_system(surface))
+
+
+def _put(
+    pixels: Array, surface: SurfaceData, plan: RasterPlan, gradients: ArrayLike | None
+) -> None:
+    """Compute the values of pixels."""
     scan = scanner(surface, plan.layout, plan.threads)
     if plan.quantity == "height":
         _check_range(surface, plan)
     if plan.quantity == "height" and plan.interpolation == "linear":
         scan(pixels[:, :, None], 0)
     elif plan.quantity == "height":
+        sampler = Sampler(surface, None, plan.interpolation, None, gradients)
         for first, block in _blocks_of_rows(pixels):
             rows = range(first, first + len(block))
             centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
-            block[...] = heights_at(surface, centers, plan.interpolation, threads=plan.threads)
+            block[...] = sampler.at(centers, plan.threads)
     else:
         _scan_faces(surface, plan, scan, pixels)
-    plan.finish(pixels)
-    return plan.raster(pixels, plane_system(surface))
 
 
 def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
@@ -621,6 +700,7 @@ class RasterPlan:
     layout: Layout
     quantity: str
     interpolation: Interpolation
+    reach: Reach | None
     kind: np.dtype[Any]
     light: Floats  # the unit vector towards it
     rise: tuple[float, float]  # what gradients are multiplied by
@@ -651,7 +731,10 @@ class RasterPlan:
         lengths = dict(zip(("longest-edge", "height"), unit_names(surface), strict=True))
         unit = (lengths | _UNITS).get(quantity)
         kind, light = _checked_type(all_of["dtype"]), _light_of(all_of["light"])
-        return cls(layout, quantity, interpolation, kind, light, rise, unit, all_of["threads"])
+        fill = all_of["fill"]
+        reach = None if fill is None else Reach.of(fill, layout.transform, "fill")
+        rest = kind, light, rise, unit, all_of["threads"]
+        return cls(layout, quantity, interpolation, reach, *rest)
 
     def raster(self, values: Array, crs: str | None) -> Raster:
         """Put values where they belong."""

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
+    from liftmesh.base.weights import Weights
     from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
@@ -95,12 +96,10 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices : (n, 3) array_like, moved ones, if the triangles stay those of `delaunay`
+        vertices : (n, 3) array_like, moved ones, if no two faces overlap
         colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
         attributes : mapping of str to (n, ...) array_like, in place of the present ones
-        metadata : mapping, information about the surface as a whole
-        crs : str or None, the coordinate reference system: WKT or ``EPSG:n``
-        color_depth : int, optional, bits per channel that integer colours mean, as for `Cloud`
+        metadata, crs, color_depth : as for `Cloud`
         """
         return changes.replaced(
             self,
@@ -134,6 +133,7 @@ class Surface(SurfaceData):
         interpolation: Interpolation = "linear",
         *,
         values: Values | None = None,
+        gradients: ArrayLike | None = None,
         extrapolate: Extrapolation | None = None,
         threads: int | None = None,
     ) -> Floats:
@@ -145,19 +145,40 @@ class Surface(SurfaceData):
         Parameters
         ----------
         points : (..., 2) array_like, coordinates in the plane
-        interpolation : {"linear", "nearest", "laplace", "sibson"}, default "linear"
-        values : (n, ...) array_like or name of attributes, optional, in place of heights
+        interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
+        values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
         extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
         threads : int, optional, as for `delaunay`
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
-        return sampling.heights_at(self, points, interpolation, **ways)
+        return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
+
+    def weights(
+        self,
+        points: ArrayLike,
+        interpolation: Interpolation = "linear",
+        *,
+        extrapolate: Extrapolation | None = None,
+        threads: int | None = None,
+    ) -> Weights:
+        """Weigh the vertices at points, for many values: ``weights @ values`` samples them.
+
+        Returns Weights: a sparse matrix of points and vertices.
+        In full: `liftmesh.terrain.sampling.weights_at`.
+
+        Parameters
+        ----------
+        points, interpolation, extrapolate, threads : as for `sample`
+        """
+        ways: Any = {"extrapolate": extrapolate, "threads": threads}
+        return sampling.weights_at(self, points, interpolation, **ways)
 
     def interpolator(
         self,
         values: Values | None = None,
         interpolation: Interpolation = "linear",
         *,
+        gradients: ArrayLike | None = None,
         extrapolate: Extrapolation | None = None,
     ) -> Interpolator:
         """Make a function of points, with the calls of SciPy's ``LinearNDInterpolator``.
@@ -167,9 +188,10 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        values, interpolation, extrapolate : as for `sample`
+        values, interpolation, gradients, extrapolate : as for `sample`
         """
-        return sampling.interpolator_of(self, values, interpolation, extrapolate=extrapolate)
+        ways: Any = {"gradients": gradients, "extrapolate": extrapolate}
+        return sampling.interpolator_of(self, values, interpolation, **ways)
 
     def height_above(
         self,
@@ -233,9 +255,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        z_factor : float, optional, what heights are multiplied by; by default, units decide
-        threads : int, optional, as for `delaunay`
+        points, z_factor, threads : as for `sample` and `area`
         """
         return sampling.slopes_at(self, points, z_factor=z_factor, threads=threads)
 
@@ -286,6 +306,7 @@ class Surface(SurfaceData):
         resolution: float | Sequence[float] | None = None,
         *,
         values: Values | None = None,
+        gradients: ArrayLike | None = None,
         **options: Unpack[RasterOptions],
     ) -> Raster:
         """Compute heights, or what follows from them, at the centres of pixels.
@@ -296,13 +317,14 @@ class Surface(SurfaceData):
         Parameters
         ----------
         resolution : float or pair of float, optional, width and height of a pixel
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        values, gradients : as for `sample`, one value of each vertex
         **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
             ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
-            ``interpolation`` as for `sample`, ``light`` (azimuth and altitude in degrees),
-            ``z_factor`` as for `slope`, ``dtype`` ("float64" or "float32"), ``threads``
+            ``interpolation`` as for `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth
+            and altitude in degrees), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
-        return sampling.rasterize(self, resolution, values=values, **options)
+        ways: Any = {"values": values, "gradients": gradients}
+        return sampling.rasterize(self, resolution, **ways, **options)
 
     def contours(
         self,
@@ -347,7 +369,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         planar : bool, default False, whether to measure in the plane instead of in space
-        z_factor : float, optional, as for `slope`
+        z_factor : float, optional, what heights are multiplied by; by default, units decide
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -374,8 +396,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        within : object, polygons as for `trim`, each measured by itself
-        level : float, default 0, a height above the plane
+        within, level : as for `volume`, each polygon measured by itself
         by : str, default "name", the property or column that has the names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
@@ -422,8 +443,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, as for `cut_and_fill`
-        within, by : as for `volume_by_polygon`
+        other, within, by : as for `cut_and_fill` and `volume_by_polygon`
         """
         return measures.cut_and_fill_by_polygon(self, other, within, by=by)
 
@@ -443,11 +463,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        base_height : float, optional, the height of a flat base below all faces
-        thickness : float, optional, in place of it: the base is the surface, lower by so much
+        base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
-        longest : float, optional, the longer side in x or y to scale to, in millimetres for print
-        z_factor : float, optional, with ``longest``: as for `slope`
+        longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
         """
         return boundary.closed_solid(
             self,
@@ -476,8 +494,7 @@ class Surface(SurfaceData):
         max_edge : float, optional, leave out faces with a side that is longer in the plane
         boundary_only : bool, default False, only those that such sides connect with the outside
         max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
-        polygon : object, optional, leave out faces whose centroid is outside: GeoJSON, a file,
-            any object with ``__geo_interface__``, or an array of shape (k, 2)
+        polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
         """
         return boundary.trim(
             self,
@@ -541,8 +558,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        dtype : {"float64", "float32"}, or a type of NumPy or Open3D, of positions and normals
-        origin : (3,) array_like, optional, subtracted from the positions before they are rounded
+        dtype, origin : type of positions, and (3,) array_like to subtract before they are rounded
         """
         return open3d.to_tensor(self.to_cloud(), dtype, origin)
 

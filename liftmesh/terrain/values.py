@@ -8,7 +8,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_numbers
 from liftmesh.errors import InputError, Option
 from liftmesh.terrain.frame import resolve_plane
@@ -22,12 +22,9 @@ def values_of(surface: SurfaceData, values: Values, *, one_each: bool = False) -
     """Return values of the vertices, (n, ...) float64, by their name or as they are given."""
     given = values
     if isinstance(values, str):
-        known = dict(surface.attributes)
-        if surface.colors is not None:
-            known.setdefault("colors", surface.colors)
+        known = _named(surface)
         if values not in known:
-            usable = (key for key, each in known.items() if each.ndim == 1 or not one_each)
-            names = ", ".join(map(repr, sorted(usable))) or "none at all"
+            names = _names(surface, one_each=one_each)
             raise InputError(f"the surface has no values {values!r}, but {names}: {_REMEDY}")
         given = known[values]
     array = as_numbers("values", given, _REMEDY)
@@ -46,10 +43,30 @@ def values_of(surface: SurfaceData, values: Values, *, one_each: bool = False) -
     return array
 
 
+def _named(surface: SurfaceData) -> dict[str, Array]:
+    """Return what names of values mean."""
+    named = dict(surface.attributes)
+    if surface.colors is not None:
+        named.setdefault("colors", surface.colors)
+    return named
+
+
+def _names(surface: SurfaceData, *, one_each: bool) -> str:
+    """Name the values, or those with one number for each vertex, in a message."""
+    usable = (key for key, each in _named(surface).items() if each.ndim == 1 or not one_each)
+    return ", ".join(map(repr, sorted(usable))) or "none at all"
+
+
 def over_values(surface: AnySurface, values: Values) -> AnySurface:
     """Make the surface whose heights are values, one of each vertex."""
     heights = values_of(surface, values, one_each=True)
     if heights.ndim != 1:
+        if isinstance(values, str):
+            each, single = heights[0].size, _names(surface, one_each=True)
+            raise InputError(
+                f"{Option('values', values)} has {each} numbers for each vertex: give values with "
+                f"one, which are {single}"
+            )
         raise InputError(
             f"{Option('values')} have the shape {heights.shape}: give one of each vertex, as a "
             "column of theirs"

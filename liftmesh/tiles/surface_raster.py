@@ -26,11 +26,12 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
 from liftmesh.base.options import as_switch, check_progress, refused
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.raster import writer
+from liftmesh.raster.fill import filled_block
 from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
@@ -104,6 +105,11 @@ def _plan(
     if plan.quantity == "longest-edge":
         reason = "which rasters of tiles do not have: take a surface in memory"
         raise refused("quantity", plan.quantity, reason, mark=", ")
+    if plan.interpolation == "c1":
+        raise InputError(
+            f"{Option('interpolation', 'c1')} needs all vertices at once, and a surface in tiles "
+            f"has some: give {Option('interpolation', 'sibson')}, or triangulate in memory"
+        )
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
     return plan
@@ -129,10 +135,21 @@ class _Windows:
             for left in range(0, columns, _SIDE):
                 down = range(top, min(top + _SIDE, rows))
                 across = range(left, min(left + _SIDE, columns))
-                yield (down, across), self._of(down, across)
+                yield (down, across), self._filled(down, across)
                 done += len(down) * len(across)
                 if progress is not None:
                     progress(done / (rows * columns))
+
+    def _filled(self, down: range, across: range) -> Array:
+        """Compute a window, with what is around it if it is filled from there."""
+        reach = self.plan.reach
+        if reach is None:
+            return self._of(down, across)
+        high = reach.around(down, self.plan.layout.rows, reach.rows)
+        wide = reach.around(across, self.plan.layout.columns, reach.columns)
+        block = filled_block(self._of(high, wide), reach)
+        top, left = down.start - high.start, across.start - wide.start
+        return block[top : top + len(down), left : left + len(across)]
 
     def _of(self, down: range, across: range) -> Array:
         centres = centres_of(self.plan.layout.transform, down, across)

@@ -106,7 +106,8 @@ def without_others(back: Cloud, cloud: Cloud) -> Cloud:
     """Leave out what such files have besides: layout, values of every point, and holes."""
     added = OF_LAS - cloud.attributes.keys() if "las" in back.metadata else frozenset()
     kept = {name: each for name, each in back.attributes.items() if name not in added}
-    entries = {key: each for key, each in back.metadata.items() if key not in OF_FILES}
+    left_out = {*OF_FILES, *{"markers"} - cloud.metadata.keys()}  # 2DM numbers all nodestrings
+    entries = {key: each for key, each in back.metadata.items() if key not in left_out}
     return replace(back, attributes=kept, metadata=entries)
 
 

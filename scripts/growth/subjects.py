@@ -23,7 +23,7 @@ from growth.files.e57 import E57
 from growth.files.gltf import GLB, GLTF, HEAVY
 from growth.files.lidar import LAS
 from growth.files.ply import PLY
-from growth.files.points import ELE, GZIP, NODE, PCD, POLY, PTS, XYZN, XYZRGB
+from growth.files.points import DXF, ELE, GZIP, MESH2D, NODE, PCD, POLY, PTS, XYZN, XYZRGB
 from growth.files.raster import RASTER
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
@@ -60,6 +60,8 @@ FILES: dict[str, Families] = {
     "raster": RASTER,
     "e57": E57,
     "landxml": LANDXML,
+    "2dm": MESH2D,
+    "dxf": DXF,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -97,6 +99,7 @@ CHUNKS = 16
 
 
 WITHOUT_DATA = {
+    "Weights": "a result, made by Surface.weights; its methods are watched",
     "NaturalNeighbors": "a result, made by natural_neighbors; its methods are watched",
     "LloydResult": "a result, made by lloyd",
     "TransportResult": "a result, made by transport",

@@ -17,7 +17,7 @@ from growth.functions import near_the_middle
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
 
 import liftmesh
-from liftmesh import Surface, Triangulation
+from liftmesh import Cloud, Surface, Triangulation
 
 HALVES = {
     "type": "FeatureCollection",
@@ -162,6 +162,26 @@ def saved_points(found: liftmesh.Profile) -> object:
     return found.save("/dev/null", format="csv")
 
 
+def stretched(found: Surface) -> Cloud:
+    """Stretch a mesh, so that its faces are not Delaunay."""
+    mesh = found.to_cloud()
+    return replace(mesh, points=mesh.points * (4, 1, 1))
+
+
+def refused(mesh: Cloud) -> None:
+    """Let the last face be one that is there."""
+    with suppress(liftmesh.InputError):
+        liftmesh.as_surface(replace(mesh, faces=np.vstack([mesh.faces, mesh.faces[:1]])), threads=1)
+
+
+def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
+    """Surfaces of meshes that are not Delaunay, and meshes that are none."""
+    own = on_surface(lambda found: liftmesh.as_surface(stretched(found), threads=1))
+    yield "as_surface of its own", PLANAR, own, ("uniform", "lattice")
+    overlapping = on_surface(lambda found: refused(stretched(found)))
+    yield "as_surface of faces that overlap", PLANAR, overlapping, ("uniform",), LEAST
+
+
 def measuring_functions() -> Iterator[tuple[Any, ...]]:
     """The same, for what measures areas and volumes."""
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
@@ -191,6 +211,10 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.sample beyond", PLANAR, beyond, ("uniform", "circle and centre"), LEAST
     called = on_surface(lambda found: found.interpolator()(found.vertices[:, :2], threads=1))
     yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
+    smooth = asked("sample", near_the_middle, interpolation="c1")
+    yield "Surface.sample by c1", PLANAR, smooth, ("uniform", "lattice"), LEAST
+    weights = asked("weights", near_the_middle, interpolation="sibson")
+    yield "Surface.weights", PLANAR, weights, ("uniform",), LEAST
     above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
     yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST
     for name in ("slope", "aspect"):
@@ -214,6 +238,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.solid", PLANAR, closed, ("uniform", "lattice"), LEAST
     found_again = on_surface(lambda found: liftmesh.as_surface(found.to_cloud(), threads=1))
     yield "as_surface", PLANAR, found_again, ("uniform", "lattice")
+    yield from meshes_of_their_own()
     lines = on_surface(lambda found: found.contours(interval=0.25, threads=1))
     yield "Surface.contours", PLANAR, lines, FANS, LEAST
     longer = contoured(lambda found: found.longer_than(0.1))
@@ -223,6 +248,8 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     hillshade = rasters(quantity="hillshade")
     yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
     yield "Raster.centers", PLANAR, on_raster(liftmesh.Raster.centers), ("uniform",), LEAST
+    filled = on_raster(lambda raster: raster.filled(1e300))
+    yield "Raster.filled", PLANAR, filled, ("uniform",), LEAST
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 

@@ -92,16 +92,16 @@ void add_points(Terrain& terrain, const std::vector<Point>& asked, Digests& dige
 void add_natural(Terrain& terrain, const std::vector<Point>& asked, Digests& digests) {
     liftmesh::NoInterrupt never;
     const liftmesh::Queries queries{&asked[0].x, std::min(asked.size(), most_near)};
-    constexpr const char* names[] = {"nearest", "Laplace", "Sibson"};
+    constexpr const char* names[] = {"linear", "nearest", "nearest beyond", "Laplace", "Sibson"};
     for (const Natural method : {Natural::nearest, Natural::laplace, Natural::sibson}) {
         std::vector<double> found(queries.count);
         sample_natural(terrain.relief, terrain.locator, queries, method, found.data(), {}, never);
         add(digests.of[names[static_cast<std::size_t>(method)]], found);
     }
     std::vector<std::int32_t> at(queries.count);
-    liftmesh::NaturalWeights shares;
+    liftmesh::PointWeights shares;
     terrain.locator.find(queries, at.data(), {}, never);
-    natural_weights(terrain.mesh, queries, at.data(), shares, {}, never);
+    sample_weights(terrain.relief, terrain.locator, queries, Natural::sibson, shares, {}, never);
     for (std::size_t i = 0; 2 * i < at.size(); ++i) at[i] = at[2 * i];
     liftmesh::Passages passages;
     find_passages(terrain.mesh, {queries.coordinates, at.data(), queries.count / 2}, passages,

@@ -79,10 +79,11 @@ std::vector<double> answers(Terrain& terrain, const std::vector<Point>& asked, s
     for (const Natural method : {Natural::nearest, Natural::laplace, Natural::sibson})
         done = done && sample_natural(terrain.relief, terrain.locator, some, method,
                                       next(some.count), threads, interrupt);
-    liftmesh::NaturalWeights shares;
+    liftmesh::PointWeights shares;
     std::vector<std::int32_t> triangles(some.count);
     done = done && terrain.locator.find(some, triangles.data(), threads, interrupt) &&
-           natural_weights(terrain.mesh, some, triangles.data(), shares, threads, interrupt);
+           sample_weights(terrain.relief, terrain.locator, some, Natural::sibson, shares, threads,
+                          interrupt);
     for (std::size_t i = 0; 2 * i < some.count; ++i) triangles[i] = triangles[2 * i];
     const liftmesh::Segments segments{queries.coordinates, triangles.data(), some.count / 2};
     liftmesh::Passages passages;

@@ -121,6 +121,6 @@ def test_threads_change_nothing(run: Callable[..., Any]) -> None:
 def test_threads_change_no_weights() -> None:
     points = uniform(4000, np.random.default_rng(0))
     one, three = (liftmesh.natural_neighbors(points, points / 2, threads=n) for n in (1, 3))
-    assert one.weights.tobytes() == three.weights.tobytes()
+    assert one.data.tobytes() == three.data.tobytes()
     with pytest.raises(InputError, match="threads is 0"):
         liftmesh.natural_neighbors(liftmesh.delaunay(points), points, threads=0)

@@ -48,11 +48,9 @@ def test_sources_without_heights(name: str) -> None:
 def test_natural_neighbors_of_them(name: str) -> None:
     source, queries = SOURCES[name], [[0.4, 0.5], [0.5, 0.6]]
     expected = liftmesh.natural_neighbors(POINTS, queries)
-    np.testing.assert_array_equal(
-        liftmesh.natural_neighbors(source, queries).weights, expected.weights
-    )
+    np.testing.assert_array_equal(liftmesh.natural_neighbors(source, queries).data, expected.data)
     at_rows = liftmesh.natural_neighbors(POINTS, source)
-    assert (at_rows.rows.tolist(), at_rows.weights.tolist()) == ([*range(20)], [1.0] * 20)
+    assert (at_rows.indices.tolist(), at_rows.data.tolist()) == ([*range(20)], [1.0] * 20)
 
 
 def test_geometries_are_points_of_one_system() -> None:

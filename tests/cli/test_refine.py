@@ -78,7 +78,7 @@ def test_markers_of_segments_reach_the_solver(folder: Path) -> None:
     pairs = ((0, 1, 5), (1, 2, 6), (2, 3, 5), (3, 0, 0), (4, 5, 9), (5, 6, 9), (6, 4, 9))
     edges = "".join(f"{k} {a} {b} {tag}\n" for k, (a, b, tag) in enumerate(pairs))
     (folder / "plate.poly").write_text(f"7 2 0 0\n{nodes}7 1\n{edges}1\n0 4.5 3\n")
-    for kind in ("su2", "poly", "msh"):
+    for kind in ("su2", "poly", "msh", "2dm"):
         done = command("refine", "plate.poly", f"a.{kind}", "--max-area", "1", cwd=folder)
         assert done.returncode == 0, done.stderr
     back = liftmesh.read(folder / "a.poly")
@@ -86,6 +86,8 @@ def test_markers_of_segments_reach_the_solver(folder: Path) -> None:
     sides = [(y == 0), (x == 8), (y == 8), (x == 0)]
     expected = np.select([each.all(axis=1) for each in sides], [5, 6, 5, 0], 9)
     assert np.array_equal(back.metadata["markers"], expected)
+    strings = liftmesh.read(folder / "a.2dm")
+    assert {*strings.metadata["markers"].tolist()} == {5, 6, 9, 10}
     mesh = meshio.read(folder / "a.su2")
     ends = mesh.points[mesh.cells_dict["line"]].mean(axis=1)
     numbers = mesh.cell_data_dict["su2:tag"]["line"]
@@ -95,7 +97,6 @@ def test_markers_of_segments_reach_the_solver(folder: Path) -> None:
     done = command("refine", "plate.poly", "b.poly", *words, cwd=folder)
     assert "7 edges and holes and markers of its own not taken" in done.stderr
     assert "markers" not in liftmesh.read(folder / "b.poly").metadata
-    failed(command("refine", "land.geojson", "a.2dm", cwd=folder), 3, "'2dm', and meshio has none")
 
 
 def test_what_stays_below_is_counted(folder: Path) -> None:

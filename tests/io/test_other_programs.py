@@ -107,7 +107,8 @@ def test_obj_in_meshio(obj: Path) -> None:
 def test_other_formats_in_open3d(tmp_path: Path, suffix: str) -> None:
     points = np.array([[0.0, 0, 0], [1, 0, 0.5], [0, 1, 0.25], [1, 1, 2]])
     shape = Cloud(points, faces=np.array([[0, 1, 2], [1, 3, 2]], dtype=np.int32))
-    liftmesh.write(tmp_path / f"mesh.{suffix}", shape)
+    options = {"up": "z"} if suffix == "glb" else {}
+    liftmesh.write(tmp_path / f"mesh.{suffix}", shape, **options)
     mesh = o3d.io.read_triangle_mesh(str(tmp_path / f"mesh.{suffix}"))
     triangles = np.asarray(mesh.vertices)[np.asarray(mesh.triangles)]
     np.testing.assert_array_equal(triangles, points[shape.faces])

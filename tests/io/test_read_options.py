@@ -8,6 +8,7 @@ import pytest
 from mypy import api
 
 import liftmesh
+from liftmesh.io.axes import validate_axes
 from liftmesh.io.formats.landxml_reader import validate_landxml_options
 from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions, validate_table_options
 from liftmesh.raster.reader import validate_raster_options
@@ -42,8 +43,13 @@ def types(options: type) -> dict[str, str]:
 
 
 def test_typed_options_are_those_of_read_and_of_its_formats() -> None:
-    of_formats = {**keywords(validate_raster_options), **keywords(validate_table_options)}
-    of_formats |= keywords(validate_landxml_options)
+    checks = (
+        validate_raster_options,
+        validate_table_options,
+        validate_landxml_options,
+        validate_axes,
+    )
+    of_formats = {name: kind for check in checks for name, kind in keywords(check).items()}
     assert types(FormatOptions) == of_formats
     assert types(ReadOptions) == {**of_formats, **keywords(liftmesh.read)}
     of_chunks = {**of_formats, **keywords(liftmesh.read_chunks)}

@@ -114,8 +114,12 @@ def test_an_edge_off_all_constraints_must_be_delaunay() -> None:
     assert found.canonical
     assert (found.member, found.n_constraints, found.n_outside) == ("constrained", 1, 0)
     assert str(found) == (
-        "valid: these 2 triangles are the canonical constrained Delaunay triangulation of 4 rows"
+        "valid: these 2 triangles are the canonical constrained Delaunay triangulation of 4 rows; "
+        "not Delaunay along constraints"
     )
+    assert (found.planar, found.delaunay) == (True, False)
+    along = liftmesh.verify(KITE, [[0, 1, 3], [1, 2, 3]], constraints=[[3, 1]])
+    assert (bool(along), along.planar, along.delaunay) == (True, True, True)
     assert not liftmesh.verify(KITE, ACROSS, constraints=[[0, 1]])
     assert not liftmesh.verify(KITE, ACROSS, constraints=np.empty((0, 2), int))
 

@@ -20,7 +20,8 @@ class Model(gltf.Model):
     """A model that is read in both forms."""
 
     def read(self, **options: Any) -> Cloud:
-        """Read, as both."""
+        """Read, as both, in the scene's own axes unless others are given."""
+        options = {"up": "z", **options}
         one = liftmesh.read(io.BytesIO(self.gltf()), format="gltf", **options)
         other = liftmesh.read(io.BytesIO(self.glb()), format="glb", **options)
         assert one.points.tobytes() == other.points.tobytes()

@@ -156,18 +156,43 @@ def test_a_quarter_turn_keeps_the_triangles_and_begins_the_hull_elsewhere() -> N
 @pytest.mark.parametrize(
     "move",
     [
-        lambda rows: rows[::-1],
-        lambda rows: rows * (1, 5, 1),
-        lambda rows: rows * (-1, 1, 1),
-        lambda rows: np.where(np.arange(63)[:, None] == 61, rows + 1, rows),
-        lambda rows: rows * (0, 1, 1),
+        (lambda rows: rows[np.r_[59:-1:-1, 59:56:-1]], "overlap seen from"),
+        (
+            lambda rows: np.where(np.arange(63)[:, None] == 61, rows + 1, rows),
+            "another triangulation than the surface: triangulate",
+        ),
+        (lambda rows: rows * (0, 1, 1), "face 0, .* has no area seen from above.*triangulate"),
     ],
-    ids=["reversed", "stretched", "mirrored", "a duplicate apart", "flattened"],
+    ids=["reversed", "a duplicate apart", "flattened"],
 )
-def test_vertices_with_another_triangulation_are_refused(move: Callable[[Any], Any]) -> None:
+def test_vertices_whose_faces_overlap_are_refused(move) -> None:
+    moved, said = move
     surface = liftmesh.triangulate(np.vstack([ROWS, ROWS[:3]]))
-    with pytest.raises(InputError, match="another triangulation than the surface: triangulate"):
-        surface.replace(vertices=move(surface.vertices))
+    with pytest.raises(InputError, match=said):
+        surface.replace(vertices=moved(surface.vertices))
+
+
+@pytest.mark.parametrize("scale", [(1, 5, 1), (-1, 1, 2), (-3, 8, 1)])
+@pytest.mark.parametrize("longest", [None, 40])
+def test_faces_that_are_no_longer_delaunay_stay(scale, longest: float | None) -> None:
+    surface = liftmesh.triangulate(np.vstack([ROWS, ROWS[:3]]))
+    surface = surface if longest is None else surface.trim(max_edge=longest)
+    places = surface.vertices[surface.faces].mean(axis=1)[:, :2]
+    moved = surface.replace(vertices=surface.vertices * scale)
+    named = [set(map(frozenset, each.faces.tolist())) for each in (surface, moved)]
+    assert named[0] == named[1]
+    assert moved.verify()
+    assert moved.report.n_duplicates == 3
+    given = surface.sample(places) * scale[2]
+    np.testing.assert_allclose(moved.sample(places * scale[:2]), given)
+    assert moved.area(planar=True) == pytest.approx(
+        surface.area(planar=True) * abs(scale[0] * scale[1])
+    )
+    if scale[1] > 1:
+        with pytest.raises(InputError, match="'sibson' needs a Delaunay triangulation"):
+            moved.sample(places, "sibson")
+    back = moved.replace(vertices=surface.vertices)
+    assert set(map(frozenset, back.faces.tolist())) == named[0]
 
 
 def test_a_duplicate_that_moves_to_another_vertex_is_refused() -> None:

@@ -111,8 +111,10 @@ def test_values_that_fit_no_vertices(values: object, said: str) -> None:
 
 def test_values_for_which_a_raster_has_no_room() -> None:
     surface = surface_of()
-    with pytest.raises(InputError, match=r"shape \(500, 2\): give one of each vertex"):
+    with pytest.raises(InputError, match=r"values='flow' has 2 numbers .* which are 'intensity'"):
         surface.raster(0.1, values="flow")
+    with pytest.raises(InputError, match=r"shape \(500, 2\): give one of each vertex"):
+        surface.raster(0.1, values=surface.attributes["flow"])
     with pytest.raises(InputError, match="give quantity or values, not both"):
         surface.raster(0.1, values="intensity", quantity="slope")
     with pytest.raises(InputError, match="the surface has no values 'flow', but none at all"):

@@ -3,7 +3,6 @@
 
 #include "bindings/python.hpp"
 #include "delaunay/locate.hpp"
-#include "surface/natural.hpp"
 
 namespace bindings {
 
@@ -24,23 +23,6 @@ class PyLocator {
             return locator_.find({queries.data(), queries.shape(0)}, found.data(),
                                  {threads, shared}, interrupt);
         });
-    }
-
-    // Starts, rows and weights of the natural neighbours of each query; None if rows were written
-    // since they were triangulated.
-    nb::object natural_weights(const Pairs& queries, unsigned threads, bool shared) {
-        const liftmesh::Queries given{queries.data(), queries.shape(0)};
-        const liftmesh::Threads limit{threads, shared};
-        liftmesh::NaturalWeights found;
-        run_unlocked([&](auto& interrupt) {
-            const auto simplices = liftmesh::allocate<std::int32_t>(given.count);
-            return locator_.find(given, simplices.get(), limit, interrupt) &&
-                   liftmesh::natural_weights(locator_.mesh(), given, simplices.get(), found, limit,
-                                             interrupt);
-        });
-        if (!found.is_sound) return nb::none();
-        return nb::make_tuple(as_array(found.starts), as_array(found.rows),
-                              as_array(found.weights));
     }
 
  private:

@@ -89,8 +89,7 @@ void bind_planar(nb::module_& m) {
     m.def("incircle", &incircle, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a, "canonical"_a);
     nb::class_<PyLocator>(m, "Locator")
         .def(nb::init<PlanarRows, Triples, Triples>(), "points"_a, "simplices"_a, "neighbors"_a)
-        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a)
-        .def("natural_weights", &PyLocator::natural_weights, "queries"_a, "threads"_a, "shared"_a);
+        .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ const std::uint8_t* flags(const std::optional<Flags>& given, std::size_t count) 
 }
 
 liftmesh::Natural natural_named(std::string_view method) {
+    if (method == "linear") return liftmesh::Natural::linear;
     if (method == "nearest") return liftmesh::Natural::nearest;
     if (method == "nearest beyond") return liftmesh::Natural::nearest_beyond;
     if (method == "laplace") return liftmesh::Natural::laplace;
@@ -59,6 +60,20 @@ class PyRelief {
             return sample_natural(relief_, locator.locator(), given, natural_named(method),
                                   heights.data(), limit, interrupt);
         });
+    }
+
+    // Starts, rows and weights of each query; None if rows were written since they were
+    // triangulated.
+    nb::object weights(PyLocator& locator, const Pairs& queries, std::string_view method,
+                       unsigned threads, bool shared) const {
+        liftmesh::PointWeights found;
+        run_unlocked([&](auto& interrupt) {
+            return sample_weights(relief_, locator.locator(), {queries.data(), queries.shape(0)},
+                                  natural_named(method), found, {threads, shared}, interrupt);
+        });
+        if (!found.is_sound) return nb::none();
+        return nb::make_tuple(as_array(found.starts), as_array(found.rows),
+                              as_array(found.weights));
     }
 
     void gradients(PyLocator& locator, const Pairs& queries, const DoublePairs& gradients,
@@ -227,6 +242,8 @@ void bind_surface(nb::module_& m) {
              "points"_a, "simplices"_a, "neighbors"_a, "heights"_a, "left_out"_a.none())
         .def("sample", &PyRelief::sample, "locator"_a, "queries"_a, "heights"_a, "method"_a,
              "threads"_a, "shared"_a)
+        .def("weights", &PyRelief::weights, "locator"_a, "queries"_a, "method"_a, "threads"_a,
+             "shared"_a)
         .def("gradients", &PyRelief::gradients, "locator"_a, "queries"_a, "gradients"_a,
              "threads"_a, "shared"_a)
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)

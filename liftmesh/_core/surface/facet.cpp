@@ -25,18 +25,21 @@ double blend(double za, double zb, double zc, Weights weights) {
     return between(half, least / 2, greatest / 2) * 2;
 }
 
+double share_between(Point u, Point v, Point query) {
+    double dx = v.x - u.x, dy = v.y - u.y;
+    double from_x = query.x - u.x, from_y = query.y - u.y;
+    if (!std::isfinite(dx) || !std::isfinite(dy)) {
+        dx = v.x / 2 - u.x / 2;
+        dy = v.y / 2 - u.y / 2;
+        from_x = query.x / 2 - u.x / 2;
+        from_y = query.y / 2 - u.y / 2;
+    }
+    return std::fabs(dx) >= std::fabs(dy) ? from_x / dx : from_y / dy;
+}
+
 double height_between(SurfaceCorner u, SurfaceCorner v, Point query) {
     if (before_xy(v.at, u.at)) std::swap(u, v);
-    double dx = v.at.x - u.at.x, dy = v.at.y - u.at.y;
-    double from_x = query.x - u.at.x, from_y = query.y - u.at.y;
-    if (!std::isfinite(dx) || !std::isfinite(dy)) {
-        dx = v.at.x / 2 - u.at.x / 2;
-        dy = v.at.y / 2 - u.at.y / 2;
-        from_x = query.x / 2 - u.at.x / 2;
-        from_y = query.y / 2 - u.at.y / 2;
-    }
-    const double share = std::fabs(dx) >= std::fabs(dy) ? from_x / dx : from_y / dy;
-    return blend(u.height, v.height, u.height, {share, 0});
+    return blend(u.height, v.height, u.height, {share_between(u.at, v.at, query), 0});
 }
 
 SurfaceFacet::SurfaceFacet(const SurfaceCorner& p, const SurfaceCorner& q, const SurfaceCorner& r)
@@ -58,8 +61,8 @@ SurfaceFacet::SurfaceFacet(const SurfaceCorner& p, const SurfaceCorner& q, const
     const double width = std::max(bx_, cx_);
     const double height = std::max({by_, cy_, 0.0}) - std::min({by_, cy_, 0.0});
     inverse_ = 1 / area;
-    is_plain_ = area > least_area && area < largest_area && area > least_share * (width * height) &&
-                std::isfinite(rise_b_) && std::isfinite(rise_c_);
+    is_stout_ = area > least_area && area < largest_area && area > least_share * (width * height);
+    is_plain_ = is_stout_ && std::isfinite(rise_b_) && std::isfinite(rise_c_);
 }
 
 // Of a plain triangle the determinants do not cancel, relative to the steepness.

@@ -28,7 +28,8 @@ struct SurfaceCorner {
 // What is linear in the weights of b and c.
 double blend(double za, double zb, double zc, Weights weights);
 
-// On the edge of two corners, at a point exactly on it.
+// On the edge of two corners, at a point exactly on it: the weight of v, which is not before u.
+double share_between(Point u, Point v, Point query);
 double height_between(SurfaceCorner u, SurfaceCorner v, Point query);
 
 class SurfaceFacet {
@@ -39,8 +40,13 @@ class SurfaceFacet {
     // At a point strictly inside.
     double height(Point query) const {
         return is_plain_ ? plain_height(query)
-                         : blend(a_.height, b_.height, c_.height,
-                                 exact_weights(a_.at, b_.at, c_.at, query));
+                         : blend(a_.height, b_.height, c_.height, weights(query));
+    }
+
+    // Of b and c there.
+    Weights weights(Point query) const {
+        return is_stout_ ? plain_weights(query.x, query.y)
+                         : exact_weights(a_.at, b_.at, c_.at, query);
     }
 
     // Whether `plain_height` may be asked.
@@ -52,6 +58,11 @@ class SurfaceFacet {
     Point gradient() const;
 
  private:
+    Weights plain_weights(double at_x, double at_y) const {
+        const double x = at_x - a_.at.x, y = at_y - a_.at.y;
+        return {(x * cy_ - y * cx_) * inverse_, (bx_ * y - by_ * x) * inverse_};
+    }
+
     // Of one point or of two: the same bits.
     template <class Real>
     Real plain_height(Real at_x, Real at_y) const {
@@ -66,7 +77,7 @@ class SurfaceFacet {
 
     SurfaceCorner a_, b_, c_;  // a is the lexicographically least
     double bx_, by_, cx_, cy_, rise_b_, rise_c_, inverse_, least_, greatest_;
-    bool is_plain_;
+    bool is_stout_, is_plain_;  // whether areas are exact enough, and differences of heights finite
 };
 
 // Where a level crosses a side: on the side from its lexicographically lesser end.

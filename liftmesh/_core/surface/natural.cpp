@@ -154,6 +154,10 @@ const std::vector<double>& NaturalNeighbors::weigh(Natural method) {
     }
     const bool is_in_range = most > 0x1p-900 && most < 0x1p900;
     if (!is_in_range || !(error <= allowed * most)) weigh_exactly(method);
+    double total = 0;
+    for (const double each : room_.weights) total += each;
+    if (!(total > 0) || !std::isfinite(total)) room_.weights.clear();
+    for (double& each : room_.weights) each /= total;
     return room_.weights;
 }
 

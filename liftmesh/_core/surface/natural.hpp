@@ -38,8 +38,9 @@
 
 namespace liftmesh {
 
-// The nearest one is that of points in faces, or, beyond, of any point.
-enum class Natural : std::uint8_t { nearest, nearest_beyond, laplace, sibson };
+// How heights are interpolated: all but linearly by the vertices around the point. The nearest one
+// is that of points in faces, or, beyond, of any point.
+enum class Natural : std::uint8_t { linear, nearest, nearest_beyond, laplace, sibson };
 
 class NaturalNeighbors {
  public:
@@ -81,8 +82,8 @@ class NaturalNeighbors {
     std::size_t count() const { return room_.border.size(); }
     std::int32_t row(std::size_t i) const { return room_.border[i].row; }
 
-    // By Laplace or by Sibson, up to a common factor. None is negative, and their sum is finite and
-    // not 0 if no row was written meanwhile.
+    // By Laplace or by Sibson. None is negative, and they add up to 1 if no row was written
+    // meanwhile: else they may be none.
     const std::vector<double>& weigh(Natural method);
 
     // Whether the border goes around the point, as it does if no row was written meanwhile.
@@ -114,20 +115,5 @@ class NaturalNeighbors {
     Point query_{};
     int exponent_ = 0;  // coordinates relative to the query are divided by this power of 2
 };
-
-// Natural neighbours and Sibson's weights of many points, without heights.
-
-struct NaturalWeights {
-    std::vector<std::int64_t> starts;  // one more than points
-    std::vector<std::int32_t> rows;    // in ascending order for each point
-    std::vector<double> weights;       // those of a point add up to 1
-    bool is_sound = true;              // rows that were written meanwhile have not been noticed
-};
-
-// At a vertex this alone, on a side of the hull its two ends, linearly; nothing outside.
-// `simplices` has the triangle of each query, or -1. False if the interrupt came first.
-bool natural_weights(const Triangulated& mesh, const Queries& queries,
-                     const std::int32_t* simplices, NaturalWeights& found, Threads threads,
-                     Interrupt& interrupt);
 
 }  // namespace liftmesh

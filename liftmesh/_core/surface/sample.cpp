@@ -24,24 +24,24 @@ bool at_each(Locator& locator, const Queries& queries, Threads threads, Interrup
     return true;
 }
 
-// Not finite where weights leave the doubles, or where rows were written meanwhile.
-double height_between(const Relief& relief, NaturalNeighbors& neighbors, Natural method) {
+// As `blend` does of three.
+double blend(const Relief& relief, const NaturalNeighbors& neighbors,
+             const std::vector<double>& weights) {
     const double first = relief.height_of(neighbors.row(0));
-    double total = 0, sum = 0, low = first, high = first;
-    const std::vector<double>& weights = neighbors.weigh(method);
-    for (std::size_t i = 0; i < weights.size(); ++i) {
+    double low = first, high = first, sum = 0, half = 0;
+    for (std::size_t i = 1; i < weights.size(); ++i) {
         const double z = relief.height_of(neighbors.row(i));
-        total += weights[i];
         sum += weights[i] * (z - first);
+        half += weights[i] * (z / 2 - first / 2);
         low = std::min(low, z);
         high = std::max(high, z);
     }
-    const double z = first + sum / total;
-    return std::isfinite(z) ? std::clamp(z, low, high) : z;
+    const double z = first + sum;
+    if (std::isfinite(z)) return std::clamp(z, low, high);
+    return std::clamp(first / 2 + half, low / 2, high / 2) * 2;
 }
 
-// At vertices, on sides of the hull and outside as the linear height, which is the limit there, and
-// where natural neighbours have no finite one.
+// At vertices, on sides of the hull and outside as the linear height, which is the limit there.
 double natural_height(const Relief& relief, Point query, std::int32_t triangle, Natural method,
                       Patience& patience) {
     thread_local NaturalNeighbors::Room room;
@@ -56,8 +56,8 @@ double natural_height(const Relief& relief, Point query, std::int32_t triangle, 
     const bool is_sound = neighbors.find(query, triangle, patience);
     if (patience.ends(0)) return no_height;
     if (!is_sound) return linear();
-    const double height = height_between(relief, neighbors, method);
-    return std::isfinite(height) ? height : linear();
+    const std::vector<double>& weights = neighbors.weigh(method);
+    return weights.empty() ? linear() : blend(relief, neighbors, weights);
 }
 
 double nearest_height(const Relief& relief, Point query, std::int32_t triangle,

@@ -18,6 +18,19 @@ bool sample_heights(const Relief& relief, Locator& locator, const Queries& queri
 bool sample_natural(const Relief& relief, Locator& locator, const Queries& queries, Natural method,
                     double* heights, Threads threads, Interrupt& interrupt);
 
+// What a height, or another value, is made of at each point: z = za + sum of w (z - za) over the
+// rows after the first, a, and not beyond any of them. The bits are those of `sample_heights`, or
+// `sample_natural`.
+struct PointWeights {
+    std::vector<std::int64_t> starts;  // one more than points
+    std::vector<std::int32_t> rows;    // from the lexicographically least on, counter-clockwise
+    std::vector<double> weights;       // those of a point add up to 1
+    bool is_sound = true;              // rows that were written meanwhile have not been noticed
+};
+
+bool sample_weights(const Relief& relief, Locator& locator, const Queries& queries, Natural method,
+                    PointWeights& found, Threads threads, Interrupt& interrupt);
+
 // Of the face that owns the point: dz/dx and dz/dy.
 bool sample_gradients(const Relief& relief, Locator& locator, const Queries& queries,
                       double* gradients, Threads threads, Interrupt& interrupt);

@@ -15,11 +15,14 @@ def _code(module: str, name: str) -> LazyFunction:
     return LazyFunction(f"liftmesh.{module}", name)
 
 
+_AXES = _code("io.axes", "validate_axes")
+
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
     "needs": ("points", "finite"),
     "loses": _code("io.formats.gltf.writer", "dropped_parts"),
     "expands": True,
+    "options": _AXES,
     "check": _code("io.formats.gltf.writer", "check"),
     "renames": _code("io.formats.gltf.writer", "renamed"),
 }
@@ -57,6 +60,7 @@ FORMATS = (
         ),
         needs=("points",),
         loses=_code("io.formats.obj", "dropped_parts"),
+        options=_AXES,
         gzip=True,
     ),
     Format(
@@ -144,6 +148,16 @@ FORMATS = (
         entries=("landxml",),
     ),
     Format(
+        name="dxf",
+        suffixes=(".dxf",),
+        read=_code("io.formats.dxf", "read_dxf"),
+        write=_code("io.formats.dxf", "write_dxf"),
+        description="DXF as text, drawings: faces, lines and points",
+        keeps=("faces", "edges", "float64"),
+        needs=("faces", "finite"),
+        gzip=True,
+    ),
+    Format(
         name="3mf",
         suffixes=(".3mf",),
         read=None,
@@ -191,7 +205,17 @@ FORMATS = (
         description="meshes of SU2 in the plane: faces, and the boundary by its markers",
         keeps=("faces", "edges", "float64"),
         needs=("faces", "finite"),
-        loses=_code("io.formats.meshio_files", "lost_by_su2"),
+        entries=("markers",),
+    ),
+    Format(
+        name="2dm",
+        suffixes=(".2dm",),
+        read=_code("io.formats.mesh2d", "read_2dm"),
+        write=_code("io.formats.mesh2d", "write_2dm"),
+        description="2DM, meshes of SMS: nodes, elements with materials, nodestrings",
+        keeps=("points", "faces", "edges", "float64"),
+        needs=("faces", "finite"),
+        gzip=True,
         entries=("markers",),
     ),
     Format(

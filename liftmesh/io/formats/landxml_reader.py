@@ -29,6 +29,7 @@ from liftmesh.base.options import counted, refused
 from liftmesh.crs.description import is_number
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import Ragged, face_counts, triangulated
+from liftmesh.io.formats.stl import weld
 from liftmesh.io.metadata import noted
 from liftmesh.io.text_tables import Block, is_count, quoted, ragged_numbers
 
@@ -344,8 +345,9 @@ def _padded(rows: Ragged) -> Floats:
 def _edges(points: Floats, lines: _Rows) -> tuple[Rows, Floats]:
     """Return edges along lines, and points with the corners that are at none before them."""
     corners, sizes = lines.places()
-    together = np.concatenate([points, corners]) + 0.0  # negative zeros are zeros here
-    row = _first_equal(together)[len(points) :]
+    together = np.concatenate([points, corners])
+    kept, found = weld(together)
+    row = kept[found[len(points) :]]
     is_new = row >= len(points)
     new, place = np.unique(row[is_new], return_inverse=True)
     row[is_new] = len(points) + place
@@ -355,16 +357,3 @@ def _edges(points: Floats, lines: _Rows) -> tuple[Rows, Floats]:
     edges = np.stack([row[begins], row[begins + 1]], axis=1).astype(np.int32)
     edges = edges[edges[:, 0] != edges[:, 1]]
     return edges, np.concatenate([points, corners[new - len(points)]])
-
-
-def _first_equal(points: Floats) -> Integers:
-    """Return for each point the first that has its coordinates."""
-    order = np.lexsort(points.T)
-    is_first = np.zeros(len(points), np.bool_)
-    is_first[:1] = True
-    for column in points.T:
-        values = column[order]
-        is_first[1:] |= values[1:] != values[:-1]
-    found = np.empty(len(points), np.intp)
-    found[order] = order[is_first][np.cumsum(is_first) - 1]
-    return found

@@ -17,7 +17,6 @@ from __future__ import annotations
 
 import shutil
 import tempfile
-from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
 
@@ -27,7 +26,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import edges_of, faces_of
-from liftmesh.io.tags import are_at_boundary, beyond_edges, markers_of, regions_of
+from liftmesh.io.tags import Boundary, grouped, positive_markers, regions_of
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -45,9 +44,9 @@ class _Block(NamedTuple):
 def write_msh(stream: BinaryIO, cloud: Cloud) -> None:
     """Write faces and edges, with regions and markers as physical groups."""
     faces, edges = faces_of(cloud), edges_of(cloud)
-    regions, markers = regions_of(cloud) + 1, _markers(cloud, _NONE)
-    parts = [(1, *part) for part in _by_tag(edges, markers)]
-    parts += [(2, *part) for part in _by_tag(faces, regions)]
+    regions, markers = regions_of(cloud) + 1, positive_markers(cloud, _NONE, "MSH")
+    parts = [(1, *part) for part in grouped(edges, markers)]
+    parts += [(2, *part) for part in grouped(faces, regions)]
     tags = np.array([each[:2] for each in parts], np.int32)
     groups = [np.full(len(rows), tag, np.int32) for _, tag, rows in parts]
     _write(
@@ -58,22 +57,6 @@ def write_msh(stream: BinaryIO, cloud: Cloud) -> None:
         point_data={"gmsh:dim_tags": tags[_place_of_nodes(len(cloud), [p[2] for p in parts])]},
         cell_data={"gmsh:physical": groups, "gmsh:geometrical": groups},
     )
-
-
-def _markers(cloud: Cloud, beyond: Rows) -> Rows:
-    markers = markers_of(cloud, beyond)
-    if (markers < 0).any():
-        raise FormatError(
-            f"the marker of edge {int(markers.argmin())} is {markers.min()}, but markers of MSH "
-            "and SU2 are numbered from 1: give others"
-        )
-    return markers
-
-
-def _by_tag(rows: Rows, tags: Rows) -> Iterator[tuple[int, Rows]]:
-    order = np.argsort(tags, kind="stable")
-    found, starts = np.unique(tags[order], return_index=True)
-    return zip(found.tolist(), np.split(rows[order], starts[1:]), strict=False)
 
 
 def _place_of_nodes(count: int, parts: list[Rows]) -> Array:
@@ -97,9 +80,17 @@ def _place_of_nodes(count: int, parts: list[Rows]) -> Array:
     return place
 
 
-def write_su2(stream: BinaryIO, cloud: Cloud) -> None:
-    """Write faces, and the sides of the boundary by their markers."""
-    faces, lines, markers = faces_of(cloud), *_boundary(cloud)
+def write_su2(stream: BinaryIO, cloud: Cloud) -> frozenset[str]:
+    """Write faces, and the sides of the boundary by their markers; name what is lost."""
+    faces, edges = faces_of(cloud), edges_of(cloud)
+    boundary = Boundary.of(cloud)
+    beyond = boundary.beyond(edges)
+    lines, markers = (
+        np.concatenate([edges, beyond]),
+        positive_markers(cloud, beyond, "SU2", boundary),
+    )
+    is_outer = boundary.has(lines)
+    lines, markers = lines[is_outer], markers[is_outer]
     rows = used_rows(len(cloud), faces)
     number = np.zeros(len(cloud), np.int32)
     number[rows] = np.arange(len(rows), dtype=np.int32)
@@ -110,20 +101,8 @@ def write_su2(stream: BinaryIO, cloud: Cloud) -> None:
         [_Block(_TRIANGLE, number[faces]), _Block(_LINE, number[lines])],
         cell_data={"su2:tag": [np.zeros(len(faces), np.int32), markers]},
     )
-
-
-def _boundary(cloud: Cloud) -> tuple[Rows, Rows]:
-    """Return the sides of the boundary and their markers."""
-    beyond = beyond_edges(cloud)
-    lines, markers = np.concatenate([edges_of(cloud), beyond]), _markers(cloud, beyond)
-    is_outer = are_at_boundary(cloud, lines)
-    return lines[is_outer], markers[is_outer]
-
-
-def lost_by_su2(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
-    """Name heights and edges inside."""
-    inner = not are_at_boundary(cloud, edges_of(cloud)).all()
-    return ["heights"] * bool(cloud.points[:, 2].any()) + ["edges inside"] * inner
+    lost = {"heights": cloud.points[:, 2].any(), "edges inside": not is_outer.all()}
+    return frozenset(each for each, is_lost in lost.items() if is_lost)
 
 
 def _write(stream: BinaryIO, kind: str, points: Floats, cells: list[_Block], **data: Any) -> None:

@@ -6,7 +6,8 @@ counted from 1, or backwards from the last one so far; ``l`` a chain of edges. T
 large blocks and grouped by keyword, so that all vertices of a block are parsed at once. Keywords
 that do not concern the shape are counted and skipped. The writer emits the shortest digits that
 round-trip, and a chain for each edge. A coordinate system is a JSON string in a comment,
-``# crs "EPSG:25832"``; metadata stand there too.
+``# crs "EPSG:25832"``; metadata stand there too, and axes other than those of maps,
+``# axes {"up": "y"}``: x, z and -y are written then.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -23,9 +24,11 @@ from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, fits_eight_bits, recognized
-from liftmesh.base.options import ObjColors, check_option
+from liftmesh.base.options import ObjColors, Up, check_option
 from liftmesh.errors import FormatError
+from liftmesh.io.axes import AS_STATED, Axes, chosen_origin, turned, upright
 from liftmesh.io.columns import edges_of, face_counts, triangulated
+from liftmesh.io.format import checked_origin, with_origin, without_origin
 from liftmesh.io.formats.obj_faces import (
     MARK,
     Corners,
@@ -35,7 +38,15 @@ from liftmesh.io.formats.obj_faces import (
     parse_corners,
     write_comments,
 )
-from liftmesh.io.metadata import header_comments, others, stated, stated_crs, storable
+from liftmesh.io.markup import parsed_or_none
+from liftmesh.io.metadata import (
+    as_text,
+    header_comments,
+    others,
+    stated,
+    stated_crs,
+    storable,
+)
 from liftmesh.io.text_tables import (
     BLOCK,
     Block,
@@ -48,7 +59,9 @@ from liftmesh.io.text_tables import (
 )
 
 if TYPE_CHECKING:
+    from liftmesh.io.axes import OriginChoice
     from liftmesh.io.columns import Ragged
+    from liftmesh.io.format import Origin
 
 _SYNTAX = Syntax(comments=("#",), continued=True)
 _KEYWORDS = ("v", "vn", "f", "l")
@@ -61,12 +74,15 @@ _MOST_KEYWORDS = 1000
 # Characters of the comments at the top that are kept, each with so many more: all that is written.
 _MOST_COMMENTS, _COMMENT = 1 << 18, 4
 
+_AXES = "axes "  # begins a comment that says which axis is up, and what was subtracted
+
 _RUN = 1 << 16  # corners compared at a time
 
 
-def read_obj(stream: BinaryIO, name: str) -> Cloud:
-    """Read an OBJ file."""
-    crs, entries = _stated(stream, name)
+def read_obj(stream: BinaryIO, name: str, *, options: Axes = AS_STATED) -> Cloud:
+    """Read an OBJ file; z is up unless it states another axis, or the caller does."""
+    crs, entries, note = _stated(stream, name)
+    up, origin = _axes(note, options, name)
     reading = _Reading(name, crs, entries)
     begin = stream.tell()
     lines = Lines(stream, name, _SYNTAX, sought=MARK.encode())
@@ -75,19 +91,34 @@ def read_obj(stream: BinaryIO, name: str) -> Cloud:
     if lines.found:
         stream.seek(begin)
         reading.painted = commented_colors(stream, name)
-    return reading.cloud()
+    cloud = reading.cloud()
+    if up == "y":
+        normals = None if cloud.normals is None else upright(cloud.normals)
+        cloud = replace(cloud, points=upright(cloud.points), normals=normals)
+    return with_origin(cloud, origin)
 
 
-def _stated(stream: BinaryIO, name: str) -> tuple[str | None, dict[str, Any]]:
-    """Return the coordinate system and the metadata that the comments at the top state."""
+def _axes(note: Mapping[str, Any], options: Axes, name: str) -> tuple[Up, Origin | None]:
+    """Take the axis and the origin that a comment states, unless a caller does."""
+    origin = checked_origin(note["origin"], name) if "origin" in note else None
+    return options.up or ("y" if note.get("up") == "y" else "z"), options.origin or origin
+
+
+def _stated(stream: BinaryIO, name: str) -> tuple[str | None, dict[str, Any], dict[str, Any]]:
+    """Return the coordinate system, metadata and axes that the comments at the top state."""
     crs, kept, left = None, [], _MOST_COMMENTS
+    note: dict[str, Any] = {}
     with closing(leading_comments(stream, name)) as comments:
         for comment in comments:
             crs = stated_crs([comment]) if crs is None else crs
+            axes = comment.startswith(_AXES) and parsed_or_none(comment.removeprefix(_AXES))
+            if isinstance(axes, dict) and not note:
+                note = axes
+                continue
             left -= len(comment) + _COMMENT
             if left >= 0:
                 kept.append(comment)
-    return crs, stated(others(kept, crs))
+    return crs, stated(others(kept, crs)), note
 
 
 @dataclass(slots=True)
@@ -278,25 +309,38 @@ def write_obj(
     *,
     colors: ObjColors = "values",
     comments: Sequence[str] = (),
-) -> None:
+    up: Up = "z",
+    origin: OriginChoice = None,
+) -> Origin | None:
     """Write a cloud, or a mesh, as OBJ."""
     check_option("colors", colors, ObjColors)
-    for comment in header_comments(cloud.crs, storable(cloud.metadata), comments):
+    check_option("up", up, Up)
+    zero = chosen_origin(origin, cloud.points)
+    note = ({"up": up} if up == "y" else {}) | ({} if zero is None else {"origin": [*zero]})
+    axes = [_AXES + as_text(note)] if note else []
+    for comment in header_comments(cloud.crs, storable(cloud.metadata), comments, axes):
         if not comment.isprintable() or comment.endswith("\\"):
             raise FormatError(f"comment {comment!r} is not a single line, as OBJ files require")
         stream.write(f"# {comment}\n".encode())
     held = None if colors == "none" else cloud.colors
     values = [] if held is None or colors == "comments" else [color_columns(held)]
     eight_bits = held is not None and held.dtype == np.uint8
-    write_rows(stream, [cloud.points, *values], prefix="v ", shortest=eight_bits)
+    turn = turned if up == "y" else _same
+    points = turn(without_origin(cloud.points, zero))
+    write_rows(stream, [points, *values], prefix="v ", shortest=eight_bits)
     if held is not None and colors == "comments":
         write_comments(stream, held)
     if cloud.normals is not None:
-        write_rows(stream, [cloud.normals], prefix="vn ")
+        write_rows(stream, [turn(cloud.normals)], prefix="vn ")
     if cloud.faces is not None:
         _write_faces(stream, cloud.faces, normals=cloud.normals is not None)
     if len(edges := edges_of(cloud)):
         write_rows(stream, [edges], prefix="l ", plus=1)
+    return zero
+
+
+def _same(rows: Floats) -> Floats:
+    return rows
 
 
 def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
@@ -307,7 +351,15 @@ def _write_faces(stream: BinaryIO, faces: Array, *, normals: bool) -> None:
 
 
 def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Colours within printed precision of 8-bit ones are read as these."""
+    """Colours within printed precision of 8-bit ones are read as these; an origin may round."""
+    zero = chosen_origin(options.get("origin"), cloud.points)
+    with np.errstate(invalid="ignore"):
+        again = without_origin(cloud.points, zero) + (0.0 if zero is None else np.array(zero))
+    is_exact = zero is None or np.array_equal(again, cloud.points, equal_nan=True)
+    return (*_dropped_colors(cloud, options), *(() if is_exact else ("float64",)))
+
+
+def _dropped_colors(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
     if options.get("colors", "values") != "values":
         return ("deep_colors", *(["colors"] if options["colors"] == "none" else []))
     if cloud.colors is None or fits_eight_bits(cloud.colors[:, :3]):

@@ -168,6 +168,9 @@ def transformed(cloud: Cloud, matrix: Floats) -> Cloud:
 def _rotated(normals: Array, matrix: Floats, determinant: float) -> Array | None:
     if determinant == 0:
         return None
+    if np.array_equal(np.abs(matrix) @ np.ones(3), np.ones(3)) and set(matrix.flat) <= {-1, 0, 1}:
+        turned: Floats = normals @ matrix.T  # between axes: no number is rounded
+        return turned
     inverse = np.linalg.inv(matrix)
     if not np.isfinite(inverse).all():
         return None

@@ -196,21 +196,23 @@ void check_natural(const Ground& ground, const Ground& other, const std::vector<
 }
 
 void check_weights(const Ground& ground, const std::vector<Point>& asked) {
-    std::vector<std::int32_t> at(asked.size());
-    liftmesh::NaturalWeights found;
+    const std::vector<double> heights = natural(ground, asked, Natural::sibson);
+    liftmesh::PointWeights found;
     Impatient interrupt;
-    demand(ground.locator.find(queries_of(asked), at.data(), {}, interrupt) &&
-               natural_weights(ground.mesh, queries_of(asked), at.data(), found, {}, interrupt),
+    demand(sample_weights(ground.relief, ground.locator, queries_of(asked), Natural::sibson, found,
+                          {}, interrupt),
            "weights end early");
     demand(found.is_sound && found.starts.size() == asked.size() + 1, "weights are not sound");
+    const auto place_of = [&](std::int32_t row) { return liftmesh::point(ground.mesh.place(row)); };
     for (std::size_t i = 0; i < asked.size(); ++i) {
         const auto first = static_cast<std::size_t>(found.starts[i]),
                    last = static_cast<std::size_t>(found.starts[i + 1]);
-        demand((at[i] < 0) == (first == last), "weights outside, or none inside");
+        demand(std::isnan(heights[i]) == (first == last), "weights outside, or none inside");
         double sum = 0;
         for (std::size_t j = first; j < last; ++j) {
             demand(found.weights[j] >= 0, "a weight is negative, or none");
-            demand(j == first || found.rows[j - 1] < found.rows[j], "rows do not ascend");
+            demand(j == first || before_xy(place_of(found.rows[first]), place_of(found.rows[j])),
+                   "the first row is not the least");
             sum += found.weights[j];
         }
         demand(first == last || std::fabs(sum - 1) < 1e-9, "weights do not add up to 1");

@@ -13,7 +13,7 @@ from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
 from fuzz.structure.points import compressed, ele, node, pcd, poly, pts, xyzrgb
 from fuzz.structure.raster import geotiff, grid
-from fuzz.structure.text import ascii_stl, binary_stl, obj, off, table
+from fuzz.structure.text import ascii_stl, binary_stl, dxf, mesh2d, obj, off, table
 from fuzz.structure.xml import landxml
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "copc": copc,
     "e57": scans,
     "landxml": landxml,
+    "2dm": mesh2d,
+    "dxf": dxf,
     "geotiff": geotiff,
     "grid": grid,
 }

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from fuzz.mutator import vocabulary
 from fuzz.structure.case import Case, Points, quarters, told
-from fuzz.structure.parts import Chance, Part
+from fuzz.structure.parts import Chance, Part, encoded
 
 OBJ_WORDS = vocabulary("obj")
 TABLE_WORDS = vocabulary("xyz")
@@ -16,6 +16,19 @@ POSITION_NAMES = (
 )  # fmt: skip
 TEXTS = ("oak", "2019-05-01", "low", "a.b")
 OFF_WORDS = [b"OFF", b"COFF", b"NOFF", b"STOFF", b"4OFF", b"# a\n", b"OFF 1 1 1\n"]
+MESH_WORDS = [b"MESH2D", b"ND", b"E3T", b"E4Q", b"NS", b"NS 1 2\n", b"E6T 1 2 3\n", b"-1"]
+DXF_WORDS = [
+    b"0\nSEQEND\n",
+    b"0\nVERTEX\n",
+    b"0\nLWPOLYLINE\n",
+    b"70\n64\n",
+    b"70\n128\n",
+    b"71\n1\n",
+    b"0\nENDSEC\n",
+    b"0\nEOF\n",
+    b"AutoCAD Binary DXF",
+    b"42\n1\n",
+]
 STL_WORDS = [b"solid", b"endsolid", b"facet", b"endfacet", b"outer", b"loop", b"endloop", b"normal",
              b"vertex", b"solid a\n", b"endsolid\n", b"solid liftmesh origin 1 2 3\n", b"end ",
              b"color 1 0 0\n", b"# a\n", b"; a\n", b"\0", b"\x1a", b"-nan(ind)"]  # fmt: skip
@@ -85,6 +98,59 @@ def off(chance: Chance) -> Case:
         corners = [chance.randrange(rows) for _ in range(size or chance.randint(0, 6))]
         parts += line(len(corners), *corners)
     return told("off", parts, OFF_WORDS, points, chance)
+
+
+def mesh2d(chance: Chance) -> Case:
+    """Make a 2DM file, whose nodes may be in any order."""
+    rows, first = chance.randint(1, 6), chance.choice((1, 1, 7))
+    points = quarters(chance, rows)
+    parts = [*line("MESH2D"), *line("MESHNAME", '"a"') * chance.one_in(2)]
+    for k in range(chance.randint(0, 5)):
+        size = chance.choice((3, 3, 4))
+        nodes = [chance.randrange(rows) + first for _ in range(size)]
+        material = [chance.randint(1, 3)] * chance.randint(0, 1)
+        parts += line("E3T" if size == 3 else "E4Q", k + 1, *nodes, *material)
+    for k in chance.sample(range(rows), rows):
+        parts += line("ND", k + first, *points[k].tolist())
+    for _ in range(chance.randint(0, 2)):
+        nodes = [chance.randrange(rows) + first for _ in range(chance.randint(1, 4))]
+        parts += line("NS", *nodes[:-1], -nodes[-1], *[9] * chance.randint(0, 1))
+    return told("2dm", parts, MESH_WORDS, points, chance)
+
+
+def dxf(chance: Chance) -> Case:
+    """Make a drawing of points, faces and lines, of which equal corners are one row."""
+    points = quarters(chance, chance.randint(0, 3))
+    parts = [*_pairs(0, "SECTION", 2, "HEADER", 0, "ENDSEC") * chance.one_in(2)]
+    parts += _pairs(0, "SECTION", 2, "ENTITIES")
+    for point in points.tolist():
+        parts += [*_pairs(0, "POINT", 8, "a"), *_place(10, point)]
+    others = quarters(chance, 0)
+    for _ in range(chance.randint(0, 4)):
+        kind, count = chance.choice((("3DFACE", 4), ("3DFACE", 3), ("LINE", 2), ("POLYLINE", 3)))
+        corners = quarters(chance, count)
+        parts += _pairs(0, kind, 8, "a", *((70, 8) if kind == "POLYLINE" else ()))
+        for k, corner in enumerate(corners.tolist()):
+            if kind == "POLYLINE":
+                parts += [*_pairs(0, "VERTEX"), *_place(10, corner)]
+            else:
+                parts += _place(10 + k, corner)
+        parts += _pairs(0, "SEQEND") * (kind == "POLYLINE")
+        others = np.vstack([others, corners])
+    parts += [*_pairs(0, "TEXT", 1, "b") * chance.one_in(3), *_pairs(0, "ENDSEC", 0, "EOF")]
+    rows = np.vstack([points, welded(others)]) if len(others) else points
+    if not len(rows):
+        return Case("dxf", encoded(parts))
+    return told("dxf", parts, DXF_WORDS, rows, chance)
+
+
+def _pairs(*values: object) -> list[Part]:
+    """Make the lines of codes and values."""
+    return [part for value in values for part in line(value)]
+
+
+def _place(code: int, point: Sequence[float]) -> list[Part]:
+    return [part for k, value in enumerate(point) for part in _pairs(code + 10 * k, value)]
 
 
 def ascii_stl(chance: Chance) -> Case:

@@ -1,4 +1,4 @@
-"""Families of files of points: PCD, PTS, XYZRGB, XYZN, of Triangle, and text packed with gzip.
+"""Families of PCD, PTS, XYZRGB, XYZN, files of Triangle, 2DM, DXF, and text packed with gzip.
 
 Work grows where a header names very many fields, where scans or members are many and empty, where a
 copy of LZF reaches into itself, and where decompression begins anew to go back a little.
@@ -225,6 +225,70 @@ def points_beside(n: int) -> bytes:
 
 
 POLY = named(segments_of_nodes, holes_and_regions, stated_names, points_beside)
+
+
+def mesh_of_sms(n: int) -> bytes:
+    """The ordinary mesh: a strip, with a nodestring along it."""
+    places = positions(n).splitlines()
+    nodes = "".join(f"ND {k} {place}\n" for k, place in enumerate(places, 1)).encode()
+    faces = b"".join(
+        b"E3T %d %d %d %d 1\n" % (k, k, k % n + 1, (k + 1) % n + 1) for k in range(1, n)
+    )
+    string = b"".join(b"NS %d\n" % k for k in range(1, n))
+    return b"MESH2D\n" + faces + nodes + string + b"NS -%d\n" % n
+
+
+def short_cards(n: int) -> bytes:
+    """Elements and strings of one node."""
+    return b"MESH2D\nND 1 1 1 1\n" + b"E3T 1 1 1 1\n" * n + b"NS -1 2\n" * n
+
+
+def other_cards(n: int) -> bytes:
+    """Cards that are all different, which are counted."""
+    return b"MESH2D\nND 1 1 1 1\n" + b"".join(b"A%x 1\n" % k for k in range(n))
+
+
+def long_string(n: int) -> bytes:
+    """One line with all the nodes of a string."""
+    return b"MESH2D\nND 1 1 1 1\nNS" + b" 1" * n + b" -1\n"
+
+
+MESH2D = named(mesh_of_sms, short_cards, other_cards, long_string)
+
+
+def _drawing(entities: bytes) -> bytes:
+    return b"0\nSECTION\n2\nENTITIES\n" + entities + b"0\nENDSEC\n0\nEOF\n"
+
+
+def drawn_faces(n: int) -> bytes:
+    """The ordinary drawing: faces."""
+    corner = "{0}{1}\n{{}}\n{2}{1}\n{{}}\n{3}{1}\n{{}}\n"
+    face = "".join(corner.format(1, k, 2, 3) for k in range(4))
+    rows = np.round(random().random((n, 12)) * 1000, 2).tolist()
+    return _drawing("".join(f"0\n3DFACE\n{face.format(*row)}" for row in rows).encode())
+
+
+def drawn_points(n: int) -> bytes:
+    """Points of few bytes."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n" * n)
+
+
+def long_polyline(n: int) -> bytes:
+    """One line with very many corners, and arcs between them."""
+    return _drawing(b"0\nLWPOLYLINE\n" + b"10\n1\n20\n1\n42\n1\n" * n)
+
+
+def other_entities(n: int) -> bytes:
+    """Entities of very many kinds, which are counted."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n" + b"".join(b"0\nA%x\n" % k for k in range(n)))
+
+
+def endless_line(n: int) -> bytes:
+    """A value that does not end: refused beyond a length."""
+    return _drawing(b"0\nPOINT\n10\n1\n20\n1\n1\n" + b"a" * 30 * n + b"\n")
+
+
+DXF = named(drawn_faces, drawn_points, long_polyline, other_entities, endless_line)
 
 
 def zipped(data: bytes) -> bytes:

@@ -127,7 +127,7 @@ def test_colours_and_normals_that_not_all_have() -> None:
     cloud = model.read()
     assert cloud.colors is not None
     assert cloud.normals is not None
-    assert cloud.colors.tolist() == [[9] * 4] * 4
+    assert cloud.colors.tolist() == [[53, 53, 53, 9]] * 4
     assert cloud.normals.tolist() == (SQUARE + np.array([0, 0, 1])).tolist()
     model.tree["nodes"][1]["scale"] = [1, 1, 0]
     assert "1 primitive with NORMAL, which not all have" in model.read().metadata["not_read"]

@@ -51,7 +51,9 @@ def plain(cloud: Cloud) -> np.ndarray:
 def test_every_viewer_puts_the_mesh_where_it_belongs(kind: str) -> None:
     data = saved(far(), kind)
     scene = trimesh.load_scene(io.BytesIO(data), file_type=kind, process=False)
-    np.testing.assert_allclose(scene.bounds, [far().points.min(0), far().points.max(0)], atol=1e-4)
+    x, y, z = far().points.T
+    with_y_up = np.column_stack([x, z, -y])
+    np.testing.assert_allclose(scene.bounds, [with_y_up.min(0), with_y_up.max(0)], atol=1e-4)
     found = tree(data) if kind == "glb" else json.loads(data)
     (node,) = (each for each in found["nodes"] if "mesh" in each)
     assert node["translation"] == UTM.tolist()
@@ -280,11 +282,16 @@ def test_integers_at_the_end_of_their_range_are_named() -> None:
 @pytest.mark.parametrize(
     ("stored", "read", "is_rounded"),
     [
-        (np.array([[65535, 32896, 0], [200, 100, 50]], "<u2"), [[255, 128, 0], [1, 0, 0]], True),
-        (np.array([[257, 514, 65535], [0, 0, 0]], "<u2"), [[1, 2, 255], [0, 0, 0]], False),
-        (np.array([[1, 0.2, 0], [7, -1, np.nan]], "<f4"), [[255, 51, 0], [255, 0, 0]], False),
-        (np.array([[0.5, 0.2, 0], [0, 0, 0]], "<f4"), [[128, 51, 0], [0, 0, 0]], True),
-        (np.array([[9, 200, 255], [0, 0, 0]], "<u1"), [[9, 200, 255], [0, 0, 0]], False),
+        (np.array([[65535, 14147, 0], [200, 100, 50]], "<u2"), [[255, 128, 0], [10, 5, 3]], True),
+        (np.array([[20, 40, 65535], [14146, 0, 0]], "<u2"), [[1, 2, 255], [128, 0, 0]], False),
+        (
+            np.array([[1, 0.21586050, 0], [7, -1, np.nan]], "<f4"),
+            [[255, 128, 0], [255, 0, 0]],
+            False,
+        ),
+        (np.array([[0.5, 0.2, 0], [0, 0, 0]], "<f4"), [[188, 124, 0], [0, 0, 0]], True),
+        (np.array([[55, 0, 255], [0, 0, 0]], "<u1"), [[128, 0, 255], [0, 0, 0]], False),
+        (np.array([[55, 254, 255], [253, 0, 0]], "<u1"), [[128, 255, 255], [254, 0, 0]], True),
     ],
 )
 @pytest.mark.parametrize("uses", [1, 2])

@@ -9,11 +9,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import gmsh
 import meshio
 import numpy as np
 import pytest
 from constrained.families import FAMILIES
+from gmsh_apart import apart, read
 from hypothesis import given, settings, strategies as st
 
 import liftmesh
@@ -49,19 +49,7 @@ def test_gmsh_reads_what_was_refined(tmp_path: Path) -> None:
     tri = refined.triangulation
     written = liftmesh.write(tmp_path / "a.msh", refined)
     assert (written.format, written.dropped) == ("msh", ())
-    gmsh.initialize(interruptible=False)
-    try:
-        gmsh.option.setNumber("General.Terminal", 0)
-        gmsh.open(str(tmp_path / "a.msh"))
-        numbers, places, _ = gmsh.model.mesh.getNodes()
-        found: dict[tuple[int, int], Any] = {}
-        for kind, tag in gmsh.model.getPhysicalGroups():
-            (entity,) = gmsh.model.getEntitiesForPhysicalGroup(kind, tag)
-            corners = gmsh.model.mesh.getElements(kind, entity)[2][0]
-            found[kind, tag] = corners.reshape(-1, kind + 1).astype(int) - 1
-    finally:
-        gmsh.finalize()
-    points = places.reshape(-1, 3)[np.argsort(numbers)]
+    points, found = apart(read, str(tmp_path / "a.msh"))
     assert points[:, :2].tobytes() == tri.points.tobytes()
     assert {k: {*map(frozenset, v.tolist())} for (d, k), v in found.items() if d == 1} == (
         expected_lines(tri)
@@ -167,7 +155,7 @@ def test_few_nodes(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="4 vertices are too few for the 5 regions and markers"):
         liftmesh.write(tmp_path / "b.msh", square.to_cloud(markers=[1, 2, 3, 4]))
     for name in ("b.msh", "b.su2"):
-        with pytest.raises(FormatError, match="marker of edge 1 is -4, but markers of MSH and SU2"):
+        with pytest.raises(FormatError, match=r"edge 1 is -4, but markers of (MSH|SU2) are"):
             liftmesh.write(tmp_path / name, square.to_cloud(markers=[1, 2, 3, -4]))
         assert not (tmp_path / name).exists()
 
@@ -196,8 +184,6 @@ def test_surfaces_and_rows_without_faces(tmp_path: Path) -> None:
 
 
 def test_formats_that_meshio_has_not(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"'2dm', and meshio has none: write \.msh"):
-        liftmesh.write(tmp_path / "a.2dm", plate())
     with pytest.raises(FormatError, match=r"'xdmf', but `meshio convert` makes such files of"):
         liftmesh.write(tmp_path / "a.xdmf", plate())
 

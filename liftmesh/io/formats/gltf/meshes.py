@@ -10,7 +10,7 @@ Every node is visited once, so the time is linear in their number, however deep 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -18,12 +18,13 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.cloud import Cloud, is_crs
-from liftmesh.base.colors import as_uint8, fits_eight_bits, with_alpha
+from liftmesh.io.formats.gltf.shading import of_light
 from liftmesh.io.formats.gltf.validation import Accessor, Document, Tree, is_harmless
 from liftmesh.io.markup import finite_numbers, shown_json
 from liftmesh.io.options import check_columns
 
 if TYPE_CHECKING:
+    from liftmesh.base.options import Up
     from liftmesh.io.format import Origin
 
 POINTS, TRIANGLES, STRIP, FAN = 0, 4, 5, 6
@@ -194,15 +195,15 @@ def _rows(document: Document, accessor: Accessor) -> Array:
 
 
 def _colors(document: Document, part: Primitive) -> dict[str, Any]:
-    """Return colours with alpha as bytes, and whether that rounds them."""
+    """Return colours with alpha as bytes of sRGB, and whether that rounds them."""
     if "COLOR_0" not in part.used:
         return {}
     rows = _rows(document, part.used["COLOR_0"])
     colors = rows.astype(rows.dtype.newbyteorder("="))
     if colors.dtype.kind == "f":
         colors = np.clip(np.nan_to_num(colors, posinf=0, neginf=0), 0, 1)
-    is_rounded = not fits_eight_bits(colors)
-    return {"colors": with_alpha(as_uint8(colors)), "metadata": {ROUNDED: is_rounded}}
+    levels, is_rounded = of_light(colors)
+    return {"colors": levels, "metadata": {ROUNDED: is_rounded}}
 
 
 def _integers(document: Document, accessor: Accessor) -> Integers:
@@ -275,6 +276,19 @@ def default_scene(document: Document) -> Scene:
     walk = _Walk(document, nodes, scene)
     walk.run(document.indices(scenes[number], "nodes", len(nodes), f"scenes[{number}]"))
     return scene
+
+
+# From y up, as in a scene of glTF, to z up.
+_UPRIGHT = np.array([[1.0, 0, 0, 0], [0, 0, -1.0, 0], [0, 1.0, 0, 0], [0, 0, 0, 1.0]])
+
+
+def stand(scene: Scene, up: Up, metres: Sequence[float]) -> None:
+    """Turn meshes from the axes of the scene, in metres, to z up in the units of a cloud."""
+    turn = _UPRIGHT if up == "y" else np.eye(4)
+    turned = [turn if place is None else turn @ place for place in scene.places]
+    for place in turned:
+        place[:3] = place[:3] / np.array(metres)[:, None]
+    scene.places = [None if np.array_equal(place, np.eye(4)) else place for place in turned]
 
 
 def put_exactly(scene: Scene, origin: Origin) -> bool:
@@ -381,12 +395,13 @@ def _rotation(quaternion: Floats, document: Document, what: str) -> Floats:
     size = np.abs(quaternion).max()
     if size == 0:
         raise document.error(f"{what}: rotation is zero: expected a unit quaternion")
-    quaternion = quaternion / size
-    x, y, z, w = quaternion * np.sqrt(2.0 / (quaternion @ quaternion))
-    return np.array(
+    x, y, z, w = quaternion / size
+    double = 2.0 / (x * x + y * y + z * z + w * w)  # so that turns between axes are exact
+    products: Floats = double * np.array(
         [
-            [1.0 - y * y - z * z, x * y - z * w, x * z + y * w],
-            [x * y + z * w, 1.0 - x * x - z * z, y * z - x * w],
-            [x * z - y * w, y * z + x * w, 1.0 - x * x - y * y],
+            [-(y * y + z * z), x * y - z * w, x * z + y * w],
+            [x * y + z * w, -(x * x + z * z), y * z - x * w],
+            [x * z - y * w, y * z + x * w, -(x * x + y * y)],
         ]
     )
+    return products + np.eye(3)

@@ -15,7 +15,9 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.cloud import Cloud, is_crs
+from liftmesh.base.options import Up
 from liftmesh.errors import FormatError
+from liftmesh.io.axes import AS_STATED, Axes
 from liftmesh.io.format import checked_origin, with_origin
 from liftmesh.io.formats.gltf.meshes import (
     ROUNDED,
@@ -25,8 +27,11 @@ from liftmesh.io.formats.gltf.meshes import (
     default_scene,
     primitives,
     put_exactly,
+    stand,
 )
+from liftmesh.io.formats.gltf.shading import COMPUTED
 from liftmesh.io.formats.gltf.validation import Document
+from liftmesh.io.markup import finite_numbers, shown_json
 from liftmesh.io.metadata import NOTE, noted, of_extras
 from liftmesh.io.objects.trimesh import transformed
 from liftmesh.io.options import check_expanded, limit_of
@@ -36,32 +41,54 @@ _GROWTH = 20
 
 _MOST = int(np.iinfo(np.int32).max)
 
+_METRES = [1.0, 1.0, 1.0]
+_TURNED = "y is up, as in all glTF: turned to z up"
 
-def read_glb(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+
+def read_glb(
+    stream: BinaryIO, name: str, *, max_bytes: int | None = None, options: Axes = AS_STATED
+) -> Cloud:
     """Read a GLB file: the points and triangles of all meshes of its scene, each in its place."""
-    return _scene(stream, name, "glb", max_bytes)
+    return _scene(Document(stream, name, "glb", max_bytes), max_bytes, options)
 
 
-def read_gltf(stream: BinaryIO, name: str, *, max_bytes: int | None = None) -> Cloud:
+def read_gltf(
+    stream: BinaryIO, name: str, *, max_bytes: int | None = None, options: Axes = AS_STATED
+) -> Cloud:
     """Read a glTF file with buffers inside it or in the same folder; see :func:`read_glb`."""
-    return _scene(stream, name, "gltf", max_bytes)
+    return _scene(Document(stream, name, "gltf", max_bytes), max_bytes, options)
 
 
-def _scene(stream: BinaryIO, name: str, kind: str, max_bytes: int | None) -> Cloud:
+def _scene(document: Document, max_bytes: int | None, axes: Axes) -> Cloud:
     """Read the scene that a glTF or GLB file shows."""
-    document = Document(stream, name, kind, max_bytes)
-    scene = default_scene(document)
+    scene, name = default_scene(document), document.name
     note = scene.extras.pop(NOTE) if isinstance(scene.extras.get(NOTE), dict) else {}
+    up: Up = axes.up or ("z" if note.get("up") == "z" else "y")
+    stand(scene, up, _metres(note.get("metres", _METRES), name))
     placed = checked_origin(note["origin"], name) if "origin" in note else None
     is_there = placed is not None and put_exactly(scene, placed)
     content = _Content(document, scene)
     content.check(limit_of(max_bytes, _GROWTH * document.used_size()))
     cloud = content.cloud()
     cloud = replace(cloud, attributes=restored(cloud.attributes, note.get("attributes")))
+    if note.get("normals") == COMPUTED:
+        cloud = replace(cloud, normals=None)
+    if axes.up is None and "up" not in note:
+        cloud = replace(cloud, metadata=noted(cloud.metadata, notes=(_TURNED,)))
     if is_there:
         return replace(cloud, metadata=noted(cloud.metadata, origin=placed))
-    stated = scene.extras.get("origin")  # of older versions, whose nodes are at zero
-    return with_origin(cloud, None if stated is None else checked_origin(stated, name))
+    # Of older versions, whose nodes are at zero, too.
+    stated = note.get("zero", scene.extras.get("origin"))
+    zero = None if stated is None else checked_origin(stated, name)
+    return with_origin(cloud, axes.origin or zero)
+
+
+def _metres(stated: object, name: str) -> list[float]:
+    """Check how many metres the units of x, y and z are, as a file states it."""
+    numbers = finite_numbers(stated, 3)
+    if numbers is None or min(numbers) <= 0:
+        raise FormatError(f"{name}: the units in metres are {shown_json(stated)}: expected three")
+    return numbers
 
 
 @dataclass(slots=True)

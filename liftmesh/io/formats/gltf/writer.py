@@ -4,6 +4,10 @@ trimesh writes neither places of nodes nor named values of points. So its GLB is
 is, a tree and the bytes of one buffer, to which both are added. The origin of single precision
 (`io.precision`) is the translation of the node, so that every viewer shows the mesh in its place,
 and stands in the ``extras`` of the scene as well, where it is exact whatever happens to the nodes.
+An origin that the caller chooses stands there alone: the scene is near zero, as engines need it.
+
+In a scene of glTF y is up, and lengths are metres. A node above all others turns and scales: the
+vertices keep their bits.
 
 Attributes have names that begin with an underscore, as glTF wants it, and single precision:
 ``_INTENSITY`` for intensity. The scene's extras state the old name and type of each, so that
@@ -17,7 +21,7 @@ import json
 import re
 import struct
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -25,14 +29,18 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
-from liftmesh.base.colors import kept_depth
+from liftmesh.base.options import Up, check_option, refused
+from liftmesh.crs.units import system_of
 from liftmesh.errors import FormatError
+from liftmesh.io.axes import chosen_origin
 from liftmesh.io.format import SINGLE, TOLERANCE, fits_whole, needed_origin, without_origin
+from liftmesh.io.formats.gltf.shading import COMPUTED, as_light, vertex_normals
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
+    from liftmesh.io.axes import OriginChoice
     from liftmesh.io.format import Origin
 
 
@@ -41,23 +49,29 @@ _WIDEST = 4
 
 _HEAD = struct.Struct("<4sIII4s")
 _CHUNK = struct.Struct("<I4s")
-_FLOAT = 5126
+_FLOAT, _SHORT = 5126, 5123
+_SHARES = ("COLOR_0",)  # whole numbers that stand for shares of one
+_METRES = [1.0, 1.0, 1.0]
 _KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _EMBEDDED = "data:application/octet-stream;base64,"
 
 
-def write_glb(stream: BinaryIO, cloud: Cloud) -> Origin | None:
+def write_glb(
+    stream: BinaryIO, cloud: Cloud, *, up: Up = "y", origin: OriginChoice = None
+) -> Origin | None:
     """Write a mesh, or points, as GLB with 8-bit colours."""
-    file, origin = _file(cloud, "glb")
+    file, moved = _file(cloud, "glb", up, origin)
     stream.write(file.glb())
-    return origin
+    return moved
 
 
-def write_gltf(stream: BinaryIO, cloud: Cloud) -> Origin | None:
+def write_gltf(
+    stream: BinaryIO, cloud: Cloud, *, up: Up = "y", origin: OriginChoice = None
+) -> Origin | None:
     """Write a mesh, or points, as a glTF file that contains its buffers; see :func:`write_glb`."""
-    file, origin = _file(cloud, "gltf")
+    file, moved = _file(cloud, "gltf", up, origin)
     stream.write(file.gltf())
-    return origin
+    return moved
 
 
 def check(cloud: Cloud) -> None:
@@ -82,34 +96,55 @@ def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     return (*names, *dropped_attributes({"normals": cloud.normals}))
 
 
-def _file(cloud: Cloud, kind: str) -> tuple[File, Origin | None]:
-    origin = needed_origin(cloud.points, kind)
-    shown = Cloud(
-        without_origin(cloud.points, origin),
-        colors=cloud.colors,
-        color_depth=kept_depth(cloud.colors),
-        normals=_squarable(cloud.normals),
-        faces=cloud.faces,
-    )
-    geometry = to_mesh(shown) if _has_faces(cloud) else to_points(shown)
+def _file(cloud: Cloud, kind: str, up: Up, choice: OriginChoice) -> tuple[File, Origin | None]:
+    check_option("up", up, Up)
+    zero = chosen_origin(choice, cloud.points)
+    origin = needed_origin(cloud.points, kind) if zero is None else zero
+    points = without_origin(cloud.points, origin)
+    if zero is not None and needed_origin(points, kind) is not None:
+        raise refused("origin", choice, f"give a place near the points, or 'center': {kind} files")
+    has_faces, normals = _has_faces(cloud), _squarable(cloud.normals)
+    is_computed = has_faces and normals is None
+    if is_computed and cloud.faces is not None:
+        normals = vertex_normals(points, cloud.faces)
+    shown = Cloud(points, normals=normals, faces=cloud.faces)
+    geometry = to_mesh(shown) if has_faces else to_points(shown)
     file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
-    if origin is not None:
+    if cloud.colors is not None:
+        file.add("COLOR_0", as_light(cloud.colors))
+    file.shade()
+    if origin is not None and zero is None:
         file.place(origin)
+    metres = _metres(cloud)
+    file.turn(up, metres)
     values = value_columns(cloud.attributes)
     names = value_keys(values)
     for name, key in names.items():
         file.add(key, values[name])
-    if extras := _extras(cloud, origin, names_note(values, names)):
-        file.tree["scenes"][0]["extras"] = extras
+    note = {
+        "up": up,
+        "metres": [] if metres == _METRES else metres,
+        "origin": [] if origin is None or zero is not None else [*origin],
+        "zero": [] if zero is None else [*zero],
+        "normals": COMPUTED if is_computed else "",
+        "attributes": names_note(values, names),
+    }
+    file.tree["scenes"][0]["extras"] = _extras(cloud, note)
     return file, origin
 
 
-def _extras(cloud: Cloud, origin: Origin | None, names: dict[str, list[str]]) -> dict[str, Any]:
+def _metres(cloud: Cloud) -> list[float]:
+    """Return how many metres the units of x, y and z are; 1 where nothing says it."""
+    system = system_of(cloud)
+    units = (None, None, None) if system is None else system.units
+    return [1.0 if each is None or each.metres is None else each.metres for each in units]
+
+
+def _extras(cloud: Cloud, note: Mapping[str, Any]) -> dict[str, Any]:
     """What the scene says of itself: metadata, crs, and liftmesh's own note."""
-    note = {"origin": None if origin is None else list(origin), "attributes": names}
     own = {key: value for key, value in note.items() if value}
     crs = {} if cloud.crs is None else {"crs": cloud.crs}
-    return as_extras(storable(cloud.metadata)) | crs | ({NOTE: own} if own else {})
+    return as_extras(storable(cloud.metadata)) | crs | {NOTE: own}
 
 
 def _has_faces(cloud: Cloud) -> bool:
@@ -225,24 +260,50 @@ class File:
             if "mesh" in node:
                 node["translation"] = list(origin)
 
+    def turn(self, up: Up, metres: Sequence[float]) -> None:
+        """Put all nodes below one that turns z up to y up, and makes metres of other units."""
+        x, y, z = metres
+        columns = [(x, 0, 0), (0, 0, -y), (0, z, 0)]
+        if up == "z":
+            columns = [(x, 0, 0), (0, y, 0), (0, 0, z)]
+        if up == "z" and [*metres] == _METRES:
+            return
+        nodes, scene = self.tree["nodes"], self.tree["scenes"][0]
+        matrix = [float(each) for column in columns for each in (*column, 0)]
+        place = {"name": "axes", "matrix": [*matrix, 0.0, 0.0, 0.0, 1.0]}
+        nodes.append({**place, "children": scene["nodes"]})
+        scene["nodes"] = [len(nodes) - 1]
+
+    def shade(self) -> None:
+        """Give everything a material that is dull, and no metal."""
+        dull = {"metallicFactor": 0.0, "roughnessFactor": 1.0}
+        self.tree["materials"] = [{"pbrMetallicRoughness": dull}]
+        for primitive in self._primitives():
+            primitive["material"] = 0
+
+    def _primitives(self) -> Iterator[dict[str, Any]]:
+        for mesh in self.tree["meshes"]:
+            yield from mesh["primitives"]
+
     def add(self, key: str, values: Array) -> None:
-        """Add float32 values of the vertices, (n,) or (n, k) with k from 2 to 4."""
+        """Add values of the vertices, (n,) or (n, k) with k from 2 to 4: float32, or 16 bits."""
         views, accessors = self.tree["bufferViews"], self.tree["accessors"]
-        data = np.ascontiguousarray(values, dtype="<f4").tobytes()
+        is_share = values.dtype == np.uint16 and key in _SHARES
+        data = np.ascontiguousarray(values, dtype="<u2" if is_share else "<f4").tobytes()
         views.append({"buffer": 0, "byteOffset": self.size, "byteLength": len(data)})
         self.parts.append(data)
         self.size += len(data)
         accessors.append(
             {
                 "bufferView": len(views) - 1,
-                "componentType": _FLOAT,
+                "componentType": _SHORT if is_share else _FLOAT,
                 "count": len(values),
                 "type": _KINDS[1 if values.ndim == 1 else values.shape[1]],
+                **({"normalized": True} if is_share else {}),
             }
         )
-        for mesh in self.tree["meshes"]:
-            for primitive in mesh["primitives"]:
-                primitive["attributes"][key] = len(accessors) - 1
+        for primitive in self._primitives():
+            primitive["attributes"][key] = len(accessors) - 1
 
     def glb(self) -> bytes:
         """Pack as GLB."""

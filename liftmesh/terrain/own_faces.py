@@ -1,0 +1,142 @@
+"""Triangulations that have given faces, of any planar triangulation (`planar/planarity.py`).
+
+The sides that the Delaunay triangulation of the corners lacks are all that must be asked for: a
+side that is Delaunay is in every constrained triangulation whose edges it does not cross. But first
+those are asked for that are stated; and with the others the rim, so that `verify` finds the faces
+to be carved. What lies between the faces, and around them to the convex
+hull, is filled by triangles that are masked, so location, overlays and rims need no other code.
+
+Faces are turned counter-clockwise, whatever the order of their corners: many programs write any.
+Rows at one position and height are one vertex, as in files whose triangles share none.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from liftmesh._typing import Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, triangles_of_faces
+from liftmesh.errors import InputError
+from liftmesh.planar.constrained import constrained_delaunay
+from liftmesh.planar.planarity import Conflict, first_conflict, turned
+
+if TYPE_CHECKING:
+    from liftmesh.planar.triangulation import Triangulation
+
+
+class Found(NamedTuple):
+    """A triangulation, and its triangles that are no faces; None if all are."""
+
+    solved: Triangulation
+    mask: Mask | None
+
+    @property
+    def faces(self) -> Rows:
+        """Its other triangles."""
+        simplices = self.solved.simplices
+        return simplices if self.mask is None else simplices[~self.mask]
+
+
+def found_in(solved: Triangulation, faces: Rows) -> Found | None:
+    """Find faces in a triangulation; None if one is not there, or is there twice."""
+    place = triangles_of_faces(solved.simplices, faces, solved.npoints)
+    absent = np.ones(solved.nsimplex, dtype=np.bool_)
+    absent[place[place >= 0]] = False
+    if np.count_nonzero(~absent) < len(faces):
+        return None
+    return Found(solved, absent if absent.any() else None)
+
+
+def with_faces(
+    solved: Triangulation,  # the Delaunay triangulation of the corners; other rows are skipped
+    faces: Rows,
+    heights: Floats,
+    edges: Rows,  # those that are sides of faces become constraints
+    remedy: str,
+    threads: int | None = None,
+) -> Found:
+    """Find faces, or make a constrained triangulation that has them; raise if there is none."""
+    found = found_in(solved, faces)
+    if found is None:
+        faces = _checked(solved, faces, heights, remedy, threads)
+        found = found_in(solved, faces)
+    if found is not None and not len(edges):
+        return found
+    for asked in _sides(solved, faces, edges):
+        if len(asked):
+            ends = np.stack(pairs_of_keys(asked), axis=1).astype(np.int32)
+            options = {"nonfinite": "skip", "order": "canonical", "threads": threads}
+            lined = constrained_delaunay(solved.points, ends, **options)  # type: ignore[arg-type]
+            found = found_in(lined, faces)
+        if found is not None:
+            return found
+    raise AssertionError("no triangulation has the faces: a bug of liftmesh")
+
+
+def _sides(solved: Triangulation, faces: Rows, edges: Rows) -> tuple[Integers, Integers]:
+    """Return the sides that are edges, and these with those on the rim or in no triangle."""
+    ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+    sides, counts = np.unique(pair_keys(*ends.T), return_counts=True)
+    is_stated = np.isin(sides, pair_keys(*np.sort(_kept(solved)[edges], axis=1).T))
+    is_there = np.isin(sides, pair_keys(*solved.edges.T), assume_unique=True)
+    return sides[is_stated], sides[is_stated | ~is_there | (counts == 1)]
+
+
+def _kept(solved: Triangulation) -> Rows:
+    """Return for each row the one that stands for its position."""
+    names = np.arange(solved.npoints, dtype=np.int32)
+    row, kept = solved.duplicates.T
+    names[row] = kept
+    return names
+
+
+def check_faces(points: Floats, faces: Rows, remedy: str) -> Rows:
+    """Return faces counter-clockwise; raise if one has no area."""
+    corners, is_flat = turned(points, faces)
+    if is_flat.any():
+        face = int(is_flat.argmax())
+        raise InputError(
+            f"{_face(faces, face)}, has no area seen from above: it is vertical, or its corners "
+            f"are on a line: leave it out, or {remedy}"
+        )
+    return corners
+
+
+def _checked(
+    solved: Triangulation, faces: Rows, heights: Floats, remedy: str, threads: int | None
+) -> Rows:
+    """Return faces counter-clockwise, with one row for each position; raise if they conflict."""
+    corners = check_faces(solved.points, faces, remedy)
+    row, kept = solved.duplicates.T
+    if (is_apart := heights[row] != heights[kept]).any():
+        low, high = int(kept[is_apart.argmax()]), int(row[is_apart.argmax()])
+        raise InputError(
+            f"rows {low} and {high} of faces are at one planar position, with the heights "
+            f"{float(heights[low])!r} and {float(heights[high])!r}: a surface has one; {remedy}"
+        )
+    corners = _kept(solved)[corners]
+    if (conflict := first_conflict(solved.points, corners, threads)) is not None:
+        raise InputError(f"{_told(conflict, faces, solved.points)}{remedy}")
+    return corners
+
+
+def _told(conflict: Conflict, faces: Rows, points: Floats) -> str:
+    """Say which two faces no surface has both of."""
+    one, other = (_face(faces, each) for each in (conflict.earlier, conflict.later))
+    if conflict.row is None:
+        place = tuple(points[faces[conflict.later, 0]].tolist())
+        return (
+            f"{one}, and {other}, overlap seen from above, near {place}, and a surface has one "
+            "height at each place: leave one out, or "
+        )
+    place = tuple(points[conflict.row].tolist())
+    return (
+        f"{one}, and {other}, do not fit together: row {conflict.row}, {place}, is inside a side "
+        "of one of them: divide that face there, or "
+    )
+
+
+def _face(faces: Rows, number: int) -> str:
+    return f"face {number}, of the rows {faces[number].tolist()}"

@@ -1,0 +1,170 @@
+"""DXF: surfaces, lines and points of drawings, as ezdxf writes and reads them."""
+
+from __future__ import annotations
+
+import io
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import numpy as np
+import pytest
+from commands import liftmesh as command
+from surfaces import hills
+
+import liftmesh
+from liftmesh import Cloud, FormatError
+
+SQUARE = [(0, 0, 1), (8, 0, 2), (8, 8, 3), (0, 8, 4)]
+FACES = [[(0, 0, 1), (8, 0, 2), (8, 8, 3)], [(0, 0, 1), (8, 8, 3), (0, 8, 4)]]
+
+
+def drawing(version: str = "R2010") -> tuple[Any, Any]:
+    made = ezdxf.new(version)
+    return made, made.modelspace()
+
+
+def loaded(made: Any) -> Cloud:
+    if isinstance(made, str):
+        return liftmesh.read(io.BytesIO(made.encode()), format="dxf")
+    stream = io.StringIO()
+    made.write(stream)
+    return liftmesh.read(io.BytesIO(stream.getvalue().encode()), format="dxf")
+
+
+def corners_of(cloud: Cloud, rows: Any) -> list[Any]:
+    return cloud.points[rows].tolist()  # type: ignore[no-any-return]
+
+
+@pytest.mark.parametrize("version", ["R12", "R2000", "R2018"])
+def test_faces_of_every_kind(version: str) -> None:
+    made, space = drawing(version)
+    for each in FACES:
+        space.add_3dface(each)
+    space.add_3dface(SQUARE)
+    space.add_polyface().append_faces([SQUARE, SQUARE[:3]])
+    found = loaded(made)
+    assert found.faces is not None
+    assert found.points.tolist() == [[0, 0, 1], [8, 0, 2], [8, 8, 3], [0, 8, 4]]
+    two = [[0, 1, 2], [0, 2, 3]]
+    assert found.faces.tolist() == [*two, *two, *two, [0, 1, 2]]
+    assert found.edges is None
+    assert "not_read" not in found.metadata
+
+
+def test_lines_are_edges_and_points_are_rows() -> None:
+    made, space = drawing()
+    space.add_point((1, 2, 3))
+    space.add_point((1, 2, 3))
+    space.add_line((0, 0, 0), (1, 1, 1))
+    space.add_polyline3d([(1, 1, 1), (5, 5, 5), (7, 7, 7)], close=True)
+    space.add_polyline2d([(3, 3), (4, 4)], dxfattribs={"elevation": (0, 0, 8)})
+    space.add_lwpolyline([(0, 0), (2, 2, 0, 0, 0.5), (9, 9)], dxfattribs={"elevation": 4})
+    found = loaded(made)
+    assert found.faces is None
+    assert found.edges is not None
+    assert found.points[:2].tolist() == [[1, 2, 3], [1, 2, 3]]
+    assert corners_of(found, found.edges) == [
+        [[0, 0, 0], [1, 1, 1]],
+        [[1, 1, 1], [5, 5, 5]],
+        [[5, 5, 5], [7, 7, 7]],
+        [[7, 7, 7], [1, 1, 1]],
+        [[3, 3, 8], [4, 4, 8]],
+        [[0, 0, 4], [2, 2, 4]],
+        [[2, 2, 4], [9, 9, 4]],
+    ]
+    assert found.metadata["not_read"] == ("1 bend of an arc",)
+
+
+def test_what_is_left_out_is_counted() -> None:
+    made, space = drawing()
+    space.add_point((1, 2, 3))
+    space.add_circle((0, 0), 5)
+    space.add_polymesh((3, 3))
+    space.add_lwpolyline([(0, 0), (2, 2)], dxfattribs={"extrusion": (1, 0, 0)})
+    made.blocks.new("tree").add_line((0, 0), (1, 1))
+    space.add_blockref("tree", (5, 5))
+    found = loaded(made)
+    assert found.points.tolist() == [[1, 2, 3]]
+    assert found.metadata["not_read"] == (
+        "1 CIRCLE",
+        "1 mesh of a POLYLINE",
+        "1 LWPOLYLINE in a system of its own",
+        "1 INSERT",
+    )
+
+
+def entities(text: str, end: str = "0\nENDSEC\n0\nEOF\n") -> str:
+    return f"0\nSECTION\n2\nENTITIES\n{text}{end}"
+
+
+POINT = "0\nPOINT\n8\n0\n10\n1\n20\n2\n30\n3\n"
+FACE = (
+    "0\nPOLYLINE\n70\n64\n0\nVERTEX\n70\n192\n10\n1\n20\n2\n30\n3\n0\nVERTEX\n70\n128\n71\n1\n72\n"
+    "-2\n73\n1\n0\nSEQEND\n"
+)
+BAD = {
+    "no text of pairs": ("abc\ndef\n", "line 1: 'abc' is no code of DXF"),
+    "binary": ("AutoCAD Binary DXF\r\n\x1a\0\0\n\n", "binary DXF is not read: save it as text"),
+    "nothing": (entities(""), "no faces, lines and points in it"),
+    "another section": (entities(POINT).replace("ENTITIES", "BLOCKS"), "no faces, lines"),
+    "cut off": (entities(POINT, end=""), "it ends within a POINT: it is cut off"),
+    "no number": (entities(POINT.replace("\n2\n", "\nb\n")), "line 12: 'b' is not a number"),
+    "an underscore": (entities(POINT.replace("\n2\n", "\n1_2\n")), "'1_2' is not a number"),
+    "no y": (entities(POINT.replace("20\n2\n", "")), r"line 6: an entity without x and y \(codes"),
+    "an odd line": (entities(POINT + "x\n"), "line 15: 'x' is no code of DXF"),
+    "no vertex": (entities(FACE), "a face of a polyface mesh names vertex 2 of 1"),
+    "half a corner": (
+        entities("0\nLWPOLYLINE\n10\n1\n20\n1\n10\n2\n"),
+        "line 6: LWPOLYLINE has 2 x and 1 y",
+    ),
+    "an endless line": ("0\nSECTION\n2\n" + "a" * 3_000_000, "a line of more than 1,048,576 bytes"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+def test_bad_files_name_the_line(case: str) -> None:
+    text, cause = BAD[case]
+    with pytest.raises(FormatError, match=cause):
+        loaded(text)
+
+
+def test_line_ends_and_blanks() -> None:
+    for text in (entities(POINT).replace("\n", "\r\n"), entities(POINT).replace("10\n", " 10\n")):
+        assert loaded(text).points.tolist() == [[1, 2, 3]]
+
+
+def test_ezdxf_reads_what_is_written(tmp_path: Path) -> None:
+    hill = liftmesh.triangulate(hills() / 3)
+    mesh = replace(hill.to_cloud(), edges=hill.faces[:9, :2])
+    written = liftmesh.write(tmp_path / "a.dxf", mesh)
+    assert written.dropped == ()
+    made = ezdxf.readfile(tmp_path / "a.dxf")
+    assert made.audit().errors == []
+    kinds = ("vtx0", "vtx1", "vtx2", "vtx3")
+    found = [[tuple(face.dxf.get(each)) for each in kinds] for face in made.query("3DFACE")]
+    assert np.array_equal(found, mesh.points[hill.faces[:, [0, 1, 2, 2]]])
+    lines = [(tuple(line.dxf.start), tuple(line.dxf.end)) for line in made.query("LINE")]
+    assert np.array_equal(lines, mesh.points[mesh.edges])
+    back = liftmesh.read(tmp_path / "a.dxf")
+    assert back.faces is not None
+    assert np.array_equal(back.points[back.faces], mesh.points[hill.faces])
+    surface = liftmesh.as_surface(tmp_path / "a.dxf")
+    assert len(surface.faces) == len(hill.faces)
+    assert (
+        "rows in no face"
+        in liftmesh.write(
+            tmp_path / "b.dxf", Cloud(np.zeros((4, 3)), faces=np.array([[0, 1, 2]]))
+        ).dropped
+    )
+
+
+def test_a_drawing_becomes_a_surface(tmp_path: Path) -> None:
+    made, space = drawing()
+    for each in SQUARE:
+        space.add_point(each)
+    made.saveas(tmp_path / "survey.dxf")
+    done = command("triangulate", "survey.dxf", "tin.dxf", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert len(ezdxf.readfile(tmp_path / "tin.dxf").query("3DFACE")) == 2
