@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -248,10 +248,17 @@ def filled_contours(
     low, high = _range(surface)
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines, rim = contour_lines(surface, wanted, threads=threads), _rim(surface)
+    # Squares of coordinates are not to leave the doubles in GEOS.
+    exponent = int(np.frexp(np.abs(rim[..., :2]).max())[1])
+    lines = replace(lines, points=np.ldexp(lines.points, -exponent))
+    rim[..., :2] = np.ldexp(rim[..., :2], -exponent)
     try:
-        return fill(lines, rim, wanted, (low, high))
+        found = fill(lines, rim, wanted, (low, high))
     except TangledError:
-        return _snapped(surface, lines, rim, wanted, (low, high))
+        found = _snapped(
+            lines, rim, wanted, (low, high), lambda at: heights_at(surface, np.ldexp(at, exponent))
+        )
+    return replace(found, points=np.ldexp(found.points, exponent))
 
 
 class TangledError(InputError):
@@ -291,27 +298,22 @@ def fill(
     ends: Ends,  # the lowest and the highest height
 ) -> FilledContours:
     """Make the bands between all contours of some levels inside a boundary."""
-    sides = _without_returns(
-        *map(np.concatenate, zip(_of_lines(lines, levels), _of_rim(rim, levels), strict=True))
-    )
+    (one, of_one), (other, of_other) = _of_lines(lines, levels), _of_rim(rim, levels)
+    sides = _without_returns(np.concatenate([one, other]), np.concatenate([of_one, of_other]))
     rings = _turned(_simple(sides, cycles(_followers(sides))), sides)
     return _assembled(sides, rings, levels, ends, lines.crs)
 
 
-def _of_lines(lines: Contours, levels: Floats) -> tuple[Floats, Floats, Integers]:
+def _of_lines(lines: Contours, levels: Floats) -> tuple[Floats, Integers]:
     """Return the pieces of contours, each in the band above it, and backwards in that below."""
     line = _numbers(lines.starts)
     inside = np.flatnonzero(line[1:] == line[:-1])
-    tails, heads = lines.points[inside], lines.points[inside + 1]
+    pieces = np.stack([lines.points[inside], lines.points[inside + 1]], axis=1)
     above = np.searchsorted(levels, lines.levels[line[inside]]) + 1
-    return (
-        np.concatenate([tails, heads]),
-        np.concatenate([heads, tails]),
-        np.concatenate([above, above - 1]),
-    )
+    return np.concatenate([pieces, pieces[:, ::-1]]), np.concatenate([above, above - 1])
 
 
-def _of_rim(rim: Floats, levels: Floats) -> tuple[Floats, Floats, Integers]:
+def _of_rim(rim: Floats, levels: Floats) -> tuple[Floats, Integers]:
     """Return the pieces of the boundary between levels, each in its band."""
     first, last = np.searchsorted(levels, rim[:, :, 2], side="right").T
     counts = np.abs(last - first)
@@ -327,7 +329,7 @@ def _of_rim(rim: Floats, levels: Floats) -> tuple[Floats, Floats, Integers]:
     starts = np.cumsum(counts + 1) - counts - 1
     band = np.cumsum(step)
     band += np.repeat(first - band[starts], counts + 1)
-    return begins, ends, band
+    return np.stack([begins, ends], axis=1), band
 
 
 class _Sides(NamedTuple):
@@ -343,11 +345,10 @@ class _Sides(NamedTuple):
         return self.bands * len(self.places) + places
 
 
-def _without_returns(tails: Floats, heads: Floats, bands: Integers) -> _Sides:
+def _without_returns(pieces: Floats, bands: Integers) -> _Sides:
     """Number the places, and leave out what goes there and back in one band."""
-    both = np.ascontiguousarray(np.concatenate([tails, heads])).view(np.complex128)[:, 0]
-    places, number = np.unique(both, return_inverse=True)
-    one, other = number.reshape(2, -1)
+    places, number = np.unique(pieces.view(np.complex128), return_inverse=True)
+    one, other = number.reshape(-1, 2).T
     least, most = np.minimum(one, other), np.maximum(one, other)
     order = np.lexsort([most, least, bands])
     order = order[least[order] < most[order]]
@@ -516,18 +517,20 @@ def _owners(sides: _Sides, rings: _Rings, band: Integers) -> Integers:
 
 
 def _snapped(
-    surface: SurfaceData, lines: Contours, rim: Floats, levels: Floats, ends: Ends
+    lines: Contours,
+    rim: Floats,
+    levels: Floats,
+    ends: Ends,
+    heights_of: Callable[[Floats], Floats],
 ) -> FilledContours:
     """Make the bands of lines that GEOS snaps to a grid, by the heights inside what they bound."""
     shapely = load("shapely", extra="shapes")
-    begins, heads, _ = _of_rim(rim, levels)
-    sides = shapely.linestrings(np.stack([begins, heads], axis=1))
+    sides = shapely.linestrings(_of_rim(rim, levels)[0])
     contours = shapely.linestrings(lines.points, indices=_numbers(lines.starts))
-    grid = 2.0 ** (int(np.frexp(np.abs(rim[..., :2]).max())[1]) - _BITS)
-    noded = shapely.unary_union(np.concatenate([contours, sides]), grid_size=grid)
+    noded = shapely.unary_union(np.concatenate([contours, sides]), grid_size=2.0**-_BITS)
     faces = shapely.get_parts(shapely.polygonize([noded]))
     inside = shapely.get_coordinates(shapely.point_on_surface(faces))
-    heights = heights_at(surface, inside)
+    heights = heights_of(inside)
     band = np.searchsorted(levels, heights, side="right")
     kept = np.unique(band[~np.isnan(heights)])
     joined = [shapely.coverage_union_all(faces[band == each]) for each in kept]

@@ -21,6 +21,7 @@ from liftmesh.terrain import (
     boundary,
     changes,
     contours,
+    filled,
     measures,
     profile,
     refinement,
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
     from liftmesh.terrain.sampling import Interpolator, RasterOptions
@@ -122,8 +124,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        attributes : mapping of str to (n, ...) array_like, optional, by names that are no keywords
-        **named : (n, ...) array_like, one value for each vertex
+        attributes, **named : (n, ...) array_like of each, also by names that are no keywords
         """
         return changes.with_attributes(self, attributes, named)
 
@@ -228,8 +229,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        checkpoints : object, optional, as for `height_above`; without, vertices are left out
-        interpolation, threads : as for `sample`
+        checkpoints, interpolation, threads : as for `height_above`; without, vertices are left out
         """
         return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
 
@@ -279,8 +279,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        line, values : (k, 2) array_like, its corners, two at least; as for `contours`
         """
         return profile.profile_along(self, line, values=values)
 
@@ -294,9 +293,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        spacing, half_width : float, between stations, and to both sides
-        values : as for `profile`
+        line, spacing, half_width, values : as for `profile`, between stations, and to both sides
         """
         ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
         return profile.cross_sections(self, line, **ways)
@@ -318,10 +315,9 @@ class Surface(SurfaceData):
         ----------
         resolution : float or pair of float, optional, width and height of a pixel
         values, gradients : as for `sample`, one value of each vertex
-        **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
-            ``interpolation`` as for `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth
-            and altitude in degrees), ``z_factor`` as for `area`, ``dtype``, ``threads``
+        **options : ``bounds``; or ``transform`` and ``shape``; ``quantity`` ("height", "slope",
+            "aspect", "hillshade", "longest-edge"), ``interpolation``, ``fill`` (a distance),
+            ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
         return sampling.rasterize(self, resolution, **ways, **options)
@@ -346,8 +342,7 @@ class Surface(SurfaceData):
         levels : array_like of float, optional, heights
         values : (n,) array_like or name of attributes, optional, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base : float, default 0, the height where the interval is counted from
-        index_every : int, default 5, every so many multiples are index contours
+        contour_base, index_every : where it is counted from, and every how many is an index contour
         threads : int, optional, as for `delaunay`
         """
         return contours.contour_lines(
@@ -360,6 +355,27 @@ class Surface(SurfaceData):
             threads=threads,
         )
 
+    def filled_contours(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        values: Values | None = None,
+        interval: float | None = None,
+        contour_base: float = 0.0,
+        threads: int | None = None,
+    ) -> FilledContours:
+        """Compute the parts of the plane between levels, as polygons with holes.
+
+        Returns FilledContours: bands by ascending level, valid and without gaps.
+        In full: `liftmesh.terrain.filled.filled_contours`.
+
+        Parameters
+        ----------
+        levels, values, interval, contour_base, threads : as for `contours`
+        """
+        ways: Any = {"interval": interval, "contour_base": contour_base, "threads": threads}
+        return filled.filled_contours(self, levels, values=values, **ways)
+
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
         """Compute the area of the faces.
 
@@ -368,8 +384,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        planar : bool, default False, whether to measure in the plane instead of in space
-        z_factor : float, optional, what heights are multiplied by; by default, units decide
+        planar, z_factor : in the plane, not in space; what heights are multiplied by
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -381,8 +396,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        level : float, default 0, a height above the plane
-        within : object, optional, polygons to measure in, as for `trim`
+        level, within : a height above the plane, and polygons to measure in, as for `trim`
         """
         return measures.volume_of(self, level, within=within)
 
@@ -491,8 +505,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        max_edge : float, optional, leave out faces with a side that is longer in the plane
-        boundary_only : bool, default False, only those that such sides connect with the outside
+        max_edge, boundary_only : leave out faces with a longer side, or those from the rim inwards
         max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
         polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
         """

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
 from liftmesh.terrain.contours import Contours, crossings, wanted_levels
+from liftmesh.terrain.filled import FilledContours, fill
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 
 _BLOCK = 1 << 18  # triangles that are looked at at once
@@ -46,6 +47,32 @@ def contour_lines(
         is_index[places],
         tiled.crs,
     )
+
+
+def filled_contours(
+    tiled: TiledSurfaceData,
+    levels: ArrayLike | None,
+    interval: float | None,
+    contour_base: float,
+) -> FilledContours:
+    """Compute the parts of the plane between levels, from the lines and the hull."""
+    low, high = map(Fraction, box_of(tiled)[2::3])
+    wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
+    lines = contour_lines(tiled, wanted, None, contour_base, 1)
+    return fill(lines, _rim(tiled), wanted, (low, high))
+
+
+def _rim(tiled: TiledSurfaceData) -> Floats:
+    """Return the sides of the hull, (h, 2, 3)."""
+    hull = np.asarray(tiled.convex_hull)
+    order = np.argsort(hull)
+    corners = np.empty((len(hull), 3))
+    for vertices in vertices_of(tiled):
+        place = np.minimum(np.searchsorted(hull[order], vertices["row"]), len(hull) - 1)
+        found = hull[order[place]] == vertices["row"]
+        some = [vertices[name][found] for name in ("x", "y", "z")]
+        corners[order[place[found]]] = np.stack(some, axis=1) + 0.0
+    return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 @dataclass(frozen=True)
