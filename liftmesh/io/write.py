@@ -44,7 +44,8 @@ class WriteResult:
     path : pathlib.Path or None
         The file; None for a stream.
     format : str
-        Name of the format; of shapes and rasters, "geojson", "geopackage" or "geotiff".
+        Name of the format; of shapes and rasters, "geojson", "geopackage", "geotiff" or
+        "heightmap".
     bytes : int
         Number of bytes written.
     origin : tuple of float, or None
@@ -57,6 +58,8 @@ class WriteResult:
     renamed : tuple of (str, str)
         Attributes whose names the format cannot hold, and their names in the file. Reading the
         file gives the old names back.
+    scaling : (float, float), or None
+        Of a heightmap, scale and offset: height = scale * value + offset.
 
     See Also
     --------
@@ -77,11 +80,17 @@ class WriteResult:
     origin: Origin | None
     dropped: tuple[str, ...] = ()
     renamed: tuple[tuple[str, str], ...] = ()
+    scaling: tuple[float, float] | None = None
 
 
-def written_file(path: Path, kind: str, dropped: tuple[str, ...] = ()) -> WriteResult:
+def written_file(
+    path: Path,
+    kind: str,
+    dropped: tuple[str, ...] = (),
+    scaling: tuple[float, float] | None = None,
+) -> WriteResult:
     """Describe a file that has been written and is no mesh."""
-    return WriteResult(path, kind, path.stat().st_size, None, dropped)
+    return WriteResult(path, kind, path.stat().st_size, None, dropped, scaling=scaling)
 
 
 def write(

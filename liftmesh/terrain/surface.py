@@ -20,6 +20,7 @@ from liftmesh.terrain import (
     accuracy,
     boundary,
     changes,
+    clipping,
     contours,
     filled,
     measures,
@@ -98,10 +99,8 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices : (n, 3) array_like, moved ones, if no two faces overlap
-        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
-        attributes : mapping of str to (n, ...) array_like, in place of the present ones
-        metadata, crs, color_depth : as for `Cloud`
+        vertices, colors, normals : array_like; moved ones, if no two faces overlap; None for none
+        attributes, metadata, crs, color_depth : as for `Cloud`, in place of the present ones
         """
         return changes.replaced(
             self,
@@ -124,7 +123,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        attributes, **named : (n, ...) array_like of each, also by names that are no keywords
+        attributes, **named : (n, ...) array_like, by names; as a mapping if these are no keywords
         """
         return changes.with_attributes(self, attributes, named)
 
@@ -148,8 +147,7 @@ class Surface(SurfaceData):
         points : (..., 2) array_like, coordinates in the plane
         interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
         values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
-        extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
-        threads : int, optional, as for `delaunay`
+        extrapolate, threads : {"nearest", "hull"}, for where there are no faces; as for `delaunay`
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
         return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
@@ -209,8 +207,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        cloud : Cloud, (n, 3) array_like, path or object with points
-        interpolation, extrapolate, threads : as for `sample`
+        cloud, interpolation, extrapolate, threads : (n, 3) array_like or path; as for `sample`
         """
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
@@ -293,7 +290,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line, spacing, half_width, values : as for `profile`, between stations, and to both sides
+        line, spacing, half_width, values : as for `profile`; between stations, and to both sides
         """
         ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
         return profile.cross_sections(self, line, **ways)
@@ -313,8 +310,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        resolution : float or pair of float, optional, width and height of a pixel
-        values, gradients : as for `sample`, one value of each vertex
+        resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
         **options : ``bounds``; or ``transform`` and ``shape``; ``quantity`` ("height", "slope",
             "aspect", "hillshade", "longest-edge"), ``interpolation``, ``fill`` (a distance),
             ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
@@ -339,11 +335,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels : array_like of float, optional, heights
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base, index_every : where it is counted from, and every how many is an index contour
-        threads : int, optional, as for `delaunay`
+        contour_base, index_every, threads : where multiples begin; how many to an index contour
         """
         return contours.contour_lines(
             self,
@@ -384,7 +378,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        planar, z_factor : in the plane, not in space; what heights are multiplied by
+        planar, z_factor : measure in the plane; what heights are multiplied by: units decide
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -410,8 +404,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        within, level : as for `volume`, each polygon measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        within, level, by : as for `volume`, and the property or column with names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
 
@@ -429,8 +422,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels, interval : heights, or all multiples of one, as for `contours`
-        above : bool, default False, whether to measure above the levels instead
+        levels, interval, above : as for `contours`; whether to measure above the levels instead
         """
         return stages.stage_storage(self, levels, interval=interval, above=above)
 
@@ -442,8 +434,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, optional, polygons to measure in, as for `trim`
+        other, within : Surface, what this one becomes; polygons to measure in, as for `trim`
         """
         return measures.cut_and_fill(self, other, within=within)
 
@@ -469,6 +460,8 @@ class Surface(SurfaceData):
         pinched: Pinched = "error",
         longest: float | None = None,
         z_factor: float | None = None,
+        base_mm: float | None = None,
+        thickness_mm: float | None = None,
     ) -> Cloud:
         """Close the faces by walls and a base.
 
@@ -480,6 +473,7 @@ class Surface(SurfaceData):
         base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
         longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
+        base_mm, thickness_mm : float, with ``longest``: either of them in millimetres
         """
         return boundary.closed_solid(
             self,
@@ -488,6 +482,8 @@ class Surface(SurfaceData):
             pinched=pinched,
             longest=longest,
             z_factor=z_factor,
+            base_mm=base_mm,
+            thickness_mm=thickness_mm,
         )
 
     def trim(
@@ -505,9 +501,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        max_edge, boundary_only : leave out faces with a longer side, or those from the rim inwards
-        max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
-        polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
+        max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
+        max_radius, polygon : leave out larger circumcircles (alpha shape); centroids outside of a
+            GeoJSON, file, shape or (k, 2) array_like
         """
         return boundary.trim(
             self,
@@ -516,6 +512,18 @@ class Surface(SurfaceData):
             max_radius=max_radius,
             polygon=polygon,
         )
+
+    def clip(self, polygon: object, *, invert: bool = False) -> Surface:
+        """Cut the faces along a polygon, and keep what is inside.
+
+        Returns a Surface: the same surface, bounded by the polygon, with the rows in use.
+        In full: `liftmesh.terrain.clipping.clip`.
+
+        Parameters
+        ----------
+        polygon, invert : as for `trim`; whether to keep what is outside instead
+        """
+        return clipping.clip(self, polygon, invert=invert)
 
     def boundary(self) -> list[Rows]:
         """Return the boundary of the faces as closed rings.
@@ -592,7 +600,6 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        path : path or binary file, where to write; the suffix determines the format
-        **options : options of the format, as for `liftmesh.write`
+        path, **options : where to write, and options of the format, as for `liftmesh.write`
         """
         return write.write(path, self, **options)

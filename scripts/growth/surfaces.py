@@ -190,10 +190,12 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
 
 
 def measuring_functions() -> Iterator[tuple[Any, ...]]:
-    """The same, for what measures areas and volumes."""
+    """The same, for what measures areas and volumes, and for parts."""
     yield "Surface.area", PLANAR, on_surface(Surface.area), ("uniform",), LEAST
     cut = on_surface(lambda found: found.volume(0.5))
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
+    cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
+    yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
     tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
     yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
     level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)

@@ -284,7 +284,7 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("raster", "tin.ply", "tin.ply", "--resolution", "1"), 2, "same file"),
         (("raster", "a.tif", "a.tif", "--resolution", "1"), 2, "same file"),
         (("raster", "tin.ply", "-", "--resolution", "1"), 3, "-: rasters are written as GeoTIFF"),
-        (("raster", "none.ply", "o.png", "--resolution", "1"), 3, "o.png: rasters are written"),
+        (("raster", "none.ply", "o.jpg", "--resolution", "1"), 3, "o.jpg: rasters are written"),
         (("raster", "none.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:abc"), 2, "EPSG:abc"),
         (("raster", "none.ply", "o.tif", "--resolution", "1", "--compress", "x"), 2, "'x'"),
         (("raster", "utm.ply", "o.tif", "--resolution", "1", "--crs", "EPSG:4326"), 3, "not in --"),
@@ -327,7 +327,7 @@ def test_a_system_may_be_stated_again(tmp_path, crs: str) -> None:
         (("contour", "tin.ply", "no/out.geojson", "--interval", "1"), 3, "does not exist"),
         (("sample", "tin.ply", "out.csv", "--at", "none.csv"), 3, "none.csv: No such file"),
         (("sample", "tin.ply", "out.csv"), 2, "--at"),
-        (("solid", "tin.ply", "out.stl"), 2, "either --base-height or --thickness"),
+        (("solid", "tin.ply", "out.stl"), 2, "give one of --base-height, --thickness"),
         (
             ("solid", "tin.ply", "out.stl", "--base-height", "1", "--z-factor", "2"),
             2,
