@@ -222,7 +222,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
     smooth = asked("sample", near_the_middle, interpolation="c1")
     yield "Surface.sample by c1", PLANAR, smooth, ("uniform", "lattice"), LEAST
-    weights = asked("weights", near_the_middle, interpolation="sibson")
+    weights = asked("weights", near_the_middle)
     yield "Surface.weights", PLANAR, weights, ("uniform",), LEAST
     above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
     yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST
