@@ -6,8 +6,9 @@ of each surface or in none, and inside of the polygons or not. What is where fol
 alone: a side divides the face on its left from that on its right, however it was rounded. No
 coordinate is compared for it.
 
-A row on a side has its height along the side, any other one that of its face. So faces keep their
-planes, and borders are the same from whichever side they are cut, bit for bit.
+A row on a side has its height along the side, any other one that of its face. Of sides that
+rounding has brought together, that of the largest face counts. So faces keep their planes, and
+borders are the same from whichever side they are cut, bit for bit.
 """
 
 from __future__ import annotations
@@ -27,8 +28,10 @@ from liftmesh.planar.constrained_triangulation import (
     bits_of,
     with_left,
 )
+from liftmesh.terrain.measures import planar_areas
 from liftmesh.terrain.profile import between
 from liftmesh.terrain.sampling import heights_at
+from liftmesh.terrain.surface_data import ordered_corners
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
@@ -71,6 +74,15 @@ class Layer:
         points: Floats = self.surface.triangulation.points[self.rows]
         return points
 
+    def areas(self, faces: Integers) -> Floats:
+        """Return the areas of faces, and 0 for none."""
+        tri = self.surface.triangulation
+        with np.errstate(all="ignore"):
+            areas = planar_areas(ordered_corners(tri.points[tri.simplices[self.faces]]))
+        found = np.zeros(tri.nsimplex + 1)
+        found[self.faces] = areas
+        return found[faces]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Overlay:
@@ -103,13 +115,12 @@ class Overlay:
 
     def faces(self, layer: int) -> Integers:
         """Return the face of a layer that each triangle is in; -1 for none."""
-        piece, side = self._pieces_of(layer)
-        tri, given = self.tri, self.layers[layer]
-        turned = _are_turned(
-            tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
-        )
-        there = np.where(turned[:, None], given.owners[side, ::-1], given.owners[side])
-        owners = _owners(len(tri.constraints), piece, there)
+        tri = self.tri
+        piece, _, there = self._owned(layer)
+        owners = np.full((len(tri.constraints) + 1, 2), -1)  # the last of what is no piece
+        for way in (0, 1):
+            known = there[:, way] >= 0
+            owners[piece[known], way] = there[known, way]
         tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
         keys = pair_keys(np.minimum(tails, heads), np.maximum(tails, heads))
         known_keys = pair_keys(*tri.constraints.T)
@@ -125,6 +136,22 @@ class Overlay:
         region, face = _longest(regions[triangle], of_side[triangle, k], lengths)
         found[region] = face
         return found[regions]
+
+    def _owned(self, layer: int) -> tuple[Integers, Integers, Integers]:
+        """Return pieces that are on sides of a layer, these sides, and the faces beside them.
+
+        A face that rounding has left no room is on both sides of a piece, and counts on neither.
+        """
+        piece, side = self._pieces_of(layer)
+        tri, owners = self.tri, self.layers[layer].owners
+        turned = _are_turned(
+            tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
+        )
+        there = np.where(turned[:, None], owners[side, ::-1], owners[side])
+        keys = pair_keys(piece[:, None], there)
+        is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
+        there[is_shut] = -1
+        return piece, side, there
 
     def _pieces_of(self, layer: int) -> tuple[Integers, Integers]:
         """Return pieces that are on sides of a layer, and these sides."""
@@ -171,7 +198,9 @@ class Overlay:
         given, points = self.layers[layer], self.tri.points
         own = given.surface.frame.heights(given.surface.vertices)[given.rows]
         heights = np.full(len(points), np.nan)
-        piece, side = self._pieces_of(layer)
+        piece, side, there = self._owned(layer)
+        order = np.argsort(given.areas(there).max(axis=1), kind="stable")  # the last one counts
+        piece, side = piece[order], side[order]
         ends = self._ends(layer, side)
         for k in (0, 1):
             row = self.tri.constraints[piece, k]
@@ -181,20 +210,6 @@ class Overlay:
         rest = np.flatnonzero(np.isnan(heights))
         heights[rest] = heights_at(given.surface, points[rest])
         return heights
-
-
-def _owners(count: int, piece: Integers, there: Integers) -> Integers:
-    """Return the face on both sides of each piece, and of none after them, -1 for none.
-
-    A face that rounding has left no room is on both sides of a piece, and counts on neither.
-    """
-    keys = pair_keys(piece[:, None], there)
-    is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
-    owners = np.full((count + 1, 2), -1)
-    for way in (0, 1):
-        known = (there[:, way] >= 0) & ~is_shut[:, way]
-        owners[piece[known], way] = there[known, way]
-    return owners
 
 
 def _longest(regions: Array, faces: Integers, lengths: Floats) -> tuple[Integers, Integers]:
