@@ -122,7 +122,8 @@ def write(
         ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
         ``scale`` and ``point_format`` for LAS; ``name`` for LandXML, ``unit`` for 3MF; ``up``, "y"
         or "z", and ``origin`` for GLB, glTF and OBJ: the place that becomes zero in the file, as
-        engines need it near the model, or "center". Reading the file undoes both.
+        engines need it near the model, or "center". Reading the file undoes both. ``texture`` for
+        GLB and glTF: a GeoTIFF, as an orthophoto, that is put over the faces in place of colours.
 
     Returns
     -------

@@ -279,8 +279,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        line, values : (k, 2) array_like, its corners in the plane; as for `contours`
         """
         return profile.profile_along(self, line, values=values)
 
