@@ -22,6 +22,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, used_rows
+from liftmesh.base.frozen import cached_property
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
     ConstrainedTriangulation,
@@ -84,7 +85,7 @@ class Layer:
         return found[faces]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Overlay:
     """Layers and polygons laid over each other."""
 
@@ -121,13 +122,10 @@ class Overlay:
         for way in (0, 1):
             known = there[:, way] >= 0
             owners[piece[known], way] = there[known, way]
-        tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
-        keys = pair_keys(np.minimum(tails, heads), np.maximum(tails, heads))
-        known_keys = pair_keys(*tri.constraints.T)
-        place = np.minimum(np.searchsorted(known_keys, keys), len(known_keys) - 1)
-        place[known_keys[place] != keys] = -1
+        place = self._place
         is_side: Any = (owners[place] >= 0).any(axis=2)
-        of_side = owners[place, (tails > heads).astype(np.intp)]
+        is_back = tri.simplices[:, _TAILS] > tri.simplices[:, _HEADS]
+        of_side = owners[place, is_back.astype(np.intp)]
         regions = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits_of(is_side))
         triangle, k = np.nonzero(is_side)
         ends = tri.points[tri.constraints[place[triangle, k]]] / 2
@@ -136,6 +134,17 @@ class Overlay:
         region, face = _longest(regions[triangle], of_side[triangle, k], lengths)
         found[region] = face
         return found[regions]
+
+    @cached_property
+    def _place(self) -> Integers:
+        """Which piece each side of a triangle is, (t, 3); -1 for none."""
+        tri = self.tri
+        tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
+        place = np.full(tails.shape, -1)
+        is_piece = tri.is_constrained
+        keys = pair_keys(np.minimum(tails, heads)[is_piece], np.maximum(tails, heads)[is_piece])
+        place[is_piece] = np.searchsorted(pair_keys(*tri.constraints.T), keys)
+        return place
 
     def _owned(self, layer: int) -> tuple[Integers, Integers, Integers]:
         """Return pieces that are on sides of a layer, these sides, and the faces beside them.
@@ -148,9 +157,10 @@ class Overlay:
             tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
         )
         there = np.where(turned[:, None], owners[side, ::-1], owners[side])
-        keys = pair_keys(piece[:, None], there)
+        several = np.flatnonzero((np.bincount(piece) > 1)[piece])
+        keys = pair_keys(piece[several, None], there[several])
         is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
-        there[is_shut] = -1
+        there[several] = np.where(is_shut, -1, there[several])
         return piece, side, there
 
     def _pieces_of(self, layer: int) -> tuple[Integers, Integers]:

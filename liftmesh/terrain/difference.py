@@ -88,9 +88,10 @@ def difference(surface: Surface, other: Surface) -> Surface:
         raise InputError("a difference is beyond the largest double: scale the coordinates")
     place = np.empty(laid.tri.npoints, dtype=np.int32)
     place[rows] = np.arange(len(rows), dtype=np.int32)
-    own = np.concatenate([laid.rows(0), laid.rows(1)])
+    is_own = np.zeros(laid.tri.npoints, dtype=np.bool_)
+    is_own[np.concatenate([laid.rows(0), laid.rows(1)])] = True
     told = {
-        "rows_at_crossings": int(np.count_nonzero(~np.isin(rows, own))),
+        "rows_at_crossings": int(np.count_nonzero(~is_own[rows])),
         "displacement": laid.tri.displacement,
     }
     mesh = Cloud(

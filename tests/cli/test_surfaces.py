@@ -115,6 +115,22 @@ def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
     assert said["length"] == pytest.approx(expected.lengths.sum())
 
 
+def test_filled_contours_are_those_of_the_surface(tin, tmp_path) -> None:
+    words = ("--interval", "2", "--contour-base", "1", "--filled")
+    done = run("contour", tin, tmp_path / "bands.geojson", *words)
+    assert done.returncode == 0, done.stderr
+    expected = surface().filled_contours(interval=2, contour_base=1)
+    tree = json.loads((tmp_path / "bands.geojson").read_text())
+    assert [each["properties"]["lower"] for each in tree["features"]] == expected.lower.tolist()
+    assert f"{len(expected)} bands of {len(expected.polygons) - 1} polygons" in done.stdout
+    said = json.loads(run("contour", tin, tmp_path / "b.gpkg", *words, "--json").stdout)
+    assert (said["n_bands"], said["n_polygons"]) == (len(expected), len(expected.polygons) - 1)
+    assert said["area"] == pytest.approx(surface().area(planar=True))
+    for option, value in (("--min-length", "5"), ("--index-every", "2")):
+        done = run("contour", tin, tmp_path / "c.gpkg", *words, option, value)
+        failed(done, 2, f"{option} is of lines, and --filled is given")
+
+
 def test_faces_are_left_out_by_radius_and_polygon(tin, tmp_path) -> None:
     ring = [[10, 10], [60, 10], [60, 70], [10, 70]]
     area = tmp_path / "area.geojson"
