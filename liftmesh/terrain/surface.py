@@ -25,11 +25,12 @@ from liftmesh.terrain import (
     filled,
     measures,
     profile,
+    rasters,
     refinement,
     sampling,
     stages,
 )
-from liftmesh.terrain.surface_data import SurfaceData, as_cloud
+from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
 
 if TYPE_CHECKING:
     import os
@@ -52,7 +53,8 @@ if TYPE_CHECKING:
     from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
-    from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.rasters import RasterOptions
+    from liftmesh.terrain.sampling import Interpolator
     from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
@@ -79,7 +81,7 @@ class Surface(SurfaceData):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
-        return sampling.bounds_of_faces(self)
+        return bounds_of_faces(self)
 
     def replace(
         self,
@@ -306,7 +308,7 @@ class Surface(SurfaceData):
         """Compute heights, or what follows from them, at the centres of pixels.
 
         Returns a Raster: values, NaN where no face contains the centre.
-        In full: `liftmesh.terrain.sampling.rasterize`.
+        In full: `liftmesh.terrain.rasters.rasterize`.
 
         Parameters
         ----------
@@ -316,7 +318,7 @@ class Surface(SurfaceData):
             ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
-        return sampling.rasterize(self, resolution, **ways, **options)
+        return rasters.rasterize(self, resolution, **ways, **options)
 
     def contours(
         self,
@@ -472,8 +474,7 @@ class Surface(SurfaceData):
         ----------
         base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
-        longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
-        base_mm, thickness_mm : float, with ``longest``: either of them in millimetres
+        longest, z_factor, base_mm, thickness_mm : float, to scale for print, in its millimetres
         """
         return boundary.closed_solid(
             self,

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
     from liftmesh.terrain.filled import FilledContours
+    from liftmesh.terrain.rasters import RasterOptions
     from liftmesh.terrain.report import Report
-    from liftmesh.terrain.sampling import RasterOptions
 
 
 class Tiled(TiledData):

@@ -83,6 +83,26 @@ def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
         np.testing.assert_array_equal(file.read(1), expected)
 
 
+def test_voids_are_filled_and_heights_smooth(tin, tmp_path) -> None:
+    words = ("--resolution", "5", "--max-edge", "10", "--double")
+    ways = ("--interpolation", "c1", "--fill", "12.5")
+    assert run("raster", tin, tmp_path / "dtm.tif", *words, *ways).returncode == 0
+    expected = surface().trim(max_edge=10).raster(5, interpolation="c1", fill=12.5)
+    with rasterio.open(tmp_path / "dtm.tif") as file:
+        np.testing.assert_array_equal(file.read(1), expected.values)
+    done = run("raster", tin, tmp_path / "dtm.tif", *words, "--fill", "0", "--overwrite")
+    failed(done, 2, "--fill is 0: give a positive number")
+    vertices = np.random.default_rng(1).random((9, 3))
+    colored = liftmesh.triangulate(vertices, colors=vertices)
+    colored.save(tmp_path / "colors.ply")
+    done = run("raster", tmp_path / "colors.ply", tmp_path / "c.tif", *words, "--values=colors")
+    failed(
+        done,
+        3,
+        "--values colors has 3 numbers for each vertex: give values with one, of which there",
+    )
+
+
 def test_values_take_the_place_of_heights(tmp_path) -> None:
     rows = np.column_stack([meadow(), np.arange(len(meadow()))])
     np.savetxt(tmp_path / "wet.csv", rows, delimiter=",", header="x,y,z,wet", comments="")
