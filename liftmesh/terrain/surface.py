@@ -504,7 +504,8 @@ class Surface(SurfaceData):
     def compact(self) -> Surface:
         """Make a copy without the vertices that are in no face; the values ``row`` name the others.
 
-        Returns a Surface, itself if all are. In full: `liftmesh.terrain.changes.compacted`.
+        Returns a Surface, itself if all are.
+        In full: `liftmesh.terrain.changes.compacted`.
         """
         return changes.compacted(self)
 
