@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -152,6 +153,12 @@ def saved_lines(found: liftmesh.Contours) -> object:
     return found.save("/dev/null")
 
 
+def saved_bands(found: liftmesh.FilledContours) -> object:
+    """Write bands to a folder that goes away."""
+    with tempfile.TemporaryDirectory() as folder:
+        return found.save(f"{folder}/bands.geojson")
+
+
 def profiled(call: Callable[[liftmesh.Profile], object]) -> Prepare:
     """Prepare a call on a line across the faces."""
     return on(lambda points: surface_over(points).profile([[0, 0], [1, 1], [0, 1]]))(call)
@@ -267,6 +274,13 @@ def check_functions() -> Iterator[tuple[Any, ...]]:
         lambda found: found.cross_sections([[0, 0], [1, 1]], spacing=0.01, half_width=0.5)
     )
     yield "Surface.cross_sections", PLANAR, across, ("uniform",)
+    bands = on_surface(lambda found: found.filled_contours(interval=0.25, threads=1))
+    yield "Surface.filled_contours", PLANAR, bands, ("uniform", "circle and centre"), LEAST
+    filled = on(lambda points: surface_over(points).filled_contours(interval=0.25))
+    shapes = filled(liftmesh.FilledContours.to_shapely)
+    yield "FilledContours.to_shapely", PLANAR, shapes, (), LEAST
+    written = filled(saved_bands)
+    yield "FilledContours.save", PLANAR, written, (), LEAST
 
 
 FUNCTIONS = (*surface_functions(), *check_functions())
