@@ -242,6 +242,11 @@ _WRITING = [
         ),
         None,
     ),
+    options.parameter(
+        "texture",
+        Path | None,
+        option("FILE", "Of GLB and glTF: an orthophoto (GeoTIFF) to put over the faces."),
+    ),
 ]
 
 

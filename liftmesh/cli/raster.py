@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from liftmesh.base.options import Interpolation, RasterQuantity, shown
+import click
+
+from liftmesh.base.options import Interpolation, RasterQuantity, Voids, shown
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import argument, flag, numbers, option, positive
+from liftmesh.cli.options import argument, flag, numbers, option, positive, whole
 from liftmesh.errors import InputError
+
+if TYPE_CHECKING:
+    from liftmesh.io.write import WriteResult
+    from liftmesh.terrain.surface import Surface
 
 Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
@@ -23,6 +29,7 @@ EXAMPLES = [
     "liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415",
     "liftmesh raster tiles/ dtm.tif --resolution 0.5",
     "liftmesh raster scan.laz intensity.tif --resolution 1 --values intensity",
+    "liftmesh raster dem.tif landscape.png --size 1009",
     "liftmesh raster survey.csv shade.tif --resolution 2 --quantity hillshade --max-edge 20",
 ]
 
@@ -30,8 +37,22 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, argument("OUT", "GeoTIFF file.")],
-    resolution: Annotated[Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)],
+    target: Annotated[Path, argument("OUT", "GeoTIFF file, or .png or .r16: a heightmap.")],
+    resolution: Annotated[
+        Any, option("SIZE", "Width and height of a pixel, or X,Y.", numbers)
+    ] = None,
+    size: Annotated[
+        int | None,
+        option(
+            "N",
+            "In place of --resolution: N rows and columns over the largest square in the middle, "
+            "or over --raster-bounds, as heightmaps of engines have.",
+            whole(1),
+        ),
+    ] = None,
+    voids: Annotated[
+        Voids, flag("Of heightmaps: pixels without a value are an error, or get the lowest height.")
+    ] = "error",
     raster_bounds: Annotated[
         Any, option("XMIN,YMIN,XMAX,YMAX", "What to cover, by default the surface.", numbers)
     ] = None,
@@ -74,8 +95,12 @@ def run(
     from liftmesh.raster.raster import check_name
 
     outputs.check_stdout()
-    check_name(target)
-    steps = resolution if len(resolution) > 1 else resolution[0]
+    check_name(target, may_be_heightmap=not source.is_dir())
+    if (resolution is None) == (size is None):
+        raise click.BadParameter("give either --resolution or --size")
+    if size is not None and source.is_dir():
+        raise click.BadParameter("--size: rasters of tiles have a --resolution")
+    steps = None if resolution is None else resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
     _check(steps, raster_bounds, quantity, interpolation, crs, packing)
     outputs.check_place(target)
@@ -101,18 +126,23 @@ def run(
     surface = surfaces.trimmed(surface, reading.trimming)
     if quantity in _ANGLES:
         surfaces.note_units(source, surface, z_factor)
+    if size is not None:
+        wanted |= _pixels(surface, size, wanted.pop("bounds"))
     with terminal.stage("scanning faces"):
         raster = surface.raster(steps, values=values, **wanted)
     with terminal.stage(f"writing {target.name}"):
-        raster.save(target, cog=cog, compress=packing)
+        written = raster.save(target, cog=cog, compress=packing, voids=voids)
+    _note_size(written, raster.values.shape)
     known = int(np.count_nonzero(~np.isnan(raster.values)))
     counts = {"n_known": known, "unit": raster.unit, **notes.provenance(surface)}
+    if written.scaling is not None:
+        counts |= dict(zip(("scale", "offset"), written.scaling, strict=True))
     place = raster.transform, raster.crs
     _say(target, raster.quantity, raster.values.shape, place, counts, as_json=json)
 
 
 def _check(
-    steps: float | list[float],
+    steps: float | list[float] | None,
     bounds: list[float] | None,
     quantity: RasterQuantity,
     interpolation: Interpolation,
@@ -123,16 +153,34 @@ def _check(
     from liftmesh.crs.description import check_system
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
-    from liftmesh.terrain.sampling import check_interpolation
+    from liftmesh.terrain.rasters import check_interpolation
 
     with options.as_usage():
-        steps_of(steps)
+        if steps is not None:
+            steps_of(steps)
         if bounds is not None:
             bounds_of(bounds, "raster_bounds")
         check_interpolation(quantity, interpolation)
         if crs is not None:
             check_system("crs", crs)
         writer.validate_geotiff_options(crs, compress)
+
+
+def _pixels(surface: Surface, size: int, bounds: list[float] | None) -> dict[str, Any]:
+    """Return where so many rows and columns are."""
+    from liftmesh.raster.heightmap import square, stretched
+    from liftmesh.terrain.surface_data import bounds_of_faces
+
+    found = square(bounds_of_faces(surface), size) if bounds is None else stretched(bounds, size)
+    return {"transform": found, "shape": (size, size)}
+
+
+def _note_size(written: WriteResult, shape: tuple[int, ...]) -> None:
+    """Say which sizes engines take if a heightmap has another one."""
+    from liftmesh.raster.heightmap import SIZES, suits_engines
+
+    if written.scaling is not None and not (shape[0] == shape[1] and suits_engines(shape[0])):
+        terminal.note(f"{written.path}: {SIZES}: give --size")
 
 
 def _system(source: Path, stated: str | None, given: str) -> str:
@@ -161,4 +209,8 @@ def _say(
         terminal.as_json({"path": str(path), "quantity": quantity, **size, **counts, **there})
         return
     known = f", {counts['n_known']:,} with a value" if counts else ""
+    if "scale" in counts:
+        width, height = abs(transform[0]), abs(transform[4])
+        known += f", {width:.6g} x {height:.6g} each"
+        known += f": {quantity} = {counts['scale']:.9g} * value + {counts['offset']:.9g}"
     terminal.sentence(f"{path}: {columns:,} x {rows:,} pixels of {quantity}{known}", "good")

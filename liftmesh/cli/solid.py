@@ -22,7 +22,7 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh solid jacksboro.tif fault.stl --base-height 236",
-    "liftmesh solid dem.tif model.3mf --base-height 200 --longest 150 --z-factor 2",
+    "liftmesh solid dem.tif model.3mf --base-mm 3 --longest 150 --z-factor 2",
     "liftmesh solid tin.ply shell.stl --thickness 2 --max-edge 20 --pinched trim",
 ]
 
@@ -43,6 +43,13 @@ def run(
         float | None,
         option("MM", "Scale the longer of width and depth to so many millimetres.", positive),
     ] = None,
+    base_mm: Annotated[
+        float | None,
+        option("MM", "With --longest: a flat base, so far below the lowest vertex.", positive),
+    ] = None,
+    thickness_mm: Annotated[
+        float | None, option("MM", "With --longest: the thickness in millimetres.", positive)
+    ] = None,
     z_factor: Annotated[
         float | None, option("FACTOR", "With --longest: multiply heights by this.", positive)
     ] = None,
@@ -54,25 +61,27 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, close it, write the solid, and say how large it is."""
+    from liftmesh.terrain.boundary import solid_and_wall
+
     outputs.check_stdout()
-    if (base_height is None) == (thickness is None):
-        raise click.BadParameter("give either --base-height or --thickness")
-    if longest is None and z_factor is not None:
-        raise click.BadParameter("--z-factor needs --longest")
+    bases = {"base_height": base_height, "thickness": thickness}
+    bases |= {"base_mm": base_mm, "thickness_mm": thickness_mm}
+    if sum(each is not None for each in bases.values()) != 1:
+        names = (f"--{each.replace('_', '-')}" for each in bases)
+        raise click.BadParameter(f"give one of {', '.join(names)}")
+    scaled = {"z-factor": z_factor, "base-mm": base_mm, "thickness-mm": thickness_mm}
+    for name, each in scaled.items():
+        if longest is None and each is not None:
+            raise click.BadParameter(f"--{name} needs --longest")
     target.check()
     surface = surfaces.read(source, reading)
     if longest is not None:
         surfaces.note_units(source, surface, z_factor)
     with terminal.stage(f"closing {len(surface.faces):,} faces"):
-        solid = surface.solid(
-            base_height=base_height,
-            thickness=thickness,
-            longest=longest,
-            z_factor=z_factor,
-            pinched=pinched,
-        )
+        solid, wall = solid_and_wall(surface, bases, pinched, longest, z_factor)
     written = target.write(solid)
-    _say(written, solid, _left_out(surface, solid), notes.provenance(surface), as_json=json)
+    rows_of = notes.provenance(surface)
+    _say(written, solid, _left_out(surface, solid), wall, rows_of, as_json=json)
 
 
 def _left_out(surface: Surface, solid: Cloud) -> list[str]:
@@ -87,6 +96,7 @@ def _say(
     written: WriteResult,
     solid: Cloud,
     left_out: list[str],
+    wall: float | None,  # in millimetres, of a solid that is scaled to them
     rows_of: dict[str, Any],
     *,
     as_json: bool,
@@ -95,12 +105,13 @@ def _say(
     size = (solid.points.max(axis=0) - solid.points.min(axis=0)).tolist()
     if as_json:
         volume = {"n_triangles": faces, "volume": _volume(solid), "size": size}
-        volume |= rows_of
+        volume |= rows_of | ({} if wall is None else {"unit": "mm", "thinnest_wall": wall})
         dropped = {"dropped": [*left_out, *written.dropped]}
         terminal.as_json({**outputs.as_values(written), **dropped, **volume})
         return
     width, depth, height = (f"{each:.6g}" for each in size)
     measures = f"volume {_volume(solid):,.10g}, size {width} x {depth} x {height}"
+    measures += "" if wall is None else f" mm, thinnest wall {wall:.3g} mm"
     content = f"{faces:,} triangles, {measures}"
     lost = f"; a solid does not keep {notes.listed(left_out)}" if left_out else ""
     terminal.sentence(outputs.headline(written, content) + lost, "good")

@@ -44,7 +44,8 @@ class WriteResult:
     path : pathlib.Path or None
         The file; None for a stream.
     format : str
-        Name of the format; of shapes and rasters, "geojson", "geopackage" or "geotiff".
+        Name of the format; of shapes and rasters, "geojson", "geopackage", "geotiff" or
+        "heightmap".
     bytes : int
         Number of bytes written.
     origin : tuple of float, or None
@@ -57,6 +58,8 @@ class WriteResult:
     renamed : tuple of (str, str)
         Attributes whose names the format cannot hold, and their names in the file. Reading the
         file gives the old names back.
+    scaling : (float, float), or None
+        Of a heightmap, scale and offset: height = scale * value + offset.
 
     See Also
     --------
@@ -77,11 +80,17 @@ class WriteResult:
     origin: Origin | None
     dropped: tuple[str, ...] = ()
     renamed: tuple[tuple[str, str], ...] = ()
+    scaling: tuple[float, float] | None = None
 
 
-def written_file(path: Path, kind: str, dropped: tuple[str, ...] = ()) -> WriteResult:
+def written_file(
+    path: Path,
+    kind: str,
+    dropped: tuple[str, ...] = (),
+    scaling: tuple[float, float] | None = None,
+) -> WriteResult:
     """Describe a file that has been written and is no mesh."""
-    return WriteResult(path, kind, path.stat().st_size, None, dropped)
+    return WriteResult(path, kind, path.stat().st_size, None, dropped, scaling=scaling)
 
 
 def write(
@@ -113,7 +122,8 @@ def write(
         ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
         ``scale`` and ``point_format`` for LAS; ``name`` for LandXML, ``unit`` for 3MF; ``up``, "y"
         or "z", and ``origin`` for GLB, glTF and OBJ: the place that becomes zero in the file, as
-        engines need it near the model, or "center". Reading the file undoes both.
+        engines need it near the model, or "center". Reading the file undoes both. ``texture`` for
+        GLB and glTF: a GeoTIFF, as an orthophoto, that is put over the faces in place of colours.
 
     Returns
     -------

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_switch
+from liftmesh.base.options import Voids, as_switch
 from liftmesh.crs.comparison import plane_of
 from liftmesh.io.atomic import replacing
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.io.write import WriteResult, written_file
-from liftmesh.raster import fill, writer
+from liftmesh.raster import fill, heightmap, writer
 from liftmesh.raster.pixels import Transform, centres_of
 
 if TYPE_CHECKING:
@@ -138,10 +138,13 @@ class Raster(FrozenResult):
         *,
         cog: bool = False,
         compress: str | None = "deflate",
+        voids: Voids = "error",
     ) -> WriteResult:
         """Write a GeoTIFF with transform, coordinate system, unit and NaN as nodata.
 
-        Of heights alone the system says what heights are: of others it is that of the plane.
+        Of heights alone the system says what heights are: of others it is that of the plane. A name
+        in .png or .r16 makes a heightmap of engines: values of 16 bits, from the lowest to the
+        highest, in rows from the north; .r16 holds them alone, little-endian.
 
         Parameters
         ----------
@@ -151,18 +154,21 @@ class Raster(FrozenResult):
             Write a cloud optimised GeoTIFF, which has overviews.
         compress : str, optional
             "deflate", "lzw" or "zstd", in tiles; None for none.
+        voids : {"error", "lowest"}, default "error"
+            Of a heightmap: pixels without a value are refused, or get the lowest one.
 
         Returns
         -------
         WriteResult
-            The file, its format and its size.
+            The file, its format and its size; of a heightmap with scale and offset.
 
         Raises
         ------
         FormatError
-            The name does not end in .tif or .tiff.
+            The name does not end in .tif, .tiff, .png or .r16.
         InputError
-            The compression or the coordinate system is unknown, or `cog` is neither True nor False.
+            The compression or the coordinate system is unknown, `cog` is neither True nor False, or
+            pixels of a heightmap have no value.
         MissingDependencyError
             rasterio is not installed.
         OSError
@@ -170,7 +176,9 @@ class Raster(FrozenResult):
 
         Notes
         -----
-        The file is made in memory, beside the values, and written at once.
+        The file is made in memory, beside the values, and written at once. Of engines, Unreal takes
+        a scale of 100 * 65535 * scale / 512 in z, where heights are metres, and Unity the height of
+        a terrain, 65535 * scale.
 
         See Also
         --------
@@ -185,7 +193,10 @@ class Raster(FrozenResult):
         'geotiff'
         """
         target = Path(at_home(path))
-        check_name(target)
+        check_name(target, may_be_heightmap=True)
+        if heightmap.is_heightmap(target):
+            scaling = heightmap.save(self, target, voids)
+            return written_file(target, "heightmap", scaling=scaling)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)
         packed: Any = {"unit": self.unit, "cog": is_cog, "compress": compress}
@@ -199,6 +210,7 @@ def written_system(crs: str | None, quantity: str) -> str | None:
     return crs if quantity == "height" else plane_of(crs)
 
 
-def check_name(path: Path) -> None:
+def check_name(path: Path, *, may_be_heightmap: bool = False) -> None:
     """Raise if a raster cannot be written to a file of this name."""
-    check_suffix(path, (".tif", ".tiff"), "rasters are written as GeoTIFF")
+    others = heightmap.SUFFIXES if may_be_heightmap else ()
+    check_suffix(path, (".tif", ".tiff", *others), "rasters are written as GeoTIFF")

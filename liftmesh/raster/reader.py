@@ -96,7 +96,7 @@ def read_raster(
     rasterio = load("rasterio", extra="terrain")
     data = without_wkt(data)
     with (
-        _decoding(name),
+        decoding(name),
         rasterio.Env(**READING),
         rasterio.MemoryFile(data, ext=".tif") as memory,
         memory.open(driver="GTiff") as file,
@@ -105,7 +105,7 @@ def read_raster(
 
 
 @contextmanager
-def _decoding(name: str) -> Iterator[None]:
+def decoding(name: str) -> Iterator[None]:
     """Turn what rasterio raises of a file into one error."""
     errors = load("rasterio.errors", extra="terrain")
     inner = load("rasterio._err", extra="terrain")

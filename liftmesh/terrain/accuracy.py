@@ -30,8 +30,8 @@ from liftmesh.errors import InputError
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.boundary import mask_of
-from liftmesh.terrain.sampling import bounds_of_faces, heights_at, points_above
-from liftmesh.terrain.surface_data import SurfaceData, unit_names
+from liftmesh.terrain.sampling import heights_at, points_above
+from liftmesh.terrain.surface_data import SurfaceData, bounds_of_faces, unit_names
 
 _NORMAL = 1.96  # standard deviations that 95 % of normal errors are within
 

@@ -13,6 +13,8 @@ corner may be at the height of the base: on the rim it is a corner of the base, 
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -23,13 +25,16 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Pinched, as_number, as_positive, as_switch, check_option
-from liftmesh.errors import InputError, Option
+from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners, slope_scale
 from liftmesh.vector.polygons import contains, polygons_in
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import AnySurface, SurfaceData
+
+
+_LEAST_WALL = 1.0  # mm
 
 
 def trim(
@@ -215,6 +220,8 @@ def closed_solid(
     pinched: Pinched = "error",
     longest: float | None = None,
     z_factor: float | None = None,
+    base_mm: float | None = None,
+    thickness_mm: float | None = None,
 ) -> Cloud:
     """Close the faces by walls and a base.
 
@@ -234,6 +241,11 @@ def closed_solid(
         it, and move it: it begins at 0 in all directions. Without it, it stays in its place.
     z_factor : float, optional
         With ``longest``: what heights are multiplied by before, as for `slopes_at`.
+    base_mm : float, optional
+        With ``longest``, in place of a height: the flat base is so many millimetres of the print
+        below the lowest vertex.
+    thickness_mm : float, optional
+        With ``longest``: `thickness` in millimetres of the print.
 
     Returns
     -------
@@ -244,8 +256,14 @@ def closed_solid(
     Raises
     ------
     InputError
-        There is not either `base_height` or `thickness`, a number is none that it can be, the
-        surface reaches its base, or faces touch in a vertex only.
+        There is not one of `base_height`, `thickness`, `base_mm` and `thickness_mm`, a number is
+        none that it can be, the surface reaches its base, or faces touch in a vertex only.
+
+    Warns
+    -----
+    DataWarning
+        With ``longest``: the thinnest wall, measured upright above a flat base and across the faces
+        of a shell, has less than 1 mm.
 
     See Also
     --------
@@ -261,22 +279,66 @@ def closed_solid(
     >>> block.points.shape, block.faces.shape
     ((9, 3), (14, 3))
     """
+    bases = {"base_height": base_height, "thickness": thickness}
+    bases |= {"base_mm": base_mm, "thickness_mm": thickness_mm}
+    return solid_and_wall(surface, bases, pinched, longest, z_factor)[0]
+
+
+def solid_and_wall(
+    surface: SurfaceData,
+    bases: Mapping[str, float | None],
+    pinched: Pinched,
+    longest: float | None,
+    z_factor: float | None,
+) -> tuple[Cloud, float | None]:
+    """Close the faces; return also the thinnest wall in millimetres, if it is scaled to them."""
     check_option("pinched", pinched, Pinched)
-    depth = _depth(base_height, thickness)
+    base, value = _base(bases)
     scale = None if longest is None else as_positive("longest", longest, "a positive length")
-    if scale is None and z_factor is not None:
-        raise InputError(
-            f"{Option('z_factor')} goes with {Option('longest')}: without it, no height changes"
-        )
+    for name in ("z_factor", *(each for each in bases if each.endswith("_mm"))):
+        if scale is None and {**bases, "z_factor": z_factor}[name] is not None:
+            raise InputError(
+                f"{Option(name)} goes with {Option('longest')}, which says how large the print is"
+            )
     surface = _unpinched(surface, pinched)
     top = used_rows(len(surface.vertices), surface.faces)
     heights = surface.frame.heights(surface.vertices[top])
-    lower = heights - depth if base_height is None else np.full(len(top), depth)
-    parts = _Parts(surface, top, heights, lower, is_flat=base_height is not None)
+    rise = None if scale is None else _rise(surface, top, scale, z_factor)
+    depth = value / rise[1] if rise is not None and base.endswith("_mm") else value
+    is_flat = base.startswith("base")
+    flat = depth if base == "base_height" else heights.min() - depth
+    lower = np.full(len(top), flat) if is_flat else heights - depth
+    parts = _Parts(surface, top, heights, lower, is_flat=is_flat)
     parts.check()
-    points = parts.points() if scale is None else parts.scaled(scale, z_factor)
-    crs = surface.crs if scale is None else None
-    return Cloud(points, faces=parts.faces(), crs=crs)
+    points = parts.points() if rise is None else parts.scaled(*rise)
+    solid = Cloud(points, faces=parts.faces(), crs=surface.crs if rise is None else None)
+    return solid, None if rise is None else _warned(parts.thinnest(points, rise[1]))
+
+
+def _warned(wall: float) -> float:
+    """Warn of a wall that most printers cannot make."""
+    if wall < _LEAST_WALL:
+        warnings.warn(
+            f"the thinnest wall has {wall:.2g} mm, less than the 1 mm that printers need: give "
+            f"more for {Option('base_mm')} or {Option('thickness_mm')}, or a larger "
+            f"{Option('longest')}",
+            DataWarning,
+            stacklevel=5,
+        )
+    return wall
+
+
+def _rise(
+    surface: SurfaceData, top: Rows, longest: float, z_factor: float | None
+) -> tuple[float, float]:
+    """Return the millimetres of a unit in the plane, and of a unit of heights."""
+    planar = surface.triangulation.points[top]
+    with np.errstate(all="ignore"):
+        scale = longest / (planar.max(axis=0) - planar.min(axis=0)).max()
+        millimetres = float(scale), float(scale * slope_scale(surface, z_factor)[0])
+    if not np.isfinite(millimetres).all() or min(millimetres) <= 0:
+        raise InputError("the solid is beyond the largest double: give a smaller length")
+    return millimetres
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,15 +387,23 @@ class _Parts:
         lower = frame.raised(upper[own], self.heights[own], self.lower[own])
         return np.concatenate([upper, lower])
 
-    def scaled(self, longest: float, z_factor: float | None) -> Floats:
+    def thinnest(self, points: Floats, rise: float) -> float:
+        """Return the thinnest wall: upright, or across the faces of a shell."""
+        gap = float((self.heights - self.lower).min()) * rise
+        if self.is_flat:
+            return gap
+        a, b, c = np.moveaxis(points[self._above()], 1, 0)
+        normals = np.cross(b - a, c - a)
+        lengths = np.sqrt((normals * normals).sum(axis=1))
+        return gap * float((normals[:, 2] / np.where(lengths > 0, lengths, np.inf)).min())
+
+    def scaled(self, scale: float, rise: float) -> Floats:
         """Return them in the plane of the surface, scaled, from 0 on."""
         planar = self.surface.triangulation.points[self.top]
-        rise, _ = slope_scale(self.surface, z_factor)
-        low, high = planar.min(axis=0), planar.max(axis=0)
+        low = planar.min(axis=0)
         with np.errstate(all="ignore"):
-            scale = longest / (high - low).max()
             upper, lower = (
-                np.column_stack([planar - low, (each - self.lower.min()) * rise]) * scale
+                np.column_stack([(planar - low) * scale, (each - self.lower.min()) * rise])
                 for each in (self.heights, self.lower)
             )
         points: Floats = np.concatenate([upper, lower[self._own()]])
@@ -377,13 +447,15 @@ def _wall(above: Array, below: Array) -> Array:
     )
 
 
-def _depth(base_height: Any, thickness: Any) -> float:
-    """Return the height of the base, or how much lower it is."""
-    if (base_height is None) == (thickness is None):
-        raise InputError(f"give either {Option('base_height')} or {Option('thickness')}")
-    if thickness is None:
-        return as_number("base_height", base_height, "a finite height")
-    return as_positive("thickness", thickness, "a positive length")
+def _base(bases: Mapping[str, Any]) -> tuple[str, float]:
+    """Return which base is asked for, and its height, or how much lower it is."""
+    given = [name for name, value in bases.items() if value is not None]
+    if len(given) != 1:
+        raise InputError(f"give one of {', '.join(str(Option(name)) for name in bases)}")
+    name = given[0]
+    if name == "base_height":
+        return name, as_number(name, bases[name], "a finite height")
+    return name, as_positive(name, bases[name], "a positive length")
 
 
 def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:

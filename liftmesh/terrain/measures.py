@@ -640,14 +640,8 @@ def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangula
     shapely = load("shapely", extra="shapes")
     used = [each.points[each.vertex_to_simplex >= 0] for each in (surface.triangulation, *others)]
     _check_reach(polygons, used)
-    scale = _scale_of(*used)
-    shapes = [
-        shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
-    ]
-    for number, shape in enumerate(shapes):
-        if not shape.is_valid:
-            reason = shapely.is_valid_reason(shape)
-            raise InputError(f"polygon {number} is not valid: {reason}")
+    scale = scale_of(*used)
+    shapes = valid_shapes(polygons, scale)
     area = shapely.union_all(shapes)
     hulls = [shapely.MultiPoint(each).convex_hull for each in _scaled(used, scale)]
     for hull in sorted(hulls, key=lambda each: shapely.get_coordinates(each).tolist()):
@@ -662,6 +656,19 @@ def _triangles(surface: SurfaceData, polygons: list[Polygon], *others: Triangula
     return np.ascontiguousarray(np.ldexp(corners, scale))
 
 
+def valid_shapes(polygons: list[Polygon], scale: int) -> list[Any]:
+    """Convert polygons to shapely's, divided by a power of two, and see that they are valid."""
+    shapely = load("shapely", extra="shapes")
+    shapes = [
+        shapely.Polygon(*_scaled([each[0]], scale), _scaled(each[1:], scale)) for each in polygons
+    ]
+    for number, shape in enumerate(shapes):
+        if not shape.is_valid:
+            reason = shapely.is_valid_reason(shape)
+            raise InputError(f"polygon {number} is not valid: {reason}")
+    return shapes
+
+
 def _check_reach(polygons: list[Polygon], used: list[Floats]) -> None:
     """Raise for a polygon so far beyond the faces that shapely has no digits left for them."""
     near = max(np.abs(each).max(initial=0) for each in used)
@@ -674,7 +681,7 @@ def _check_reach(polygons: list[Polygon], used: list[Floats]) -> None:
             )
 
 
-def _scale_of(*points: Floats) -> int:
+def scale_of(*points: Floats) -> int:
     """Return the power of two of coordinates whose products shapely may lose, and 0 of others."""
     exponent = int(np.frexp(max(np.abs(each).max(initial=0) for each in points))[1])
     return exponent if abs(exponent) > _MOST_EXPONENT else 0

@@ -20,14 +20,17 @@ from liftmesh.terrain import (
     accuracy,
     boundary,
     changes,
+    clipping,
     contours,
+    filled,
     measures,
     profile,
+    rasters,
     refinement,
     sampling,
     stages,
 )
-from liftmesh.terrain.surface_data import SurfaceData, as_cloud
+from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
 
 if TYPE_CHECKING:
     import os
@@ -47,9 +50,11 @@ if TYPE_CHECKING:
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
-    from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.rasters import RasterOptions
+    from liftmesh.terrain.sampling import Interpolator
     from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
@@ -76,7 +81,7 @@ class Surface(SurfaceData):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
-        return sampling.bounds_of_faces(self)
+        return bounds_of_faces(self)
 
     def replace(
         self,
@@ -96,10 +101,8 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices : (n, 3) array_like, moved ones, if no two faces overlap
-        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
-        attributes : mapping of str to (n, ...) array_like, in place of the present ones
-        metadata, crs, color_depth : as for `Cloud`
+        vertices, colors, normals : array_like; moved ones, if no two faces overlap; None for none
+        attributes, metadata, crs, color_depth : as for `Cloud`, in place of the present ones
         """
         return changes.replaced(
             self,
@@ -122,8 +125,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        attributes : mapping of str to (n, ...) array_like, optional, by names that are no keywords
-        **named : (n, ...) array_like, one value for each vertex
+        attributes, **named : (n, ...) array_like, by names; as a mapping if these are no keywords
         """
         return changes.with_attributes(self, attributes, named)
 
@@ -147,8 +149,7 @@ class Surface(SurfaceData):
         points : (..., 2) array_like, coordinates in the plane
         interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
         values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
-        extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
-        threads : int, optional, as for `delaunay`
+        extrapolate, threads : {"nearest", "hull"}, for where there are no faces; as for `delaunay`
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
         return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
@@ -208,8 +209,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        cloud : Cloud, (n, 3) array_like, path or object with points
-        interpolation, extrapolate, threads : as for `sample`
+        cloud, interpolation, extrapolate, threads : (n, 3) array_like or path; as for `sample`
         """
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
@@ -228,8 +228,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        checkpoints : object, optional, as for `height_above`; without, vertices are left out
-        interpolation, threads : as for `sample`
+        checkpoints, interpolation, threads : as for `height_above`; without, vertices are left out
         """
         return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
 
@@ -279,8 +278,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        line, values : (k, 2) array_like, its corners, two at least; as for `contours`
         """
         return profile.profile_along(self, line, values=values)
 
@@ -294,9 +292,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        spacing, half_width : float, between stations, and to both sides
-        values : as for `profile`
+        line, spacing, half_width, values : as for `profile`; between stations, and to both sides
         """
         ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
         return profile.cross_sections(self, line, **ways)
@@ -312,19 +308,17 @@ class Surface(SurfaceData):
         """Compute heights, or what follows from them, at the centres of pixels.
 
         Returns a Raster: values, NaN where no face contains the centre.
-        In full: `liftmesh.terrain.sampling.rasterize`.
+        In full: `liftmesh.terrain.rasters.rasterize`.
 
         Parameters
         ----------
-        resolution : float or pair of float, optional, width and height of a pixel
-        values, gradients : as for `sample`, one value of each vertex
-        **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
-            ``interpolation`` as for `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth
-            and altitude in degrees), ``z_factor`` as for `area`, ``dtype``, ``threads``
+        resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
+        **options : ``bounds``; or ``transform`` and ``shape``; ``quantity`` ("height", "slope",
+            "aspect", "hillshade", "longest-edge"), ``interpolation``, ``fill`` (a distance),
+            ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
-        return sampling.rasterize(self, resolution, **ways, **options)
+        return rasters.rasterize(self, resolution, **ways, **options)
 
     def contours(
         self,
@@ -343,12 +337,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels : array_like of float, optional, heights
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base : float, default 0, the height where the interval is counted from
-        index_every : int, default 5, every so many multiples are index contours
-        threads : int, optional, as for `delaunay`
+        contour_base, index_every, threads : where multiples begin; how many to an index contour
         """
         return contours.contour_lines(
             self,
@@ -360,6 +351,27 @@ class Surface(SurfaceData):
             threads=threads,
         )
 
+    def filled_contours(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        values: Values | None = None,
+        interval: float | None = None,
+        contour_base: float = 0.0,
+        threads: int | None = None,
+    ) -> FilledContours:
+        """Compute the parts of the plane between levels, as polygons with holes.
+
+        Returns FilledContours: bands by ascending level, valid and without gaps.
+        In full: `liftmesh.terrain.filled.filled_contours`.
+
+        Parameters
+        ----------
+        levels, values, interval, contour_base, threads : as for `contours`
+        """
+        ways: Any = {"interval": interval, "contour_base": contour_base, "threads": threads}
+        return filled.filled_contours(self, levels, values=values, **ways)
+
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
         """Compute the area of the faces.
 
@@ -368,8 +380,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        planar : bool, default False, whether to measure in the plane instead of in space
-        z_factor : float, optional, what heights are multiplied by; by default, units decide
+        planar, z_factor : measure in the plane; what heights are multiplied by: units decide
         """
         return measures.area_of(self, planar=planar, z_factor=z_factor)
 
@@ -381,8 +392,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        level : float, default 0, a height above the plane
-        within : object, optional, polygons to measure in, as for `trim`
+        level, within : a height above the plane, and polygons to measure in, as for `trim`
         """
         return measures.volume_of(self, level, within=within)
 
@@ -396,8 +406,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        within, level : as for `volume`, each polygon measured by itself
-        by : str, default "name", the property or column that has the names of polygons
+        within, level, by : as for `volume`, and the property or column with names of polygons
         """
         return measures.volumes_by_polygon(self, within, level, by=by)
 
@@ -415,8 +424,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels, interval : heights, or all multiples of one, as for `contours`
-        above : bool, default False, whether to measure above the levels instead
+        levels, interval, above : as for `contours`; whether to measure above the levels instead
         """
         return stages.stage_storage(self, levels, interval=interval, above=above)
 
@@ -428,8 +436,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        other : Surface, what this one becomes, over the same plane; its points may be others
-        within : object, optional, polygons to measure in, as for `trim`
+        other, within : Surface, what this one becomes; polygons to measure in, as for `trim`
         """
         return measures.cut_and_fill(self, other, within=within)
 
@@ -455,6 +462,8 @@ class Surface(SurfaceData):
         pinched: Pinched = "error",
         longest: float | None = None,
         z_factor: float | None = None,
+        base_mm: float | None = None,
+        thickness_mm: float | None = None,
     ) -> Cloud:
         """Close the faces by walls and a base.
 
@@ -465,7 +474,7 @@ class Surface(SurfaceData):
         ----------
         base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
-        longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
+        longest, z_factor, base_mm, thickness_mm : float, to scale for print, in its millimetres
         """
         return boundary.closed_solid(
             self,
@@ -474,6 +483,8 @@ class Surface(SurfaceData):
             pinched=pinched,
             longest=longest,
             z_factor=z_factor,
+            base_mm=base_mm,
+            thickness_mm=thickness_mm,
         )
 
     def trim(
@@ -491,10 +502,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        max_edge : float, optional, leave out faces with a side that is longer in the plane
-        boundary_only : bool, default False, only those that such sides connect with the outside
-        max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
-        polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
+        max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
+        max_radius, polygon : leave out larger circumcircles (alpha shape); centroids outside of a
+            GeoJSON, file, shape or (k, 2) array_like
         """
         return boundary.trim(
             self,
@@ -503,6 +513,18 @@ class Surface(SurfaceData):
             max_radius=max_radius,
             polygon=polygon,
         )
+
+    def clip(self, polygon: object, *, invert: bool = False) -> Surface:
+        """Cut the faces along a polygon, and keep what is inside.
+
+        Returns a Surface: the same surface, bounded by the polygon, with the rows in use.
+        In full: `liftmesh.terrain.clipping.clip`.
+
+        Parameters
+        ----------
+        polygon, invert : as for `trim`; whether to keep what is outside instead
+        """
+        return clipping.clip(self, polygon, invert=invert)
 
     def boundary(self) -> list[Rows]:
         """Return the boundary of the faces as closed rings.
@@ -579,7 +601,6 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        path : path or binary file, where to write; the suffix determines the format
-        **options : options of the format, as for `liftmesh.write`
+        path, **options : where to write, and options of the format, as for `liftmesh.write`
         """
         return write.write(path, self, **options)

@@ -11,7 +11,9 @@ from hypothesis import given, settings, strategies as st
 from surfaces import meadow
 
 import liftmesh
+from liftmesh import DataWarning, InputError
 from liftmesh._typing import Floats
+from liftmesh.terrain.boundary import solid_and_wall
 
 CORNERS = [[0, 0, 0], [10, 0, 0], [0, 10, 0], [10, 10, 0]]
 PYRAMID = np.array([*CORNERS, [5.0, 5.0, 6.0]])  # of volume 200
@@ -141,8 +143,8 @@ class TestPrinting:
             assert f'unit="{unit.decode()}"' in model_of(block)
 
     def test_an_offset_base_follows_the_surface(self) -> None:
-        found = checked(liftmesh.triangulate(PYRAMID).solid(thickness=0.5, longest=20))
-        assert found.volume == pytest.approx(100 * 0.5 * 8)
+        found = checked(liftmesh.triangulate(PYRAMID).solid(thickness=1, longest=20))
+        assert found.volume == pytest.approx(100 * 8)
 
     def test_planes_other_than_xy(self) -> None:
         facade = PYRAMID[:, [0, 2, 1]] * (1, -1, 1)
@@ -165,8 +167,8 @@ def model_of(block: liftmesh.Cloud) -> str:
 @pytest.mark.parametrize(
     ("given", "said"),
     [
-        ({}, "either base_height or thickness"),
-        ({"base_height": 0, "thickness": 1}, "either base_height or thickness"),
+        ({}, "give one of base_height, thickness, base_mm"),
+        ({"base_height": 0, "thickness": 1}, "give one of base_height, thickness, base_mm"),
         (
             {"base_height": 3},
             r"the surface reaches its base: row 0 has the height 0\.0, the base 3\.0",
@@ -208,3 +210,42 @@ def as_points(heights: Floats) -> Floats:
     rows, columns = heights.shape
     x, y = np.meshgrid(np.arange(columns) + 0.5, rows - np.arange(rows) - 0.5)
     return np.column_stack([x.ravel(), y.ravel(), heights.ravel()])
+
+
+def test_bases_in_millimetres() -> None:
+    """Of a pyramid 4 wide, at heights 1 and 4: 20 mm per unit."""
+    surface = liftmesh.triangulate([[0, 0, 1], [4, 0, 1], [0, 4, 1], [4, 4, 1], [2, 2, 4]])
+    block = checked(surface.solid(base_mm=3, longest=80))
+    assert np.ptp(block.vertices, axis=0).tolist() == [80, 80, 63]
+    shell = checked(surface.solid(thickness_mm=5, longest=80, z_factor=2))
+    assert np.ptp(shell.vertices, axis=0).tolist() == [80, 80, 125]
+    # A side falls by 3 over 2: its normal has the upright part 1 / sqrt(1 + (3 * 2 / 2) ** 2).
+    bases = {"thickness_mm": 5}
+    _, wall = solid_and_wall(surface, bases, "error", 80, 2)
+    assert wall == pytest.approx(5 / np.sqrt(10), rel=1e-15)
+    assert solid_and_wall(surface, {"base_mm": 3}, "error", 80, None)[1] == pytest.approx(3)
+    assert solid_and_wall(surface, {"base_height": 0}, "error", None, None)[1] is None
+
+
+def test_thin_walls_are_told() -> None:
+    surface = liftmesh.triangulate(PYRAMID)
+    with pytest.warns(DataWarning, match="the thinnest wall has 0.5 mm, less than the 1 mm"):
+        surface.solid(base_mm=0.5, longest=80)
+    with pytest.warns(DataWarning, match="give more for base_mm or thickness_mm"):
+        surface.solid(thickness_mm=0.5, longest=80)
+
+
+@pytest.mark.parametrize(
+    ("given", "cause"),
+    [
+        ({"base_mm": 3}, "base_mm goes with longest"),
+        ({"thickness_mm": 3}, "thickness_mm goes with longest"),
+        ({"base_mm": 0, "longest": 9}, "base_mm is 0"),
+        ({"thickness_mm": np.nan, "longest": 9}, "thickness_mm is nan"),
+        ({"base_mm": 1, "thickness_mm": 3, "longest": 9}, "give one of base_height, thickness"),
+        ({"base_mm": 1e300, "longest": 1e-300}, "beyond the largest double"),
+    ],
+)
+def test_millimetres_that_make_no_solid(given: dict[str, float], cause: str) -> None:
+    with pytest.raises(InputError, match=cause):
+        liftmesh.triangulate(PYRAMID).solid(**given)

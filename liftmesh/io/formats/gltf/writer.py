@@ -18,12 +18,14 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 import re
 import struct
+import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -31,9 +33,16 @@ from liftmesh._typing import Array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Up, check_option, refused
 from liftmesh.crs.units import system_of
-from liftmesh.errors import FormatError
+from liftmesh.errors import DataWarning, FormatError
 from liftmesh.io.axes import chosen_origin
-from liftmesh.io.format import SINGLE, TOLERANCE, fits_whole, needed_origin, without_origin
+from liftmesh.io.format import (
+    SINGLE,
+    TOLERANCE,
+    LazyFunction,
+    fits_whole,
+    needed_origin,
+    without_origin,
+)
 from liftmesh.io.formats.gltf.shading import COMPUTED, as_light, vertex_normals
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
@@ -44,12 +53,16 @@ if TYPE_CHECKING:
     from liftmesh.io.format import Origin
 
 
+PathLike: TypeAlias = str | os.PathLike[str]
+
 _OTHER = re.compile(r"[^A-Z0-9_]+")
 _WIDEST = 4
 
 _HEAD = struct.Struct("<4sIII4s")
 _CHUNK = struct.Struct("<I4s")
 _FLOAT, _SHORT = 5126, 5123
+_LINEAR, _CLAMP = {"magFilter": 9729, "minFilter": 9987}, 33071
+_read_texture = LazyFunction("liftmesh.raster.texture", "read_texture")
 _SHARES = ("COLOR_0",)  # whole numbers that stand for shares of one
 _METRES = [1.0, 1.0, 1.0]
 _KINDS = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
@@ -57,19 +70,29 @@ _EMBEDDED = "data:application/octet-stream;base64,"
 
 
 def write_glb(
-    stream: BinaryIO, cloud: Cloud, *, up: Up = "y", origin: OriginChoice = None
+    stream: BinaryIO,
+    cloud: Cloud,
+    *,
+    up: Up = "y",
+    origin: OriginChoice = None,
+    texture: PathLike | None = None,
 ) -> Origin | None:
-    """Write a mesh, or points, as GLB with 8-bit colours."""
-    file, moved = _file(cloud, "glb", up, origin)
+    """Write a mesh, or points, as GLB with 8-bit colours, or with an image of its ground."""
+    file, moved = _file(cloud, "glb", up, origin, texture)
     stream.write(file.glb())
     return moved
 
 
 def write_gltf(
-    stream: BinaryIO, cloud: Cloud, *, up: Up = "y", origin: OriginChoice = None
+    stream: BinaryIO,
+    cloud: Cloud,
+    *,
+    up: Up = "y",
+    origin: OriginChoice = None,
+    texture: PathLike | None = None,
 ) -> Origin | None:
     """Write a mesh, or points, as a glTF file that contains its buffers; see :func:`write_glb`."""
-    file, moved = _file(cloud, "gltf", up, origin)
+    file, moved = _file(cloud, "gltf", up, origin, texture)
     stream.write(file.gltf())
     return moved
 
@@ -86,9 +109,10 @@ def renamed(cloud: Cloud) -> dict[str, str]:
     return {name: key for name, key in names.items() if key != f"_{name.upper()}"}
 
 
-def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
-    """Points are written without normals; those of meshes get the length 1, but for zeros."""
+def dropped_parts(cloud: Cloud, options: Mapping[str, Any]) -> tuple[str, ...]:
+    """Points are written without normals, those of meshes get the length 1; colours or texture."""
     names = dropped_attributes(cloud.attributes)
+    names += [] if options.get("texture") is None else ["colors"]
     if cloud.normals is None:
         return tuple(names)
     if not _has_faces(cloud) or not _are_unit(cloud.normals):
@@ -96,7 +120,9 @@ def dropped_parts(cloud: Cloud, _options: Mapping[str, Any]) -> tuple[str, ...]:
     return (*names, *dropped_attributes({"normals": cloud.normals}))
 
 
-def _file(cloud: Cloud, kind: str, up: Up, choice: OriginChoice) -> tuple[File, Origin | None]:
+def _file(
+    cloud: Cloud, kind: str, up: Up, choice: OriginChoice, texture: PathLike | None
+) -> tuple[File, Origin | None]:
     check_option("up", up, Up)
     zero = chosen_origin(choice, cloud.points)
     origin = needed_origin(cloud.points, kind) if zero is None else zero
@@ -110,9 +136,11 @@ def _file(cloud: Cloud, kind: str, up: Up, choice: OriginChoice) -> tuple[File, 
     shown = Cloud(points, normals=normals, faces=cloud.faces)
     geometry = to_mesh(shown) if has_faces else to_points(shown)
     file = File.of(load("trimesh").Scene(geometry).export(file_type="glb"))
-    if cloud.colors is not None:
+    if cloud.colors is not None and texture is None:  # viewers would multiply both
         file.add("COLOR_0", as_light(cloud.colors))
     file.shade()
+    if texture is not None:
+        _add_texture(file, cloud, texture)
     if origin is not None and zero is None:
         file.place(origin)
     metres = _metres(cloud)
@@ -131,6 +159,23 @@ def _file(cloud: Cloud, kind: str, up: Up, choice: OriginChoice) -> tuple[File, 
     }
     file.tree["scenes"][0]["extras"] = _extras(cloud, note)
     return file, origin
+
+
+def _add_texture(file: File, cloud: Cloud, path: PathLike) -> None:
+    """Put an image over the faces, seen from above."""
+    if not _has_faces(cloud):
+        raise refused("texture", path, "points have no faces to show it: triangulate them first")
+    image = _read_texture(path, cloud.crs)
+    positions = image.positions(cloud.points)
+    if outside := image.count_outside(positions):
+        warnings.warn(
+            f"{path}: {outside:,} of {len(positions):,} vertices lie outside the image, whose edge "
+            "is drawn out to them",
+            DataWarning,
+            stacklevel=6,
+        )
+    file.add("TEXCOORD_0", positions)
+    file.paint(image.png)
 
 
 def _metres(cloud: Cloud) -> list[float]:
@@ -281,6 +326,22 @@ class File:
         for primitive in self._primitives():
             primitive["material"] = 0
 
+    def paint(self, png: bytes) -> None:
+        """Give the material an image, which is not repeated beyond its edge."""
+        tree = self.tree
+        tree["bufferViews"].append({"buffer": 0, "byteOffset": self.size, "byteLength": len(png)})
+        self._append(png)
+        tree["images"] = [{"bufferView": len(tree["bufferViews"]) - 1, "mimeType": "image/png"}]
+        tree["samplers"] = [{**_LINEAR, "wrapS": _CLAMP, "wrapT": _CLAMP}]
+        tree["textures"] = [{"source": 0, "sampler": 0}]
+        tree["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+
+    def _append(self, data: bytes) -> None:
+        """Add bytes; what follows begins at a multiple of four."""
+        data += bytes(-len(data) % 4)
+        self.parts.append(data)
+        self.size += len(data)
+
     def _primitives(self) -> Iterator[dict[str, Any]]:
         for mesh in self.tree["meshes"]:
             yield from mesh["primitives"]
@@ -291,8 +352,7 @@ class File:
         is_share = values.dtype == np.uint16 and key in _SHARES
         data = np.ascontiguousarray(values, dtype="<u2" if is_share else "<f4").tobytes()
         views.append({"buffer": 0, "byteOffset": self.size, "byteLength": len(data)})
-        self.parts.append(data)
-        self.size += len(data)
+        self._append(data)
         accessors.append(
             {
                 "bufferView": len(views) - 1,

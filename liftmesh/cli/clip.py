@@ -1,0 +1,61 @@
+"""``liftmesh clip``: the part of a surface that is inside, or outside, of polygons."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+from liftmesh.cli import notes, options, outputs, surfaces, terminal
+from liftmesh.cli.options import flag, option
+
+if TYPE_CHECKING:
+    from liftmesh.io.write import WriteResult
+    from liftmesh.terrain.surface import Surface
+
+SHORT_HELP = "Cut a mesh or cloud along polygons, and keep what is inside."
+HELP = (
+    "Faces are cut along the border, and keep their planes; where the border crosses their sides, "
+    "there are new rows with the heights of the faces. What is inside and what is outside have the "
+    "same rows at the border. --trim-polygon, in contrast, leaves out whole faces."
+)
+EXAMPLES = [
+    "liftmesh clip tin.ply parish.ply --within parish.gpkg",
+    "liftmesh clip tin.ply around.ply --within lake.geojson --invert",
+]
+
+Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
+
+
+@outputs.guards("target")
+def run(
+    source: surfaces.Source,
+    target: Target,
+    within: Annotated[Path, option("FILE", "Polygons to keep (GeoJSON, GeoPackage, shapefile).")],
+    invert: Annotated[bool, flag("Keep what is outside instead.")] = False,
+    *,
+    reading: surfaces.Reading,
+    json: options.Json = False,
+) -> None:
+    """Read a surface, cut it, write what is left, and say how much that is."""
+    if json:
+        outputs.check_stdout()
+    within.open("rb").close()
+    target.check()
+    surface = surfaces.read(source, reading)
+    with terminal.stage(f"cutting {len(surface.faces):,} faces"):
+        left = surface.clip(within, invert=invert)
+    written = target.write(left)
+    with outputs.report_after(target.path):
+        _say(written, left, notes.provenance(surface), as_json=json)
+
+
+def _say(written: WriteResult, left: Surface, rows_of: dict[str, object], *, as_json: bool) -> None:
+    added = int(left.attributes["steiner"].sum()) if "steiner" in left.attributes else 0
+    area = left.area(planar=True)
+    if as_json:
+        counts = {"n_rows": len(left.vertices), "n_added": added, "n_triangles": len(left.faces)}
+        terminal.as_json({**outputs.as_values(written), **counts, "planar_area": area, **rows_of})
+        return
+    content = f"{len(left.vertices):,} vertices, {added:,} of them added, "
+    content += f"{len(left.faces):,} triangles, planar area {area:,.10g}"
+    terminal.sentence(outputs.headline(written, content), "good")

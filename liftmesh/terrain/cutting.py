@@ -1,0 +1,232 @@
+"""Faces of surfaces and polygons laid over each other, and cut where they cross.
+
+The sides of the faces and of the polygons are constraints of one triangulation, which is split
+where they cross: a row there is the crossing, rounded once. So each of its triangles is in one face
+of each surface or in none, and inside of the polygons or not. What is where follows from the sides
+alone: a side divides the face on its left from that on its right, however it was rounded. No
+coordinate is compared for it.
+
+A row on a side has its height along the side, any other one that of its face. So faces keep their
+planes, and borders are the same from whichever side they are cut, bit for bit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh import _kernel
+from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh.base.arrays import pair_keys, used_rows
+from liftmesh.planar.constrained import constrained_delaunay
+from liftmesh.planar.constrained_triangulation import (
+    ConstrainedTriangulation,
+    bits_of,
+    with_left,
+)
+from liftmesh.terrain.profile import between
+from liftmesh.terrain.sampling import heights_at
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface_data import SurfaceData
+    from liftmesh.vector.polygons import Polygon
+
+_TAILS, _HEADS = [1, 2, 0], [2, 0, 1]  # of the sides opposite the corners
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Layer:
+    """Faces of a surface, and their sides, between corners in lexicographic order."""
+
+    surface: SurfaceData
+    faces: Integers  # which of the simplices
+    rows: Rows  # (c,) of the surface
+    sides: Rows  # (s, 2) of these, the lesser one first
+    owners: Integers  # (s, 2): the face to the left of the way there and back; -1 for none
+
+    @classmethod
+    def of(cls, surface: SurfaceData, faces: Integers) -> Layer:
+        """Find corners and sides."""
+        tri = surface.triangulation
+        corners = tri.simplices[faces]
+        rows = used_rows(len(tri.points), corners)
+        rows = rows[np.lexsort(tri.points[rows].T[::-1])]
+        place = np.empty(len(tri.points), dtype=np.int32)
+        place[rows] = np.arange(len(rows), dtype=np.int32)
+        tails, heads = (place[corners[:, ends]].ravel() for ends in (_TAILS, _HEADS))
+        keys, side = np.unique(
+            pair_keys(np.minimum(tails, heads), np.maximum(tails, heads)), return_inverse=True
+        )
+        owners = np.full((len(keys), 2), -1)
+        owners[side, (tails > heads).astype(np.intp)] = np.repeat(faces, 3)
+        sides = np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1).astype(np.int32)
+        return cls(surface, faces, rows, sides, owners)
+
+    @property
+    def points(self) -> Floats:
+        """The corners."""
+        points: Floats = self.surface.triangulation.points[self.rows]
+        return points
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Overlay:
+    """Layers and polygons laid over each other."""
+
+    layers: Sequence[Layer]
+    tri: ConstrainedTriangulation  # the whole of it
+    inside: Mask  # of each triangle: whether it is inside of the polygons
+    first_row: Sequence[int]  # of each layer, and of what comes after them
+    first_side: Sequence[int]
+
+    @classmethod
+    def of(cls, layers: Sequence[Layer], polygons: list[Polygon] | None = None) -> Overlay:
+        """Lay them over each other."""
+        rows = np.cumsum([0, *(len(each.rows) for each in layers)]).tolist()
+        sides = np.cumsum([0, *(len(each.sides) for each in layers)]).tolist()
+        edges = [each.sides + np.int32(first) for each, first in zip(layers, rows, strict=False)]
+        options: dict[str, Any] = {}
+        if polygons is not None:
+            options = {"polygons": polygons, "carve": "holes"}
+        tri = constrained_delaunay(
+            np.concatenate([each.points for each in layers]),
+            np.concatenate(edges),
+            crossing="split",
+            **options,
+        )
+        whole = with_left(tri, np.ones(len(tri._whole[0]), dtype=np.bool_))  # noqa: SLF001
+        inside = np.arange(whole.nsimplex) < tri.nsimplex
+        return cls(layers, whole, inside, rows, sides)
+
+    def faces(self, layer: int) -> Integers:
+        """Return the face of a layer that each triangle is in; -1 for none."""
+        piece, side = self._pieces_of(layer)
+        tri, given = self.tri, self.layers[layer]
+        turned = _are_turned(
+            tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
+        )
+        there = np.where(turned[:, None], given.owners[side, ::-1], given.owners[side])
+        owners = _owners(len(tri.constraints), piece, there)
+        tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
+        keys = pair_keys(np.minimum(tails, heads), np.maximum(tails, heads))
+        known_keys = pair_keys(*tri.constraints.T)
+        place = np.minimum(np.searchsorted(known_keys, keys), len(known_keys) - 1)
+        place[known_keys[place] != keys] = -1
+        is_side: Any = (owners[place] >= 0).any(axis=2)
+        of_side = owners[place, (tails > heads).astype(np.intp)]
+        regions = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits_of(is_side))
+        triangle, k = np.nonzero(is_side)
+        ends = tri.points[tri.constraints[place[triangle, k]]] / 2
+        lengths = np.abs(ends[:, 1] - ends[:, 0]).max(axis=1)
+        found = np.full(int(regions.max()) + 1, -1)
+        region, face = _longest(regions[triangle], of_side[triangle, k], lengths)
+        found[region] = face
+        return found[regions]
+
+    def _pieces_of(self, layer: int) -> tuple[Integers, Integers]:
+        """Return pieces that are on sides of a layer, and these sides."""
+        indptr, members = self.tri.constraint_inputs
+        own = (members >= self.first_side[layer]) & (members < self.first_side[layer + 1])
+        piece = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))[own]
+        return piece, members[own] - self.first_side[layer]
+
+    def pieces(self, layer: int, keys: Integers) -> Rows:
+        """Return what sides of a layer have become that are among some, by keys of their rows."""
+        piece, side = self._pieces_of(layer)
+        given = self.layers[layer]
+        ends = np.sort(given.rows[given.sides], axis=1)
+        found: Rows = self.tri.constraints[piece[np.isin(pair_keys(*ends.T), keys)[side]]]
+        return found
+
+    def _ends(self, layer: int, side: Integers) -> Rows:
+        """Return the rows of the ends of sides."""
+        ends: Rows = self.layers[layer].sides[side] + np.int32(self.first_row[layer])
+        return ends
+
+    def whole_sides(self, layer: int) -> Mask:
+        """Tell which sides of a layer are in one piece."""
+        piece, side = self._pieces_of(layer)
+        ends = np.sort(self._names()[self._ends(layer, side)], axis=1)
+        found = np.zeros(len(self.layers[layer].sides), dtype=np.bool_)
+        found[side[(self.tri.constraints[piece] == ends).all(axis=1)]] = True
+        return found
+
+    def _names(self) -> Rows:
+        """Return the row that triangles have at the position of each row."""
+        names = np.arange(len(self.tri.points), dtype=np.int32)
+        row, kept = self.tri.duplicates.T
+        names[row] = kept
+        return names
+
+    def rows(self, layer: int) -> Rows:
+        """Return the rows of the corners of a layer."""
+        first = self.first_row[layer]
+        return self._names()[first : first + len(self.layers[layer].rows)]
+
+    def heights(self, layer: int) -> Floats:
+        """Return the heights of a layer at all rows; NaN beyond its faces."""
+        given, points = self.layers[layer], self.tri.points
+        own = given.surface.frame.heights(given.surface.vertices)[given.rows]
+        heights = np.full(len(points), np.nan)
+        piece, side = self._pieces_of(layer)
+        ends = self._ends(layer, side)
+        for k in (0, 1):
+            row = self.tri.constraints[piece, k]
+            low, high = own[given.sides[side].T]
+            heights[row] = along(points[ends], points[row], low, high)
+        heights[self.rows(layer)] = own
+        rest = np.flatnonzero(np.isnan(heights))
+        heights[rest] = heights_at(given.surface, points[rest])
+        return heights
+
+
+def _owners(count: int, piece: Integers, there: Integers) -> Integers:
+    """Return the face on both sides of each piece, and of none after them, -1 for none.
+
+    A face that rounding has left no room is on both sides of a piece, and counts on neither.
+    """
+    keys = pair_keys(piece[:, None], there)
+    is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
+    owners = np.full((count + 1, 2), -1)
+    for way in (0, 1):
+        known = (there[:, way] >= 0) & ~is_shut[:, way]
+        owners[piece[known], way] = there[known, way]
+    return owners
+
+
+def _longest(regions: Array, faces: Integers, lengths: Floats) -> tuple[Integers, Integers]:
+    """Return regions, and the face that most of the border of each has, by length.
+
+    All of it has, but for what rounding has folded back.
+    """
+    keys, group = np.unique(pair_keys(regions, faces + 1), return_inverse=True)
+    order = np.lexsort([np.bincount(group, lengths), keys >> 32])
+    region, face = keys[order] >> 32, (keys[order] & 0xFFFFFFFF) - 1
+    is_last = np.append(region[1:] != region[:-1], np.ones(min(len(region), 1), dtype=np.bool_))
+    return region[is_last], face[is_last]
+
+
+def _are_turned(pieces: Floats, sides: Floats) -> Mask:
+    """Tell which pieces, (k, 2, 2), run against the sides that they are of, but for rounding."""
+    steps = pieces[:, 1] / 2 - pieces[:, 0] / 2
+    ways = sides[:, 1] / 2 - sides[:, 0] / 2
+    is_steep = np.abs(ways[:, 1]) > np.abs(ways[:, 0])
+    steps[is_steep], ways[is_steep] = steps[is_steep, ::-1], ways[is_steep, ::-1]
+    axis = np.where(steps[:, 0] == 0, 1, 0)  # the longer one, unless both ends are rounded to one
+    rows = np.arange(len(steps))
+    turned: Mask = (steps[rows, axis] > 0) != (ways[rows, axis] > 0)
+    return turned
+
+
+def along(ends: Floats, places: Floats, low: Floats, high: Floats) -> Floats:
+    """Interpolate between the ends of sides, (k, 2, 2), at places on them."""
+    tails, heads = ends[:, 0] / 2, ends[:, 1] / 2
+    steps = heads - tails
+    axis = np.abs(steps).argmax(axis=1)[:, None]
+    ahead, whole = (
+        np.take_along_axis(each, axis, axis=1)[:, 0] for each in (places / 2 - tails, steps)
+    )
+    return between(low, high, np.clip(ahead / whole, 0, 1))
