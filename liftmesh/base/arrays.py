@@ -307,6 +307,13 @@ def starts_of_runs(rows: Array) -> Mask:
     return starts
 
 
+def distinct(values: Array) -> Array:
+    """Return the values, ascending, each once: as np.unique, whose hash table takes far longer."""
+    ascending = np.sort(values, axis=None)
+    found: Array = ascending[starts_of_runs(ascending[:, None])]
+    return found
+
+
 def read_only(array: Array) -> Array:
     """Return a view that cannot be written to, of an array that remains as it is."""
     view: Array = array.view()

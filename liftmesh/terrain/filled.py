@@ -380,8 +380,8 @@ def _followers(sides: _Sides) -> Integers:
         ways = (sides.places[sides.heads[each]] for each in (best, other))
         best = np.where(_is_second_first(at, back, *ways), other, best)
     first[several] = best
-    if (np.bincount(first, minlength=len(first)) != 1).any():
-        raise TangledError(str(sides.places[sides.heads[several][0]]))
+    if (wrong := np.flatnonzero(np.bincount(first, minlength=len(first)) != 1)).size:
+        raise TangledError(str(sides.places[sides.tails[wrong[0]]]))
     return first
 
 
