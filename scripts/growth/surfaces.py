@@ -99,6 +99,12 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def subtracted(points: Points) -> Work:
+    """Prepare the difference of a surface and one of half as many points."""
+    one, other = surface_over(points), surface_over(points[::2])
+    return Work(lambda: liftmesh.difference(one, other), len(points))
+
+
 def compared_beside(points: Points) -> Work:
     """Prepare two round surfaces with overlapping boxes: their hulls tell that they are apart."""
     one = surface_over(points)
@@ -198,6 +204,7 @@ def measuring_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
     cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
     yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
+    yield "difference", PLANAR, subtracted, ("uniform",), LEAST
     tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
     yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
     level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)
