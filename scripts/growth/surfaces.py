@@ -192,6 +192,8 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
     own = on_surface(lambda found: liftmesh.as_surface(stretched(found), threads=1))
     yield "as_surface of its own", PLANAR, own, ("uniform", "lattice")
     overlapping = on_surface(lambda found: refused(stretched(found)))
+    half = on_surface(lambda found: half_of(found).compact())
+    yield "Surface.compact", PLANAR, half, ("uniform", "lattice"), LEAST
     yield "as_surface of faces that overlap", PLANAR, overlapping, ("uniform",), LEAST
 
 
