@@ -47,6 +47,10 @@ def run(
         option("N", "Of --interval: every n-th is an index contour; default: 5.", whole(1)),
     ] = None,
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
+    smooth: Annotated[
+        float | None,
+        option("HEIGHT", "Smooth lines; heights differ from the level by less.", positive),
+    ] = None,
     values: surfaces.Values = None,
     *,
     filled: Annotated[bool, flag("Polygons between the levels, not lines.")] = False,
@@ -66,10 +70,13 @@ def run(
         raise click.BadParameter(
             f"{given} is of --interval only, and --levels is given: leave one out"
         )
-    if filled and (min_length or index_every is not None):
-        given = spelled(Option("min_length" if min_length else "index_every"))
+    of_lines = options.given(min_length=min_length or None, smooth=smooth, index_every=index_every)
+    if filled and of_lines:
+        given = spelled(Option(next(iter(of_lines))))
         raise click.BadParameter(f"{given} is of lines, and --filled is given: leave one out")
-    wanted = {**options.given(levels=levels, interval=interval), **of_interval}
+    if smooth is not None and source.is_dir():
+        raise click.BadParameter("--smooth is of surfaces in one file, and IN is a folder of tiles")
+    wanted = {**options.given(levels=levels, interval=interval, smooth=smooth), **of_interval}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)

@@ -328,6 +328,7 @@ class Surface(SurfaceData):
         interval: float | None = None,
         contour_base: float = 0.0,
         index_every: int = 5,
+        smooth: float | None = None,
         threads: int | None = None,
     ) -> Contours:
         """Compute lines of equal height.
@@ -338,8 +339,9 @@ class Surface(SurfaceData):
         Parameters
         ----------
         levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
-        interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base, index_every, threads : where multiples begin; how many to an index contour
+        interval, contour_base, index_every, threads : multiples in place of levels; where these
+            begin; how many to an index contour
+        smooth : float, optional, how far heights may be from the level, for smoother lines
         """
         return contours.contour_lines(
             self,
@@ -348,6 +350,7 @@ class Surface(SurfaceData):
             interval=interval,
             contour_base=contour_base,
             index_every=index_every,
+            smooth=smooth,
             threads=threads,
         )
 
