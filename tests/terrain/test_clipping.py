@@ -270,6 +270,13 @@ class TestCommand:
         assert found["planar_area"] == 17
         assert found["n_added"] == found["n_rows"]
 
+    def test_another_surface_comes_inside(self, folder) -> None:
+        liftmesh.triangulate(SQUARE + np.array([0, 0, 20])).save(folder / "pad.ply")
+        words = ("clip", "tin.ply", "a.ply", "--within", "lot.geojson", "--paste", "pad.ply")
+        assert "planar area 100" in run(*words, cwd=folder).stdout
+        assert liftmesh.as_surface(folder / "a.ply").sample([5, 4.5]) == pytest.approx(20)
+        failed(run(*words, "--invert", "--overwrite", cwd=folder), 2, "leave --invert out")
+
     def test_bad_input_is_one_line(self, folder) -> None:
         failed(run("clip", "tin.ply", "a.ply", cwd=folder), 2, "--within")
         failed(run("clip", "tin.ply", "a.ply", "--within", "b.shp", cwd=folder), 3, "b.shp")
