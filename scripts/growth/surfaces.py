@@ -200,6 +200,8 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
     own = on_surface(lambda found: liftmesh.as_surface(stretched(found), threads=1))
     yield "as_surface of its own", PLANAR, own, ("uniform", "lattice")
     overlapping = on_surface(lambda found: refused(stretched(found)))
+    half = on_surface(lambda found: half_of(found).compact())
+    yield "Surface.compact", PLANAR, half, ("uniform", "lattice"), LEAST
     yield "as_surface of faces that overlap", PLANAR, overlapping, ("uniform",), LEAST
 
 
@@ -238,7 +240,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
     smooth = asked("sample", near_the_middle, interpolation="c1")
     yield "Surface.sample by c1", PLANAR, smooth, ("uniform", "lattice"), LEAST
-    weights = asked("weights", near_the_middle, interpolation="sibson")
+    weights = asked("weights", near_the_middle)
     yield "Surface.weights", PLANAR, weights, ("uniform",), LEAST
     above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
     yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST
