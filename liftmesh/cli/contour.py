@@ -62,21 +62,14 @@ def run(
 
     outputs.check_stdout()
     check_name(target)
-    if (interval is None) == (levels is None):
-        raise click.BadParameter("give either --interval or --levels")
     of_interval = options.given(contour_base=contour_base, index_every=index_every)
-    if levels is not None and of_interval:
-        given = spelled(Option(next(iter(of_interval))))
-        raise click.BadParameter(
-            f"{given} is of --interval only, and --levels is given: leave one out"
-        )
-    of_lines = options.given(min_length=min_length or None, smooth=smooth, index_every=index_every)
-    if filled and of_lines:
-        given = spelled(Option(next(iter(of_lines))))
-        raise click.BadParameter(f"{given} is of lines, and --filled is given: leave one out")
+    heights = options.given(levels=levels, interval=interval)
+    _check_heights(heights, of_interval)
+    if filled:
+        _check_no_lines(min_length=min_length or None, smooth=smooth, index_every=index_every)
     if smooth is not None and source.is_dir():
         raise click.BadParameter("--smooth is of surfaces in one file, and IN is a folder of tiles")
-    wanted = {**options.given(levels=levels, interval=interval, smooth=smooth), **of_interval}
+    wanted = {**heights, **of_interval, **options.given(smooth=smooth)}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
@@ -103,6 +96,22 @@ def run(
         terminal.as_json({"path": str(target), **counts, **rows_of})
     else:
         terminal.sentence(f"{target}: {said}", "good")
+
+
+def _check_heights(heights: dict[str, Any], of_interval: dict[str, Any]) -> None:
+    if len(heights) != 1:
+        raise click.BadParameter("give either --interval or --levels")
+    if "levels" in heights and of_interval:
+        given = spelled(Option(next(iter(of_interval))))
+        raise click.BadParameter(
+            f"{given} is of --interval only, and --levels is given: leave one out"
+        )
+
+
+def _check_no_lines(**of_lines: Any) -> None:
+    if given := options.given(**of_lines):
+        name = spelled(Option(next(iter(given))))
+        raise click.BadParameter(f"{name} is of lines, and --filled is given: leave one out")
 
 
 def _of_lines(lines: Any) -> tuple[dict[str, Any], str]:

@@ -22,7 +22,7 @@ from liftmesh._typing import Floats, Integers, Mask
 from liftmesh.base.options import as_positive
 from liftmesh.errors import InputError, Option
 
-_ROUNDS = 40
+_ROUNDS = 12
 
 
 @dataclass(frozen=True)
