@@ -67,6 +67,8 @@ from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.accuracy import Accuracy as Accuracy
 from .terrain.contours import Contour as Contour, Contours as Contours
+from .terrain.difference import difference as difference
+from .terrain.filled import FilledContours as FilledContours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
 from .terrain.measures import CutFillResult as CutFillResult, VolumeResult as VolumeResult

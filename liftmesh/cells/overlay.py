@@ -223,7 +223,7 @@ def _joined(several: Sequence[tuple[Array, ...]]) -> list[Array]:
 def _linked(stations: _Stations, parts: _Parts, offset: int) -> Rings:
     """Link the sides of each cell to rings: first those with stations of the domain, the last."""
     follower = _followers(stations, parts)
-    order, lengths = _cycles(follower)
+    order, lengths = cycles(follower)
     of_domain = np.maximum(parts.first, parts.last)[order] >= offset
     starts = np.concatenate([[0], np.cumsum(lengths)])
     is_cut = np.add.reduceat(of_domain, starts[:-1]) > 0 if len(lengths) else of_domain
@@ -257,7 +257,7 @@ def _followers(stations: _Stations, parts: _Parts) -> Indices:
     return follower
 
 
-def _cycles(follower: Indices) -> tuple[Indices, Integers]:
+def cycles(follower: Indices) -> tuple[Indices, Integers]:
     """Return a permutation cycle by cycle, and the lengths of these."""
     following, seen = follower.tolist(), bytearray(len(follower))
     order: list[int] = []

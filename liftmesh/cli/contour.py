@@ -9,19 +9,21 @@ import click
 
 from liftmesh.base.options import counted
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
-from liftmesh.cli.options import argument, number, numbers, option, positive, whole
+from liftmesh.cli.options import argument, flag, number, numbers, option, positive, whole
 from liftmesh.cli.wording import spelled
 from liftmesh.errors import Option
 
 SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
 HELP = (
     "Every line is closed or ends at the border; what is above is on its left. Properties of a "
-    "line are its height, whether it is closed, and whether it is an index contour. IN may also be "
-    "a folder of liftmesh tile --surface."
+    "line are its height, whether it is closed, and whether it is an index contour. With --filled, "
+    "OUT has polygons between the levels instead, with the properties lower and upper. IN may also "
+    "be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh contour tin.ply lines.geojson --interval 1",
     "liftmesh contour tin.ply shore.gpkg --levels -2,0 --trim-polygon parish.gpkg",
+    "liftmesh contour tin.ply depths.gpkg --levels -20,-10,-5,0 --filled",
     "liftmesh contour survey.csv lines.geojson --interval 0.5 --min-length 10 --max-edge 20",
 ]
 
@@ -47,6 +49,7 @@ def run(
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
     values: surfaces.Values = None,
     *,
+    filled: Annotated[bool, flag("Polygons between the levels, not lines.")] = False,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
@@ -63,38 +66,51 @@ def run(
         raise click.BadParameter(
             f"{given} is of --interval only, and --levels is given: leave one out"
         )
+    if filled and (min_length or index_every is not None):
+        given = spelled(Option("min_length" if min_length else "index_every"))
+        raise click.BadParameter(f"{given} is of lines, and --filled is given: leave one out")
     wanted = {**options.given(levels=levels, interval=interval), **of_interval}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
+    more: dict[str, Any] = {}
     if source.is_dir():
         surface: Any = surfaces.open_tiles(source, reading, values=values)
-        with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted)
     else:
         surface = surfaces.read(source, reading)
+        more = {"values": values, "threads": reading.threads}
         if not reading.trimming:
             surfaces.note_slivers(source, surface)
-        with terminal.stage("finding contours"):
-            lines = surface.contours(**wanted, values=values, threads=reading.threads)
-    if not len(lines):
+    with terminal.stage("finding contours"):
+        found = (surface.filled_contours if filled else surface.contours)(**wanted, **more)
+    if not filled and not len(found):
         low, high = _heights(surface, values)
         named = "heights" if values is None else f"values {values!r}"
         terminal.note(f"{source}: no line: its {named} are from {low:.10g} to {high:.10g}")
-    lines = lines.longer_than(least)
+    found = found if filled else found.longer_than(least)
     with terminal.stage(f"writing {target.name}"):
-        lines.save(target)
-    heights, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
+        found.save(target)
+    counts, said = (_of_bands if filled else _of_lines)(found)
     if json:
-        counts = {"n_lines": len(lines), "n_levels": heights, "length": length}
         rows_of = {} if source.is_dir() else notes.provenance(surface)
         terminal.as_json({"path": str(target), **counts, **rows_of})
     else:
-        terminal.sentence(
-            f"{target}: {counted(len(lines), 'line')} at {counted(heights, 'level')}, "
-            f"{length:,.2f} long",
-            "good",
-        )
+        terminal.sentence(f"{target}: {said}", "good")
+
+
+def _of_lines(lines: Any) -> tuple[dict[str, Any], str]:
+    """Count lines, and say it."""
+    levels, length = len({*lines.levels.tolist()}), float(lines.lengths.sum())
+    counts = {"n_lines": len(lines), "n_levels": levels, "length": length}
+    said = f"{counted(len(lines), 'line')} at {counted(levels, 'level')}, {length:,.2f} long"
+    return counts, said
+
+
+def _of_bands(bands: Any) -> tuple[dict[str, Any], str]:
+    """Count bands and their polygons, and say it."""
+    polygons = len(bands.polygons) - 1
+    counts = {"n_bands": len(bands), "n_polygons": polygons, "area": float(bands.areas.sum())}
+    return counts, f"{counted(len(bands), 'band')} of {counted(polygons, 'polygon')}"
 
 
 def _heights(surface: Any, values: str | None) -> tuple[float, float]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 _CRS_OF_OTHERS = "crs_of_others"  # the option for files that state no system
 _OF_LINES = (  # warnings that are not among the notes
-    "the points have .* edges?, not used|.* lie beyond all points"
+    "the points have .* edges?, not used|.* lie beyond all points|the cloud is no height field"
     "|.*: layer .* is read, and|.*: its coordinate system is not known"
 )
 _LINE = re.compile(  # that a message is about: its option begins so

@@ -153,7 +153,7 @@ def _check(
     from liftmesh.crs.description import check_system
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
-    from liftmesh.terrain.sampling import check_interpolation
+    from liftmesh.terrain.rasters import check_interpolation
 
     with options.as_usage():
         if steps is not None:
@@ -169,7 +169,7 @@ def _check(
 def _pixels(surface: Surface, size: int, bounds: list[float] | None) -> dict[str, Any]:
     """Return where so many rows and columns are."""
     from liftmesh.raster.heightmap import square, stretched
-    from liftmesh.terrain.sampling import bounds_of_faces
+    from liftmesh.terrain.surface_data import bounds_of_faces
 
     found = square(bounds_of_faces(surface), size) if bounds is None else stretched(bounds, size)
     return {"transform": found, "shape": (size, size)}

@@ -38,11 +38,12 @@ if TYPE_CHECKING:
 
 
 class ObjectOptions(TypedDict, total=False):
-    """Options of tables and arrays, in memory and in files."""
+    """Options of tables, grids and arrays, in memory and in files."""
 
     columns: ColumnChoice
     flat: bool | None
     nodata: Missing
+    transform: Sequence[float] | None
 
 
 class FormatOptions(ObjectOptions, total=False):

@@ -25,13 +25,13 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Mask, Rows
 from liftmesh.base.arrays import check_finite, ends_of, used_rows
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import Interpolation, counted
+from liftmesh.base.options import Interpolation, counted, refused
 from liftmesh.errors import InputError
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.boundary import mask_of
-from liftmesh.terrain.sampling import bounds_of_faces, heights_at, points_above
-from liftmesh.terrain.surface_data import SurfaceData, unit_names
+from liftmesh.terrain.sampling import heights_at, points_above
+from liftmesh.terrain.surface_data import SurfaceData, bounds_of_faces, unit_names
 
 _NORMAL = 1.96  # standard deviations that 95 % of normal errors are within
 
@@ -182,7 +182,8 @@ def accuracy_of(
     InputError
         No point is over a face, or none of the vertices is inside; the points have no z, or are in
         another coordinate system; an error is beyond the largest double; without checkpoints, the
-        surface has lines, weights, radii or a metric.
+        surface has lines, faces of its own, weights, radii or a metric, or the interpolation is
+        "c1".
     NonFiniteError
         A checkpoint is not finite.
     UnsupportedTypeError, FormatError, OSError
@@ -244,6 +245,9 @@ def _left_out(surface: SurfaceData, interpolation: Interpolation, threads: int |
     """Return the height of each vertex by the triangulation without it."""
     solved, found = surface.triangulation, np.full(len(surface.vertices), np.nan)
     _check_delaunay(surface)
+    if interpolation == "c1":  # gradients depend on more than the neighbours
+        reason = "which is for checkpoints: give another, to leave out vertices"
+        raise refused("interpolation", interpolation, reason, mark=", ")
     used = np.zeros(len(found), np.bool_)
     used[used_rows(len(found), solved.simplices)] = True
     for rows in _apart(solved.edges, _inner(surface)):
@@ -260,7 +264,8 @@ def _check_delaunay(surface: SurfaceData) -> None:
     solved = surface.triangulation
     is_lined = isinstance(solved, ConstrainedTriangulation)
     if is_lined or solved.metric is not None or hasattr(solved, "hidden"):
-        reason = "follows lines" if is_lined else "has weights, radii or a metric"
+        own = "follows lines or has faces of its own"
+        reason = own if is_lined else "has weights, radii or a metric"
         raise InputError(
             f"vertices are left out of a Delaunay triangulation, and the surface {reason}: give "
             "checkpoints"

@@ -385,3 +385,26 @@ def _decimal(name: str, value: Any) -> Fraction:
         return as_decimal(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise refused(name, value, "give a finite height") from error
+
+
+def crossings(ends: Floats, levels: Floats) -> Floats:
+    """Compute where levels cross sides, (..., 2, 3), with the bits that the kernel has."""
+    u, v = ends[..., 0, :], ends[..., 1, :]
+    is_swapped = (v[..., 0] < u[..., 0]) | ((v[..., 0] == u[..., 0]) & (v[..., 1] < u[..., 1]))
+    u, v = (np.where(is_swapped[..., None], *pair) for pair in ((v, u), (u, v)))
+    low, high = u[..., 2], v[..., 2]
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        share = (levels - low) / (high - low)
+        halved = (levels / 2 - low / 2) / (high / 2 - low / 2)
+        share = np.where(np.isfinite(high - low), share, halved)
+        points = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
+    points = np.where((high == levels)[..., None], v[..., :2], points)
+    result: Floats = np.where((low == levels)[..., None], u[..., :2], points)
+    return result
+
+
+def _between(begin: Floats, end: Floats, share: Floats) -> Floats:
+    at = begin + share * (end - begin)
+    at = np.where(np.isfinite(at), at, (begin / 2 + share * (end / 2 - begin / 2)) * 2)
+    kept: Floats = np.clip(at, np.minimum(begin, end), np.maximum(begin, end)) + 0.0
+    return kept

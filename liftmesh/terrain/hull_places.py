@@ -2,8 +2,9 @@
 
 A side of the hull is visible from a point that is beyond its line. The visible sides follow one
 another, and along them a point projects first after the beginnings of sides, then before: so the
-nearest place is found by bisection. Differences of coordinates are pairs of doubles, and products
-of these are added as such; points far away in relation to the hull are fractions.
+nearest place is found by bisection. What is visible is decided exactly; for what projects where,
+differences of coordinates are pairs of doubles, and products of these are added as such; points far
+away in relation to the hull are fractions.
 """
 
 from __future__ import annotations
@@ -15,18 +16,16 @@ from typing import TypeAlias
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask
+from liftmesh.predicates import orient2d
 
 _FAR = 2.0**50  # sizes of the hull, beyond which pairs of doubles are not enough
 _SHORT = 2.0**-400  # of the hull: a side of whose square little is left
 _LARGE = 1e300  # coordinates whose differences may be beyond the doubles
-_LEAST = 2.0**-80  # of a turn: pairs may have lost its sign
-_UNSURE = -2
 _SPLIT = 2.0**27 + 1
 _REACH = 0.6 * np.pi  # more than between a visible side and the nearest place, pi / 2; less than pi
 
 
-# Of a, b and c, the cross and the dot product of b - a and c - a.
-_Products: TypeAlias = Callable[[Array, Array, Array], tuple[Array, Array]]
+_Dot: TypeAlias = Callable[[Floats, Floats, Floats], Array]  # of b - a and c - a
 _Pair: TypeAlias = tuple[Floats, Floats]
 
 
@@ -50,51 +49,57 @@ class HullPlaces:
 
     def nearest(self, points: Floats) -> tuple[Integers, Floats]:
         """Return the side of each point's nearest place, -1 of points inside, and where on it."""
+        side, share = np.full(len(points), -1), np.zeros(len(points))
+        start = self._visible_side(points)
+        beyond = np.flatnonzero(start >= 0)
         with np.errstate(over="ignore", invalid="ignore"):  # those are far
             scaled = np.ldexp(points, -self._exponent)
             is_near = (np.abs(scaled - self._scaled[0]) < _FAR).all(axis=1) & self._is_fine
-        side, share = np.empty(len(points), np.int64), np.empty(len(points))
-        side[is_near], share[is_near] = self._found(self._scaled, scaled[is_near], _in_pairs)
-        is_near[is_near] = side[is_near] != _UNSURE
-        if not is_near.all():
-            far, corners = _as_fractions(points[~is_near]), _as_fractions(self._given)
-            side[~is_near], share[~is_near] = self._found(corners, far, _in_fractions)
-        return side.clip(-1), share
+        near, far = beyond[is_near[beyond]], beyond[~is_near[beyond]]
+        for some, dot, corners, found in (
+            (near, _dot_of_pairs, self._scaled, scaled),
+            (far, _dot_of_fractions, self._given, points),
+        ):
+            if len(some):
+                place = self._along(points[some], start[some], corners, found[some], dot)
+                side[some], share[some] = place
+        return side, share
 
-    def _found(self, corners: Array, points: Array, products: _Products) -> tuple[Integers, Floats]:
-        count = len(corners)
+    def _turn(self, side: Integers, points: Floats) -> Array:
+        start, end = (self._given[each % len(self._given)] for each in (side, side + 1))
+        return orient2d(start, end, points)
 
-        def seen(first: Integers, second: Integers, q: Array) -> tuple[Array, Array]:
-            return products(corners[first], corners[second % count], q)
-
+    def _visible_side(self, points: Floats) -> Integers:
+        """Find a side that is visible from each point; -1 if none is, as from inside."""
+        count, first = len(self._given), self._given[0]
         # The first corner sees a point between two others, and so beyond the side between them.
         zero = np.zeros(len(points), np.int64)
-        of_first = seen(zero, zero + 1, points)[0]
-        of_last = seen(zero, zero + count - 1, points)[0]
+        of_last = orient2d(first, self._given[-1], points)
 
         def is_left(k: Integers, row: Integers) -> Mask:
-            turn = seen(zero[row], k, points[row])[0]
+            turn = orient2d(first, self._given[k], points[row])
             return np.where(of_last[row] == 0, turn > 0, turn >= 0)
 
         start = _last(zero + 1, zero + count - 1, is_left)
-        start = np.where(of_first < 0, 0, np.where(of_last > 0, count - 1, start))
-        turn = seen(start, start + 1, points)[0]
-        least = np.minimum(np.minimum(of_first, -of_last), turn)
-        side, share = np.where(least < _LEAST, _UNSURE, -1), np.zeros(len(zero))
-        beyond = np.flatnonzero(turn < 0)
-        points, start = points[beyond], start[beyond]
+        start = np.where(self._turn(zero, points) < 0, 0, np.where(of_last > 0, count - 1, start))
+        return np.where(self._turn(start, points) < 0, start, -1)
+
+    def _along(
+        self, points: Floats, start: Integers, corners: Floats, scaled: Floats, dot: _Dot
+    ) -> tuple[Integers, Floats]:
+        """Find the side, from a visible one on, and the place on it."""
+        count = len(corners)
+
+        def along(k: Integers, q: Floats) -> Array:
+            return dot(corners[k % count], corners[(k + 1) % count], q)
 
         def is_past(k: Integers, row: Integers) -> Mask:
-            turn, along = seen(k % count, k % count + 1, points[row])
-            is_visible, is_along = turn < 0, along >= 0
+            is_visible, is_along = self._turn(k, points[row]) < 0, along(k, scaled[row]) >= 0
             return np.where(k > start[row], is_visible & is_along, ~is_visible | is_along)
 
         found = _last(self._first[start] - 1, self._end[start], is_past) % count
-        ends = corners[(found + 1) % count]
-        part = products(corners[found], ends, points)[1] / products(corners[found], ends, ends)[1]
-        side[beyond] = found
-        share[beyond] = np.minimum(np.maximum(part, 0), 1).astype(np.float64)
-        return side, share
+        part = along(found, scaled) / along(found, corners[(found + 1) % count])
+        return found, np.minimum(np.maximum(part, 0), 1).astype(np.float64)
 
 
 def _last(low: Integers, high: Integers, holds: Callable[[Integers, Integers], Mask]) -> Integers:
@@ -108,19 +113,16 @@ def _last(low: Integers, high: Integers, holds: Callable[[Integers, Integers], M
     return low
 
 
-def _as_fractions(points: Floats) -> Array:
-    exact: Array = np.vectorize(Fraction, otypes=[object])(points)
-    return exact
+def _dot_of_fractions(a: Floats, b: Floats, c: Floats) -> Array:
+    """Compute the dot products of b - a and c - a."""
+    p, q, r = (np.vectorize(Fraction, otypes=[object])(each) for each in (a, b, c))
+    dots: Array = ((q - p) * (r - p)).sum(axis=1)
+    return dots
 
 
-def _in_fractions(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
-    (x, y), (u, v) = (b - a).T, (c - a).T
-    return x * v - y * u, x * u + y * v
-
-
-def _in_pairs(a: Array, b: Array, c: Array) -> tuple[Array, Array]:
+def _dot_of_pairs(a: Floats, b: Floats, c: Floats) -> Array:
     (x, y), (u, v) = (zip(*_difference(each.T, a.T), strict=True) for each in (b, c))
-    return _sum(_product(x, v), _product(_negative(y), u)), _sum(_product(x, u), _product(y, v))
+    return _sum(_product(x, u), _product(y, v))
 
 
 def _difference(a: Floats, b: Floats) -> tuple[Floats, Floats]:
@@ -128,10 +130,6 @@ def _difference(a: Floats, b: Floats) -> tuple[Floats, Floats]:
     rounded = a - b
     virtual = a - rounded
     return rounded, (a - (rounded + virtual)) + (virtual - b)
-
-
-def _negative(pair: _Pair) -> _Pair:
-    return -pair[0], -pair[1]
 
 
 def _product(p: _Pair, q: _Pair) -> _Pair:

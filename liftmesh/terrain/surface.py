@@ -22,13 +22,15 @@ from liftmesh.terrain import (
     changes,
     clipping,
     contours,
+    filled,
     measures,
     profile,
+    rasters,
     refinement,
     sampling,
     stages,
 )
-from liftmesh.terrain.surface_data import SurfaceData, as_cloud
+from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
 
 if TYPE_CHECKING:
     import os
@@ -48,9 +50,11 @@ if TYPE_CHECKING:
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.accuracy import Accuracy
     from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.measures import CutFillResult, VolumeResult
     from liftmesh.terrain.profile import Profile
-    from liftmesh.terrain.sampling import Interpolator, RasterOptions
+    from liftmesh.terrain.rasters import RasterOptions
+    from liftmesh.terrain.sampling import Interpolator
     from liftmesh.terrain.stages import StageStorage
     from liftmesh.terrain.values import Values
 
@@ -77,7 +81,7 @@ class Surface(SurfaceData):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
-        return sampling.bounds_of_faces(self)
+        return bounds_of_faces(self)
 
     def replace(
         self,
@@ -97,10 +101,8 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices : (n, 3) array_like, moved ones, if no two faces overlap
-        colors, normals : (n, 3) or colors (n, 4) array_like, or None for none
-        attributes : mapping of str to (n, ...) array_like, in place of the present ones
-        metadata, crs, color_depth : as for `Cloud`
+        vertices, colors, normals : array_like; moved ones, if no two faces overlap; None for none
+        attributes, metadata, crs, color_depth : as for `Cloud`, in place of the present ones
         """
         return changes.replaced(
             self,
@@ -147,8 +149,7 @@ class Surface(SurfaceData):
         points : (..., 2) array_like, coordinates in the plane
         interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
         values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
-        extrapolate : {"nearest", "hull"}, optional, what there is where there are no faces
-        threads : int, optional, as for `delaunay`
+        extrapolate, threads : {"nearest", "hull"}, for where there are no faces; as for `delaunay`
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
         return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
@@ -208,8 +209,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        cloud : Cloud, (n, 3) array_like, path or object with points
-        interpolation, extrapolate, threads : as for `sample`
+        cloud, interpolation, extrapolate, threads : (n, 3) array_like or path; as for `sample`
         """
         ways: Any = {"extrapolate": extrapolate, "threads": threads}
         return sampling.heights_above(self, cloud, interpolation=interpolation, **ways)
@@ -228,8 +228,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        checkpoints : object, optional, as for `height_above`; without, vertices are left out
-        interpolation, threads : as for `sample`
+        checkpoints, interpolation, threads : as for `height_above`; without, vertices are left out
         """
         return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
 
@@ -279,8 +278,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line : (k, 2) array_like, its corners in the plane, two at least
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        line, values : (k, 2) array_like, its corners, two at least; as for `contours`
         """
         return profile.profile_along(self, line, values=values)
 
@@ -294,8 +292,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        line, spacing, half_width : as for `profile`; between stations, and to both sides
-        values : as for `profile`
+        line, spacing, half_width, values : as for `profile`; between stations, and to both sides
         """
         ways: Any = {"spacing": spacing, "half_width": half_width, "values": values}
         return profile.cross_sections(self, line, **ways)
@@ -311,19 +308,17 @@ class Surface(SurfaceData):
         """Compute heights, or what follows from them, at the centres of pixels.
 
         Returns a Raster: values, NaN where no face contains the centre.
-        In full: `liftmesh.terrain.sampling.rasterize`.
+        In full: `liftmesh.terrain.rasters.rasterize`.
 
         Parameters
         ----------
-        resolution : float or pair of float, optional, width and height of a pixel
-        values, gradients : as for `sample`, one value of each vertex
-        **options : ``bounds``, or in place of the resolution ``transform`` and ``shape``;
-            ``quantity`` ("height", "slope", "aspect", "hillshade" or "longest-edge"),
-            ``interpolation`` as for `sample`, ``fill`` (a distance, for voids), ``light`` (azimuth
-            and altitude in degrees), ``z_factor`` as for `area`, ``dtype``, ``threads``
+        resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
+        **options : ``bounds``; or ``transform`` and ``shape``; ``quantity`` ("height", "slope",
+            "aspect", "hillshade", "longest-edge"), ``interpolation``, ``fill`` (a distance),
+            ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
-        return sampling.rasterize(self, resolution, **ways, **options)
+        return rasters.rasterize(self, resolution, **ways, **options)
 
     def contours(
         self,
@@ -342,11 +337,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels : array_like of float, optional, heights
-        values : (n,) array_like or name of attributes, optional, in place of heights
+        levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
         interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base, index_every : where multiples are counted from, how many to an index contour
-        threads : int, optional, as for `delaunay`
+        contour_base, index_every, threads : where multiples begin; how many to an index contour
         """
         return contours.contour_lines(
             self,
@@ -357,6 +350,27 @@ class Surface(SurfaceData):
             index_every=index_every,
             threads=threads,
         )
+
+    def filled_contours(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        values: Values | None = None,
+        interval: float | None = None,
+        contour_base: float = 0.0,
+        threads: int | None = None,
+    ) -> FilledContours:
+        """Compute the parts of the plane between levels, as polygons with holes.
+
+        Returns FilledContours: bands by ascending level, valid and without gaps.
+        In full: `liftmesh.terrain.filled.filled_contours`.
+
+        Parameters
+        ----------
+        levels, values, interval, contour_base, threads : as for `contours`
+        """
+        ways: Any = {"interval": interval, "contour_base": contour_base, "threads": threads}
+        return filled.filled_contours(self, levels, values=values, **ways)
 
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
         """Compute the area of the faces.
@@ -460,8 +474,7 @@ class Surface(SurfaceData):
         ----------
         base_height, thickness : float, the height of a flat base, or by how much a copy is lower
         pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
-        longest, z_factor : float, the longer side to scale to, as in millimetres; as for `area`
-        base_mm, thickness_mm : float, with ``longest``: either of them in millimetres
+        longest, z_factor, base_mm, thickness_mm : float, to scale for print, in its millimetres
         """
         return boundary.closed_solid(
             self,
@@ -490,8 +503,8 @@ class Surface(SurfaceData):
         Parameters
         ----------
         max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
-        max_radius : float, optional, leave out faces with a larger circumcircle (alpha shape)
-        polygon : GeoJSON, file, shape or (k, 2) array_like, leave out what has its centroid outside
+        max_radius, polygon : leave out larger circumcircles (alpha shape); centroids outside of a
+            GeoJSON, file, shape or (k, 2) array_like
         """
         return boundary.trim(
             self,

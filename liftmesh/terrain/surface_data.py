@@ -16,6 +16,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
+from liftmesh.base.arrays import planar_bounds
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import FrozenResult
@@ -142,6 +143,13 @@ def kernel_surface(surface: SurfaceData, heights: Floats | None = None) -> _kern
         surface.frame.heights(surface.vertices) if heights is None else heights,
         None if surface.mask is None else surface.mask.view(np.uint8),
     )
+
+
+def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
+    """Return xmin, ymin, xmax and ymax of the faces."""
+    solved = surface.triangulation
+    corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
+    return planar_bounds(solved.points[corners])
 
 
 def plane_system(surface: SurfaceData) -> str | None:

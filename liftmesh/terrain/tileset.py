@@ -35,9 +35,8 @@ from liftmesh.io.axes import chosen_origin
 from liftmesh.io.write import write
 from liftmesh.raster.pixels import bounds_of
 from liftmesh.terrain.profile import profile_along
-from liftmesh.terrain.sampling import bounds_of_faces
 from liftmesh.terrain.simplification import simplify
-from liftmesh.terrain.surface_data import SurfaceData
+from liftmesh.terrain.surface_data import SurfaceData, bounds_of_faces
 from liftmesh.terrain.triangulate import triangulate
 
 if TYPE_CHECKING:
@@ -144,8 +143,8 @@ def write_tileset(
     >>> import liftmesh, tempfile
     >>> hill = liftmesh.triangulate([[0, 0, 0], [8, 0, 0], [0, 8, 0], [8, 8, 0], [3, 4, 5]])
     >>> found = write_tileset(hill, tempfile.mkdtemp(), max_error=0.5, levels=2)
-    >>> found.path.name, found.errors
-    ('tileset.json', (0.0, 0.0))
+    >>> found.path.name, found.n_triangles
+    ('tileset.json', (8, 14))
     """
     count = as_count("levels", levels, 1, _MOST_LEVELS)
     bound = as_positive("max_error", max_error)

@@ -39,6 +39,7 @@ from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.height_field import warn_if_folded
 from liftmesh.terrain.lifting import Lifting, lifting_of
 from liftmesh.terrain.report import Report, report_on
 from liftmesh.terrain.surface import Surface
@@ -211,9 +212,10 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     Warns
     -----
     DataWarning
-        The coordinate system has degrees, or units that differ; with weights or radii, values
-        named ``hidden`` are replaced; all lines of an option lie beyond all points; or the cloud
-        has edges, which are not used.
+        The coordinate system has degrees, or units that differ; the cloud is no height field, as
+        `liftmesh.terrain.height_field` decides of a thousand rows or more; with weights or radii,
+        values named ``hidden`` are replaced; all lines of an option lie beyond all points; or the
+        cloud has edges, which are not used.
 
     See Also
     --------
@@ -280,6 +282,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         from liftmesh.terrain.breaklines import with_lines  # noqa: PLC0415 - as above
 
         surface = with_lines(lines, lifting, algorithm, frame, run.surface)
+    warn_if_folded(surface, stacklevel=4)
     stages.end()
     return surface
 

@@ -65,7 +65,7 @@ def over_values(surface: AnySurface, values: Values) -> AnySurface:
             each, single = heights[0].size, _names(surface, one_each=True)
             raise InputError(
                 f"{Option('values', values)} has {each} numbers for each vertex: give values with "
-                f"one, which are {single}"
+                f"one, of which there are {single}"
             )
         raise InputError(
             f"{Option('values')} have the shape {heights.shape}: give one of each vertex, as a "

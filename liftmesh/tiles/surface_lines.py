@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.terrain.contours import Contours, wanted_levels
+from liftmesh.terrain.contours import Contours, crossings, wanted_levels
+from liftmesh.terrain.filled import FilledContours, fill
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 
 _BLOCK = 1 << 18  # triangles that are looked at at once
@@ -46,6 +47,32 @@ def contour_lines(
         is_index[places],
         tiled.crs,
     )
+
+
+def filled_contours(
+    tiled: TiledSurfaceData,
+    levels: ArrayLike | None,
+    interval: float | None,
+    contour_base: float,
+) -> FilledContours:
+    """Compute the parts of the plane between levels, from the lines and the hull."""
+    low, high = map(Fraction, box_of(tiled)[2::3])
+    wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
+    lines = contour_lines(tiled, wanted, None, contour_base, 1)
+    return fill(lines, _rim(tiled), wanted, (low, high))
+
+
+def _rim(tiled: TiledSurfaceData) -> Floats:
+    """Return the sides of the hull, (h, 2, 3)."""
+    hull = np.asarray(tiled.convex_hull)
+    order = np.argsort(hull)
+    corners = np.empty((len(hull), 3))
+    for vertices in vertices_of(tiled):
+        place = np.minimum(np.searchsorted(hull[order], vertices["row"]), len(hull) - 1)
+        found = hull[order[place]] == vertices["row"]
+        some = [vertices[name][found] for name in ("x", "y", "z")]
+        corners[order[place[found]]] = np.stack(some, axis=1) + 0.0
+    return np.stack([corners, np.roll(corners, -1, axis=0)], axis=1)
 
 
 @dataclass(frozen=True)
@@ -88,31 +115,8 @@ def _steps(triangles: Integers, corners: Floats, levels: Floats) -> _Steps:
     opposite = np.where(is_above[:, None], np.stack([other, one], 1), np.stack([one, other], 1))
     ends = np.stack([(opposite + 1) % 3, (opposite + 2) % 3], axis=2)
     sides = np.sort(triangles[face[:, None, None], ends], axis=2)
-    points = _crossings(corners[face[:, None, None], ends], levels[level][:, None])
+    points = crossings(corners[face[:, None, None], ends], levels[level][:, None])
     return _Steps(level, sides, points)
-
-
-def _crossings(ends: Floats, levels: Floats) -> Floats:
-    """Compute where levels cross sides, (..., 2, 3), on the way from the lesser end."""
-    u, v = ends[..., 0, :], ends[..., 1, :]
-    is_swapped = (v[..., 0] < u[..., 0]) | ((v[..., 0] == u[..., 0]) & (v[..., 1] < u[..., 1]))
-    u, v = (np.where(is_swapped[..., None], *pair) for pair in ((v, u), (u, v)))
-    low, high = u[..., 2], v[..., 2]
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        share = (levels - low) / (high - low)
-        halved = (levels / 2 - low / 2) / (high / 2 - low / 2)
-        share = np.where(np.isfinite(high - low), share, halved)
-        points = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
-    points = np.where((high == levels)[..., None], v[..., :2], points)
-    result: Floats = np.where((low == levels)[..., None], u[..., :2], points)
-    return result
-
-
-def _between(begin: Floats, end: Floats, share: Floats) -> Floats:
-    at = begin + share * (end - begin)
-    at = np.where(np.isfinite(at), at, (begin / 2 + share * (end / 2 - begin / 2)) * 2)
-    kept: Floats = np.clip(at, np.minimum(begin, end), np.maximum(begin, end)) + 0.0
-    return kept
 
 
 @dataclass(frozen=True)

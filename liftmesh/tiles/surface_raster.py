@@ -35,8 +35,8 @@ from liftmesh.raster.fill import filled_block
 from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.rasters import RasterOptions, RasterPlan
 from liftmesh.terrain.report import Report
-from liftmesh.terrain.sampling import RasterOptions, RasterPlan
 from liftmesh.terrain.surface import Surface
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
 

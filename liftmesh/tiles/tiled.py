@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
     from liftmesh.raster.raster import Raster
     from liftmesh.terrain.contours import Contours
+    from liftmesh.terrain.filled import FilledContours
+    from liftmesh.terrain.rasters import RasterOptions
     from liftmesh.terrain.report import Report
-    from liftmesh.terrain.sampling import RasterOptions
 
 
 class Tiled(TiledData):
@@ -636,6 +637,24 @@ class TiledSurface(TiledSurfaceData, Tiled):
         [[1.0, 3.0], [1.0, 0.0]]
         """
         return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
+
+    def filled_contours(
+        self,
+        levels: ArrayLike | None = None,
+        *,
+        interval: float | None = None,
+        contour_base: float = 0.0,
+    ) -> FilledContours:
+        """Compute the parts of the plane between levels, with the bits of one surface.
+
+        Returns FilledContours, which are held in memory; an error where contours cross by rounding.
+        In full: `liftmesh.terrain.filled.filled_contours`.
+
+        Parameters
+        ----------
+        levels, interval, contour_base : as for `Surface.contours`
+        """
+        return surface_lines.filled_contours(self, levels, interval, contour_base)
 
 
 def open_tiled(folder: str | os.PathLike[str]) -> Tiled:

@@ -20,7 +20,7 @@ values of a point, as the columns of a table are, if all of them are numbers.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from numbers import Integral, Real
@@ -166,16 +166,37 @@ def write_lines(
     layer: str,
 ) -> WriteResult:
     """Write lines with a value of each column, as the name of the file says."""
-    is_package = path.suffix.lower() == ".gpkg"
+    parts = (points[begin:end].tolist() for begin, end in pairwise(starts.tolist()))
+    lines = ({"type": "LineString", "coordinates": part} for part in parts)
     with replacing(path) as stream:
-        if is_package:
+        if _is_package(path):
             geopackage.write_lines(stream, points, starts, columns, crs, layer)
         else:
-            rows = zip(*(values.tolist() for values in columns.values()), strict=True)
-            properties = (dict(zip(columns, row, strict=True)) for row in rows)
-            parts = (points[begin:end] for begin, end in pairwise(starts.tolist()))
-            geojson.write_lines(stream, zip(properties, parts, strict=True), crs)
-    return written_file(path, "geopackage" if is_package else "geojson")
+            geojson.write_features(stream, zip(_rows(columns), lines, strict=True), crs)
+    return written_file(path, "geopackage" if _is_package(path) else "geojson")
+
+
+def write_areas(
+    path: Path, shapes: Array, columns: Mapping[str, Array], crs: str | None, layer: str
+) -> WriteResult:
+    """Write polygons of shapely with a value of each column, as the name of the file says."""
+    with replacing(path) as stream:
+        if _is_package(path):
+            geopackage.write_shapes(stream, shapes, columns, crs, layer)
+        else:
+            described = (each.__geo_interface__ for each in shapes)
+            geojson.write_features(stream, zip(_rows(columns), described, strict=True), crs)
+    return written_file(path, "geopackage" if _is_package(path) else "geojson")
+
+
+def _is_package(path: Path) -> bool:
+    return path.suffix.lower() == ".gpkg"
+
+
+def _rows(columns: Mapping[str, Array]) -> Iterator[dict[str, Any]]:
+    """Yield the values of each row by their names."""
+    rows = zip(*(values.tolist() for values in columns.values()), strict=True)
+    return (dict(zip(columns, row, strict=True)) for row in rows)
 
 
 _EXPANSION, _VALUES_MORE = 20, 1 << 21  # values for each that is stated, and in all

@@ -81,11 +81,13 @@ def _corners(corners: Any, part: str, whole: str, fewest: int) -> Floats:
     return array
 
 
-def write_lines(
-    stream: BinaryIO, lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None
+def write_features(
+    stream: BinaryIO,
+    features: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]],
+    crs: str | None,
 ) -> None:
-    """Write a collection of features."""
-    stream.writelines(each.encode() for each in _texts(lines, crs))
+    """Write a collection of features, each with its properties and its geometry."""
+    stream.writelines(each.encode() for each in _texts(features, crs))
 
 
 def crs_member(crs: str | None) -> str:
@@ -96,10 +98,11 @@ def crs_member(crs: str | None) -> str:
     return f'"crs": {json.dumps(system)},\n'
 
 
-def _texts(lines: Iterable[tuple[Mapping[str, Any], Floats]], crs: str | None) -> Iterator[str]:
+def _texts(
+    features: Iterable[tuple[Mapping[str, Any], Mapping[str, Any]]], crs: str | None
+) -> Iterator[str]:
     yield f'{{"type": "FeatureCollection",\n{crs_member(crs)}"features": ['
-    for number, (properties, points) in enumerate(lines):
-        geometry = {"type": "LineString", "coordinates": points.tolist()}
+    for number, (properties, geometry) in enumerate(features):
         feature = {"type": "Feature", "properties": properties, "geometry": geometry}
         yield ("," if number else "") + "\n" + json.dumps(feature)
     yield "\n]}\n"

@@ -127,6 +127,7 @@ WITHOUT_DATA = {
     "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
     "CutFillResult": "a result, made by Surface.cut_and_fill",
     "Accuracy": "a result, made by Surface.accuracy",
+    "FilledContours": "a result, made by Surface.filled_contours; its methods are watched",
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -98,6 +99,12 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def subtracted(points: Points) -> Work:
+    """Prepare the difference of a surface and one of half as many points."""
+    one, other = surface_over(points), surface_over(points[::2])
+    return Work(lambda: liftmesh.difference(one, other), len(points))
+
+
 def compared_beside(points: Points) -> Work:
     """Prepare two round surfaces with overlapping boxes: their hulls tell that they are apart."""
     one = surface_over(points)
@@ -152,6 +159,12 @@ def saved_lines(found: liftmesh.Contours) -> object:
     return found.save("/dev/null")
 
 
+def saved_bands(found: liftmesh.FilledContours) -> object:
+    """Write bands to a folder that goes away."""
+    with tempfile.TemporaryDirectory() as folder:
+        return found.save(f"{folder}/bands.geojson")
+
+
 def profiled(call: Callable[[liftmesh.Profile], object]) -> Prepare:
     """Prepare a call on a line across the faces."""
     return on(lambda points: surface_over(points).profile([[0, 0], [1, 1], [0, 1]]))(call)
@@ -189,6 +202,7 @@ def measuring_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
     cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
     yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
+    yield "difference", PLANAR, subtracted, ("uniform",), LEAST
     tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
     yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
     level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)
@@ -265,6 +279,13 @@ def check_functions() -> Iterator[tuple[Any, ...]]:
         lambda found: found.cross_sections([[0, 0], [1, 1]], spacing=0.01, half_width=0.5)
     )
     yield "Surface.cross_sections", PLANAR, across, ("uniform",)
+    bands = on_surface(lambda found: found.filled_contours(interval=0.25, threads=1))
+    yield "Surface.filled_contours", PLANAR, bands, ("uniform", "circle and centre"), LEAST
+    filled = on(lambda points: surface_over(points).filled_contours(interval=0.25))
+    shapes = filled(liftmesh.FilledContours.to_shapely)
+    yield "FilledContours.to_shapely", PLANAR, shapes, (), LEAST
+    written = filled(saved_bands)
+    yield "FilledContours.save", PLANAR, written, (), LEAST
 
 
 FUNCTIONS = (*surface_functions(), *check_functions())

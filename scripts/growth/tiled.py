@@ -83,6 +83,8 @@ def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "TiledSurface.raster", SPATIAL, raster, heights
     yield "TiledSurface.save_raster", SPATIAL, on_surface_tiles(saved), ()
     yield "TiledSurface.contours", SPATIAL, on_surface_tiles(lines), heights
+    bands = on_surface_tiles(lambda tiled: tiled.filled_contours([0.0, 0.5]))
+    yield "TiledSurface.filled_contours", SPATIAL, bands, ()
 
 
 PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {

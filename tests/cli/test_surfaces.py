@@ -83,6 +83,26 @@ def test_a_raster_by_natural_neighbours(tin, tmp_path) -> None:
         np.testing.assert_array_equal(file.read(1), expected)
 
 
+def test_voids_are_filled_and_heights_smooth(tin, tmp_path) -> None:
+    words = ("--resolution", "5", "--max-edge", "10", "--double")
+    ways = ("--interpolation", "c1", "--fill", "12.5")
+    assert run("raster", tin, tmp_path / "dtm.tif", *words, *ways).returncode == 0
+    expected = surface().trim(max_edge=10).raster(5, interpolation="c1", fill=12.5)
+    with rasterio.open(tmp_path / "dtm.tif") as file:
+        np.testing.assert_array_equal(file.read(1), expected.values)
+    done = run("raster", tin, tmp_path / "dtm.tif", *words, "--fill", "0", "--overwrite")
+    failed(done, 2, "--fill is 0: give a positive number")
+    vertices = np.random.default_rng(1).random((9, 3))
+    colored = liftmesh.triangulate(vertices, colors=vertices)
+    colored.save(tmp_path / "colors.ply")
+    done = run("raster", tmp_path / "colors.ply", tmp_path / "c.tif", *words, "--values=colors")
+    failed(
+        done,
+        3,
+        "--values colors has 3 numbers for each vertex: give values with one, of which there",
+    )
+
+
 def test_values_take_the_place_of_heights(tmp_path) -> None:
     rows = np.column_stack([meadow(), np.arange(len(meadow()))])
     np.savetxt(tmp_path / "wet.csv", rows, delimiter=",", header="x,y,z,wet", comments="")
@@ -113,6 +133,22 @@ def test_contours_are_those_of_the_surface(tin, tmp_path) -> None:
     said = json.loads(run("contour", tin, tmp_path / "l.geojson", *words, "--json").stdout)
     assert said["n_lines"] == len(expected)
     assert said["length"] == pytest.approx(expected.lengths.sum())
+
+
+def test_filled_contours_are_those_of_the_surface(tin, tmp_path) -> None:
+    words = ("--interval", "2", "--contour-base", "1", "--filled")
+    done = run("contour", tin, tmp_path / "bands.geojson", *words)
+    assert done.returncode == 0, done.stderr
+    expected = surface().filled_contours(interval=2, contour_base=1)
+    tree = json.loads((tmp_path / "bands.geojson").read_text())
+    assert [each["properties"]["lower"] for each in tree["features"]] == expected.lower.tolist()
+    assert f"{len(expected)} bands of {len(expected.polygons) - 1} polygons" in done.stdout
+    said = json.loads(run("contour", tin, tmp_path / "b.gpkg", *words, "--json").stdout)
+    assert (said["n_bands"], said["n_polygons"]) == (len(expected), len(expected.polygons) - 1)
+    assert said["area"] == pytest.approx(surface().area(planar=True))
+    for option, value in (("--min-length", "5"), ("--index-every", "2")):
+        done = run("contour", tin, tmp_path / "c.gpkg", *words, option, value)
+        failed(done, 2, f"{option} is of lines, and --filled is given")
 
 
 def test_faces_are_left_out_by_radius_and_polygon(tin, tmp_path) -> None:

@@ -149,9 +149,11 @@ def test_the_order_of_rows_changes_no_bit() -> None:
 def test_vertices_of_surfaces_with_lines_or_weights_stay() -> None:
     points = meadow(50)
     lined = liftmesh.triangulate(points, breaklines=[[[1, 1, 5], [20, 30, 6]]])
-    with pytest.raises(InputError, match="follows lines: give checkpoints"):
+    with pytest.raises(InputError, match="follows lines or has faces of its own: give checkpoints"):
         lined.accuracy()
     weighted = liftmesh.triangulate(points, weights=np.arange(float(len(points))))
     with pytest.raises(InputError, match="has weights, radii or a metric"):
         weighted.accuracy()
     assert lined.accuracy([[30, 30, 0]]).n_outside == 0
+    with pytest.raises(InputError, match="interpolation is 'c1', which is for checkpoints"):
+        liftmesh.triangulate(points).accuracy(interpolation="c1")

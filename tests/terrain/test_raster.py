@@ -6,7 +6,8 @@ import numpy as np
 
 from liftmesh.raster.pixels import centres_of
 from liftmesh.terrain.ground import bare_warning
-from liftmesh.terrain.sampling import aspect_degrees, shade_of, slope_degrees
+from liftmesh.terrain.rasters import shade_of
+from liftmesh.terrain.sampling import aspect_degrees, slope_degrees
 from liftmesh.terrain.simplification import merged_deviation
 
 

@@ -14,7 +14,7 @@ from surfaces import LATTICE, covering, exactly, family_surface, meadow, raster,
 
 import liftmesh
 from liftmesh.raster.pixels import Layout
-from liftmesh.terrain.sampling import scanner
+from liftmesh.terrain.rasters import scanner
 
 STEPS = st.sampled_from([-1.0, -0.5, 0.0, 0.25, 0.5, 1.0, 2.0])
 QUANTITIES = {"height": "sample", "slope": "slope", "aspect": "aspect"}
@@ -102,7 +102,7 @@ def test_no_bit_depends_on_threads_or_windows(monkeypatch: pytest.MonkeyPatch) -
     whole = surface.raster(0.004, threads=1)
     np.testing.assert_array_equal(surface.raster(0.004, threads=3).values, whole.values)
     slopes = surface.raster(0.004, quantity="slope", threads=1)
-    monkeypatch.setattr("liftmesh.terrain.sampling._TOGETHER", 1000)
+    monkeypatch.setattr("liftmesh.terrain.rasters._TOGETHER", 1000)
     again = surface.raster(0.004, quantity="slope", threads=2)
     np.testing.assert_array_equal(again.values, slopes.values)
     np.testing.assert_array_equal(again.values, surface.slope(whole.centers()))
@@ -356,7 +356,7 @@ def test_the_layout_covers_the_surface() -> None:
 
 @pytest.mark.parametrize("method", ["nearest", "laplace", "sibson"])
 def test_other_methods_are_those_of_sample(method: str, monkeypatch) -> None:
-    monkeypatch.setattr("liftmesh.terrain.sampling._TOGETHER", 50)  # several blocks of rows
+    monkeypatch.setattr("liftmesh.terrain.rasters._TOGETHER", 50)  # several blocks of rows
     surface = liftmesh.triangulate(np.random.default_rng(7).random((60, 3)))
     found = surface.raster(0.05, interpolation=method)
     np.testing.assert_array_equal(found.values, surface.sample(found.centers(), method))

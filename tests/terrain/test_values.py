@@ -111,7 +111,7 @@ def test_values_that_fit_no_vertices(values: object, said: str) -> None:
 
 def test_values_for_which_a_raster_has_no_room() -> None:
     surface = surface_of()
-    with pytest.raises(InputError, match=r"values='flow' has 2 numbers .* which are 'intensity'"):
+    with pytest.raises(InputError, match=r"values='flow' has 2 numbers .* there are 'intensity'"):
         surface.raster(0.1, values="flow")
     with pytest.raises(InputError, match=r"shape \(500, 2\): give one of each vertex"):
         surface.raster(0.1, values=surface.attributes["flow"])

@@ -199,6 +199,25 @@ def test_contours_are_the_lines_of_one_call(
     assert len(found) > 0 or wanted == {"levels": [99]}
 
 
+@pytest.mark.parametrize(
+    "wanted", [{"interval": 0.3}, {"levels": [0.5, 0, -0.3]}, {"levels": [99]}]
+)
+def test_filled_contours_are_those_of_one_call(
+    both: tuple[TiledSurface, Surface], wanted: dict[str, Any]
+) -> None:
+    tiled, surface = both
+    found, expected = tiled.filled_contours(**wanted), surface.filled_contours(**wanted)
+    for name in ("points", "rings", "polygons", "bands", "lower", "upper"):
+        assert getattr(found, name).tobytes() == getattr(expected, name).tobytes(), name
+    assert found.crs == expected.crs
+    assert len(found) > 0
+
+
+def test_a_quantity_of_faces_is_refused(both: tuple[TiledSurface, Surface]) -> None:
+    with pytest.raises(InputError, match="which rasters of tiles do not have"):
+        both[0].raster(1, quantity="longest-edge")
+
+
 def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
     points = np.random.default_rng(6).random((300, 3)) * 2 - 1
     points[:, 2] *= 1.7e308

@@ -1,0 +1,124 @@
+"""Whether a cloud is a height field: one height at each position, as terrain has, but no statue.
+
+Some four thousand rows are chosen and triangulated. One is *folded* if the heights at its position
+and at its neighbours there differ by more than a tenth of the cloud's width, which is the side of a
+square as large as the rectangle around them, and by more than a quarter of the range of all these
+heights. A cloud of which more than half of them are folded is no height field: points above each
+other are neighbours, and the triangulation jumps up and down between them.
+
+Clouds that fill a volume are spared, as tree crowns and random numbers do, and those that are drawn
+out to lines, as metres above degrees: they are no other surface, whose shape would be lost. The
+dimension of a cloud follows from how much farther than the fourth neighbour in space the sixteenth
+is: of surfaces it is 1.8 to 2, of volumes more than 2.3 (P. Grassberger and I. Procaccia, 1983).
+
+The rule does not depend on scale nor on the number of rows, and the second condition spares heights
+in another unit than x and y, as metres beside degrees. Of spheres, tubes, rooms and the walls of
+buildings 56 to 99 % are folded; of airborne lidar with trees and roofs 0 to 12 %, of its ground 0.
+
+Rows are chosen by a hash of x and y, so it does not matter in which order they are, and all rows at
+a position are chosen or none (D. E. Knuth, The Art of Computer Programming, volume 3, 6.4).
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liftmesh._typing import Floats, Integers, Rows
+from liftmesh.crs.description import parse_crs
+from liftmesh.errors import DataWarning, DegenerateInputError
+from liftmesh.planar.delaunay import delaunay
+
+if TYPE_CHECKING:
+    from liftmesh.terrain.surface_data import SurfaceData
+
+LEAST, _CHOSEN = 1_000, 4_096  # rows
+_OF_WIDTH, _OF_RANGE, _MOST = 0.1, 0.25, 0.5
+_NEAR, _FAR, _OF_SURFACES = 4, 16, (1.4, 2.2)  # neighbours, and dimensions
+_ASKED = 8  # every so many rows
+_FACTOR = np.uint64(0x9E3779B97F4A7C15)  # 2^64 by the golden ratio
+_PIECE = 1 << 15
+
+
+def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
+    """Warn of a cloud that is no height field; in degrees, no height can be compared."""
+    system = parse_crs(surface.crs)
+    if system is not None and system.kind == "geographic":
+        return
+    share, count = folded_share(
+        surface.triangulation.points, surface.frame.heights(surface.vertices)
+    )
+    if share > _MOST:
+        warnings.warn(
+            f"the cloud is no height field: at {100 * share:.0f} % of {count:,} rows the heights "
+            "of neighbours differ by more than a tenth of its width, as in scans of closed "
+            "objects, rooms or walls. A surface has one height at each position: take a part that "
+            "is seen from one side, give another plane, or use a program for closed meshes",
+            DataWarning,
+            stacklevel=stacklevel,
+        )
+
+
+def folded_share(planar: Floats, heights: Floats) -> tuple[float, int]:
+    """Return which share of some rows are folded, and how many these are; 0 for few rows."""
+    rows = _chosen(planar) if len(planar) >= LEAST else np.empty(0, np.intp)
+    rows = rows[np.isfinite(planar[rows]).all(axis=1) & np.isfinite(heights[rows])]
+    if len(rows) < LEAST // 2:
+        return 0.0, 0
+    points, z = planar[rows], heights[rows]
+    try:
+        tri = delaunay(points, threads=1)
+    except DegenerateInputError:
+        return 0.0, 0
+    with np.errstate(over="ignore", invalid="ignore"):
+        between = _between(tri.simplices, tri.duplicates, z)
+        width = np.sqrt(np.ptp(points[:, 0])) * np.sqrt(np.ptp(points[:, 1]))
+        are_folded = (between > _OF_WIDTH * width) & (between > _OF_RANGE * np.ptp(z))
+        share = float(np.mean(are_folded))
+    if share > _MOST:
+        low, high = _OF_SURFACES
+        share *= low < _dimension(np.column_stack([points, z])) < high
+    return share, len(rows)
+
+
+def _dimension(points: Floats) -> float:
+    """Estimate the dimension of what rows are spread over."""
+    from scipy.spatial import cKDTree  # noqa: PLC0415 - most clouds do without
+
+    ordered = points[np.lexsort(points.T)]
+    with np.errstate(over="ignore"):
+        ordered /= np.ptp(ordered, axis=0).max()
+    distance, _ = cKDTree(ordered).query(ordered[::_ASKED], [_NEAR + 1, _FAR + 1])
+    near, far = distance[distance[:, 0] > 0].T
+    growth = np.log(far / near).mean() if len(near) else 0.0
+    return float(np.log(_FAR / _NEAR) / growth) if growth > 0 else np.inf
+
+
+def _chosen(planar: Floats) -> Integers:
+    """Choose rows by their coordinates."""
+    if len(planar) <= _CHOSEN:
+        return np.arange(len(planar))
+    limit = np.uint64(int(_CHOSEN / len(planar) * 2**64))
+    found = []
+    for start in range(0, len(planar), _PIECE):
+        x, y = (planar[start : start + _PIECE].T + 0.0).astype(np.float64).view(np.uint64)
+        found.append(start + np.flatnonzero((x * _FACTOR ^ y) * _FACTOR < limit))
+    return np.concatenate(found)
+
+
+def _between(simplices: Rows, duplicates: Rows, z: Floats) -> Floats:
+    """Return the range of heights at each row's position and around it."""
+    row, kept = duplicates.T
+    names = np.arange(len(z))
+    names[row] = kept
+    low, high = z.copy(), z.copy()
+    np.minimum.at(low, kept, z[row])
+    np.maximum.at(high, kept, z[row])
+    of_low, of_high = low[simplices].min(axis=1), high[simplices].max(axis=1)
+    for corner in simplices.T:
+        np.minimum.at(low, corner, of_low)
+        np.maximum.at(high, corner, of_high)
+    between: Floats = (high - low)[names]
+    return between
