@@ -66,6 +66,7 @@ from .predicates import incircle as incircle, orient2d as orient2d
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.accuracy import Accuracy as Accuracy
+from .terrain.clipping import paste as paste
 from .terrain.contours import Contour as Contour, Contours as Contours
 from .terrain.difference import difference as difference
 from .terrain.filled import FilledContours as FilledContours

@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, used_rows
+from liftmesh.base.arrays import pair_keys, starts_of_runs, used_rows
 from liftmesh.base.frozen import cached_property
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -178,6 +178,14 @@ class Overlay:
         found: Rows = self.tri.constraints[piece[np.isin(pair_keys(*ends.T), keys)[side]]]
         return found
 
+    def on_polygons(self, sides: Floats) -> list[Floats]:
+        """Return the places of rows on each side of the polygons, (k, 2, 2), in order."""
+        indptr, members = self.tri.constraint_inputs
+        piece = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+        own = members >= self.first_side[-1]
+        side = np.repeat(members[own] - self.first_side[-1], 2)
+        return along_sides(sides, side, self.tri.points[self.tri.constraints[piece[own]].ravel()])
+
     def _ends(self, layer: int, side: Integers) -> Rows:
         """Return the rows of the ends of sides."""
         ends: Rows = self.layers[layer].sides[side] + np.int32(self.first_row[layer])
@@ -244,6 +252,21 @@ def _are_turned(pieces: Floats, sides: Floats) -> Mask:
     rows = np.arange(len(steps))
     turned: Mask = (steps[rows, axis] > 0) != (ways[rows, axis] > 0)
     return turned
+
+
+def along_sides(sides: Floats, side: Integers, places: Floats) -> list[Floats]:
+    """Return the places on each side, between its ends, in order and each once."""
+    is_inner = (places[:, None] != sides[side]).any(axis=2).all(axis=1)
+    side, places = side[is_inner], places[is_inner]
+    steps = sides[side, 1] / 2 - sides[side, 0] / 2
+    is_steep = np.abs(steps[:, 1]) > np.abs(steps[:, 0])
+    ahead = places * np.where(steps < 0, -1, 1)
+    ahead[is_steep] = ahead[is_steep, ::-1]
+    order = np.lexsort([ahead[:, 1], ahead[:, 0], side])
+    side, places = side[order], places[order]
+    first = starts_of_runs(np.column_stack([side, places]))
+    side, places = side[first], places[first]
+    return np.split(places, np.searchsorted(side, np.arange(1, len(sides))))
 
 
 def along(ends: Floats, places: Floats, low: Floats, high: Floats) -> Floats:
