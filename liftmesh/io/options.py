@@ -73,8 +73,8 @@ class ChunkOptions(FormatOptions, total=False):
     z_range: Iterable[float] | None
     every: int
     withheld: bool
-    src_crs: str | None
-    dst_crs: str | None
+    src_crs: Any
+    dst_crs: Any
 
 
 class ReadOptions(ChunkOptions, total=False):
