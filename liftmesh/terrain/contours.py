@@ -325,7 +325,7 @@ def contour_lines(
     is_closed = closed.view(np.bool_)
     if smooth is not None:
         check_tolerance(smooth, wanted)
-        lines = Lines(points, starts, is_closed, places)
+        lines = Lines(points, starts, is_closed, places.astype(np.int64))
         points = smoothed(lines, _sides_of(surface), wanted, smooth)
     return Contours(points, starts, wanted[places], is_closed, is_index[places], crs)
 

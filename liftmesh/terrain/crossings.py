@@ -65,7 +65,7 @@ def _between(begin: Floats, end: Floats, share: Floats) -> Floats:
 
 def check_tolerance(tolerance: float, levels: Floats) -> None:
     """Raise if contours that are smoothed so could cross."""
-    most = as_positive("smooth", tolerance, "give a positive height")
+    most = as_positive("smooth", tolerance, "a positive height")
     gap = float(np.diff(levels).min(initial=np.inf))
     if not most < gap / 2:
         raise InputError(
@@ -167,7 +167,7 @@ def _relaxed(lines: Lines, ways: Floats) -> Floats:
             is_known = np.isfinite(moved).all(axis=1)[:, None]
             points[thread.points] = np.where(is_known, moved, points[thread.points])
             points[ends] = points[starts]
-    return points + 0.0
+    return np.asarray(points + 0.0)
 
 
 def _repeated(points: Floats, lines: Lines) -> Mask:
