@@ -66,7 +66,9 @@ from .predicates import incircle as incircle, orient2d as orient2d
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.accuracy import Accuracy as Accuracy
+from .terrain.clipping import paste as paste
 from .terrain.contours import Contour as Contour, Contours as Contours
+from .terrain.difference import difference as difference
 from .terrain.filled import FilledContours as FilledContours
 from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
@@ -79,6 +81,7 @@ from .terrain.simplification import simplify as simplify
 from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
+from .terrain.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled

@@ -21,6 +21,7 @@ TRIANGULATION = liftmesh.delaunay(PLANAR)
 STARS = liftmesh.anisotropic_stars(PLANAR, [np.eye(2)] * len(PLANAR))
 GRAPH = liftmesh.apollonius(PLANAR, PLANAR[:, 0] ** 2)
 SURFACE = liftmesh.triangulate(ROWS)
+SQUARE = liftmesh.triangulate([[0, 0, 0], [1, 0, 1], [0, 1, 2], [1, 1, 4]])
 TEXT = b"0 0 1\n1 0 2\n0 1 3\n"
 
 
@@ -130,6 +131,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "thin cell": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "cell": 0.5}),
     "thin distance": (liftmesh.thin, liftmesh.thin, {"cloud": ROWS, "min_distance": 0.5}),
     "simplify": (liftmesh.simplify, liftmesh.simplify, {"cloud": ROWS, "max_error": 0.5}),
+    "write_tileset": (
+        liftmesh.write_tileset,
+        liftmesh.write_tileset,
+        {"surface": SQUARE, "folder": "tileset", "max_error": 0.5, "levels": 1},
+    ),
     "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
     "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),
     "read_chunks": (chunks, liftmesh.read_chunks, {"source": TEXT, "format": "xyz"}),
@@ -188,7 +194,7 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     ),
     "volume": (SURFACE.volume, SURFACE.volume, {}),
     "profile": (SURFACE.profile, SURFACE.profile, {"line": [[0.1, 0.2], [0.5, 0.4]]}),
-    "solid": (SURFACE.solid, SURFACE.solid, {"thickness": 1.0}),
+    "solid": (SURFACE.solid, SURFACE.solid, {"thickness": 99.0}),
     "cut_and_fill": (SURFACE.cut_and_fill, SURFACE.cut_and_fill, {"other": SURFACE}),
     "to_open3d_t": (SURFACE.to_open3d_t, liftmesh.Surface.to_open3d_t, {}),
     "Format": (

@@ -60,6 +60,8 @@ def _is_usual(points: ArrayLike) -> TypeGuard[Floats]:
 
 def _as_array(points: ArrayLike) -> Array:
     """Convert anything to an array; arrays, masked ones included, stay as they are."""
+    if are_geometries(points):
+        return coordinates_of(points)
     try:
         array = np.asanyarray(points)
     except ValueError as error:
@@ -68,8 +70,28 @@ def _as_array(points: ArrayLike) -> Array:
         raise no_array(points)
     first = array[:1].flat if array.ndim and array.dtype.hasobject else ()
     if any(hasattr(each, "geom_type") for each in first):
-        raise _no_numbers(points)
+        raise InputError(
+            "points are geometries: give what shapely.get_coordinates(points) returns, with "
+            "include_z=True where heights count"
+        )
     return array
+
+
+def are_geometries(points: object) -> bool:
+    """Whether this is a GeoSeries, a GeoDataFrame with geometries, or the array of one."""
+    return hasattr(type(points), "geom_type") and hasattr(type(points), "union_all")
+
+
+def coordinates_of(points: Any) -> Floats:
+    """Return x and y of points of geopandas, and z if one has it: NaN for those that have none."""
+    kinds = np.asarray(points.geom_type)
+    if (other := kinds != "Point").any():
+        row = int(other.argmax())
+        kind = kinds[row] if isinstance(kinds[row], str) else "nothing"
+        raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
+    shapes = getattr(points, "geometry", points)
+    axes = _AXES if np.asarray(shapes.has_z).any() else _AXES[:2]
+    return np.stack([np.asarray(getattr(shapes, axis), np.float64) for axis in axes], axis=1)
 
 
 def _describe_ragged(points: Any, error: ValueError) -> str:
@@ -113,6 +135,7 @@ def as_rows3(points: ArrayLike) -> Floats:
 def as_pairs(points: ArrayLike) -> Floats:
     """Convert planar points of any leading shape to a contiguous (..., 2) array of float64."""
     array = unmasked(_as_array(points))
+    array = array[:, :2] if are_geometries(points) else array
     if array.ndim == 0 or array.shape[-1] != 2:
         transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
         hint = ": these are columns; give the transpose" if transposed else ""
@@ -284,6 +307,13 @@ def starts_of_runs(rows: Array) -> Mask:
     return starts
 
 
+def distinct(values: Array) -> Array:
+    """Return the values, ascending, each once: as np.unique, whose hash table takes far longer."""
+    ascending = np.sort(values, axis=None)
+    found: Array = ascending[starts_of_runs(ascending[:, None])]
+    return found
+
+
 def read_only(array: Array) -> Array:
     """Return a view that cannot be written to, of an array that remains as it is."""
     view: Array = array.view()
@@ -395,15 +425,6 @@ def no_array(points: object) -> InputError:
     article = "an" if kind[0] in "aeiouAEIOU" else "a"
     what = "None" if points is None else f"{article} {kind}"
     return InputError(f"points are {what}{_advice(points)}")
-
-
-def _no_numbers(points: object) -> InputError:
-    """Return the exception for geometries of shapely, of which NumPy makes objects."""
-    has_own = hasattr(type(points), "get_coordinates")  # of geopandas
-    call = "its get_coordinates()" if has_own else "shapely.get_coordinates(points)"
-    return InputError(
-        f"points are geometries: give what {call} returns, with include_z=True where heights count"
-    )
 
 
 def _advice(points: object) -> str:

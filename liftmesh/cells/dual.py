@@ -12,7 +12,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, non_finite, widened
+from liftmesh.base.arrays import are_geometries, as_coordinates, coordinates_of, non_finite, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Part, part_of
 from liftmesh.crs.comparison import common_system, crs_of
@@ -36,8 +36,8 @@ _NO_PAIRS = np.empty((0, 2), dtype=np.int32)
 def sites_of(points: Any, domain: Any = None) -> Any:
     """Return the points of anything, for arrays to be made of."""
     common_system(crs_of(points), crs_of(domain))
-    if _is_geometric(points):
-        return _coordinates(points)
+    if are_geometries(points):
+        return coordinates_of(points)[:, :2]
     if is_table(points):
         return as_cloud(points, flat=None).points
     listed = isinstance(points, list | tuple) or (isinstance(points, np.ndarray) and points.ndim)
@@ -51,27 +51,12 @@ def values_of(points: Any, kind: str, given: Any) -> Any:
     """Return weights or radii: values of the points, if a name is given."""
     if not isinstance(given, str):
         return given
-    if _is_geometric(points):
+    if are_geometries(points):
         columns = [name for name in getattr(points, "columns", ()) if name != points.geometry.name]
         held = {name: np.asarray(points[name]) for name in columns}
         return named_values(Cloud(np.zeros((len(points), 3)), attributes=held), kind, given)
     cloud = as_cloud(points, flat=None) if is_table(points) else as_cloud(points)
     return named_values(cloud, kind, given)
-
-
-def _is_geometric(points: Any) -> bool:
-    """Whether this is a GeoSeries, a GeoDataFrame or the array of one."""
-    return hasattr(type(points), "geom_type") and hasattr(type(points), "union_all")
-
-
-def _coordinates(points: Any) -> Any:
-    shapes = getattr(points, "geometry", points)
-    kinds = np.asarray(shapes.geom_type)
-    if (other := kinds != "Point").any():
-        row = int(other.argmax())
-        kind = kinds[row] if isinstance(kinds[row], str) else "nothing"
-        raise InputError(f"row {row} is {kind}: give points, such as the centroids of polygons")
-    return np.stack([np.asarray(shapes.x), np.asarray(shapes.y)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

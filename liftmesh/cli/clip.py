@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
+import click
+
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import flag, option
 
@@ -21,6 +23,7 @@ HELP = (
 EXAMPLES = [
     "liftmesh clip tin.ply parish.ply --within parish.gpkg",
     "liftmesh clip tin.ply around.ply --within lake.geojson --invert",
+    "liftmesh clip site.ply built.ply --within pad.geojson --paste pad.ply",
 ]
 
 Target: TypeAlias = Annotated[outputs.Target, outputs.target("Mesh file; - writes stdout.")]
@@ -32,18 +35,31 @@ def run(
     target: Target,
     within: Annotated[Path, option("FILE", "Polygons to keep (GeoJSON, GeoPackage, shapefile).")],
     invert: Annotated[bool, flag("Keep what is outside instead.")] = False,
+    paste: Annotated[
+        Path | None, option("FILE", "Keep what is outside, and put this surface inside.")
+    ] = None,
     *,
     reading: surfaces.Reading,
     json: options.Json = False,
 ) -> None:
     """Read a surface, cut it, write what is left, and say how much that is."""
+    import liftmesh
+
     if json:
         outputs.check_stdout()
-    within.open("rb").close()
+    if paste is not None and invert:
+        raise click.BadParameter("--paste keeps what is outside: leave --invert out")
+    for path in (within, paste):
+        if path is not None:
+            path.open("rb").close()
     target.check()
     surface = surfaces.read(source, reading)
+    other = None if paste is None else surfaces.read(paste, reading)
     with terminal.stage(f"cutting {len(surface.faces):,} faces"):
-        left = surface.clip(within, invert=invert)
+        if other is None:
+            left = surface.clip(within, invert=invert)
+        else:
+            left = liftmesh.paste(surface, other, within)
     written = target.write(left)
     with outputs.report_after(target.path):
         _say(written, left, notes.provenance(surface), as_json=json)

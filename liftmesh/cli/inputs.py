@@ -290,8 +290,7 @@ def _about_reading(name: str) -> Iterator[None]:
 
 def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
     """Read without warnings: they are among the notes."""
-    from liftmesh.crs.comparison import adds_heights
-    from liftmesh.crs.description import check_system
+    from liftmesh.crs.comparison import adds_heights, as_system
     from liftmesh.io import read as io
 
     with without_warnings():
@@ -299,7 +298,7 @@ def _read_quietly(source: Any, reading: Mapping[str, Any]) -> Cloud:
             return io.read(source, **reading)
         rest = {**reading}
         crs, target = rest.pop(_CRS_OF_OTHERS), rest.pop("dst_crs", None)
-        check_system("src_crs", crs)
+        crs = as_system("src_crs", crs)
         cloud = io.read(source, **rest)
         return io.placed(cloud, crs if adds_heights(cloud.crs, crs) else None, target)
 

@@ -155,7 +155,7 @@ class Target:
             raise FormatError(f"{self.path}: {kind.name} files can be read, not written")
         check_place(self.path)
         try:
-            for each in self.writing:
+            for each in self.writing.keys() - {"compact"}:  # of all formats
                 writer_of(kind, str(self.path), {each: self.writing[each]})
         except FormatError as error:
             name = each.replace("_", "-")
@@ -230,6 +230,9 @@ _FORMAT = options.parameter(
     "output_format", str | None, option("FORMAT", "Format of OUT, instead of its suffix.")
 )
 _WRITING = [
+    options.parameter(
+        "compact", bool, flag("Leave out rows in no face, as those of a trimmed surface."), False
+    ),
     options.parameter(
         "scale",
         float | None,

@@ -160,6 +160,14 @@ def _note_overhangs(source: Path, count: int) -> None:
         )
 
 
+def check_grounds(surfaces_: dict[Path, Any]) -> None:
+    """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
+    from liftmesh.io.metadata import Provenance
+    from liftmesh.io.read import check_grounds as check
+
+    check((str(path), Provenance(each.metadata).selection) for path, each in surfaces_.items())
+
+
 def note_slivers(source: Path, surface: Surface) -> None:
     """Say on stderr how many faces are far longer than others, as between the corners of a hull."""
     import numpy as np

@@ -90,7 +90,7 @@ def run(
                 measures["polygons"] = _by_name({key: _values(part) for key, part in parts.items()})
     else:
         after = surfaces.read(other, reading)
-        _check_grounds({source: surface, other: after})
+        surfaces.check_grounds({source: surface, other: after})
         rows_of["after"] = notes.provenance(after)
         with terminal.stage("laying the surfaces over each other"):
             measures = _values(surface.cut_and_fill(after, within=within))
@@ -135,15 +135,6 @@ def _print_stages(found: StageStorage, surface: Surface, *, as_json: bool) -> No
     if found.cubic_metres != 1:
         unit = found.cubic_metres
         terminal.note(f"a unit of volume is {unit:.10g} m3" if unit else _UNKNOWN)
-
-
-def _check_grounds(surfaces_: dict[Path, Any]) -> None:
-    """Raise if one surface is of ground, and the other one of all rows, as it has no ground."""
-    from liftmesh.io.read import check_grounds
-
-    check_grounds(
-        (str(path), notes.provenance_of(each).selection) for path, each in surfaces_.items()
-    )
 
 
 def _values(measures: VolumeResult | CutFillResult) -> dict[str, Any]:

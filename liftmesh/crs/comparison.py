@@ -6,11 +6,20 @@ systems are the same, so pyproj is asked. Nothing is known to differ without it 
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 from liftmesh.base.options import refused, shown
-from liftmesh.crs.description import is_number, look_up, parse_crs, urn_of
+from liftmesh.crs.description import (
+    check_system,
+    is_number,
+    is_system,
+    look_up,
+    parse_crs,
+    urn_of,
+)
 from liftmesh.errors import InputError, MissingDependencyError
+from liftmesh.optional import load
 
 
 def crs_of(held: Any) -> str | None:
@@ -39,6 +48,39 @@ def given_system(crs: Any) -> str:
     except InputError as error:
         reason = "which pyproj does not know: give one such as 'EPSG:25832'"
         raise refused("crs", crs, reason, mark=", ") from error
+
+
+_OF_FILES = re.compile(r"init\s*=|grids|file|json|pipeline|[@\\{]|\.\.|(?<! )/", re.IGNORECASE)
+
+
+def as_system(name: str, crs: Any) -> str:
+    """Return the text of what a caller gives as a system: what pyproj takes, but texts with files.
+
+    Only what callers give may come here: texts of files are WKT or numbers (`check_system`).
+    """
+    if isinstance(crs, str) and (is_system(crs) or _OF_FILES.search(crs)):
+        check_system(name, crs)
+        return crs
+    pyproj = load("pyproj", extra="terrain")
+    try:
+        text = text_of(pyproj.CRS.from_user_input(crs))
+    except (pyproj.exceptions.CRSError, TypeError, ValueError, AttributeError) as error:
+        unknown = "which is unknown: give WKT or EPSG:n, or what pyproj takes"
+        raise refused(name, crs, unknown, mark=", ") from error
+    check_system(name, text)
+    return text
+
+
+def given_text(crs: Any) -> Any:
+    """Return the text of a system for a cloud; texts that are unknown stay, as in files."""
+    if crs is None or (isinstance(crs, str) and is_system(crs)):
+        return crs
+    try:
+        return as_system("crs", crs)
+    except (InputError, MissingDependencyError):
+        if isinstance(crs, str):
+            return crs
+        raise
 
 
 def are_different(one: str | None, other: str | None) -> bool:

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 
@@ -22,6 +22,7 @@ import numpy as np
 from numpy.lib.stride_tricks import as_strided
 
 from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import confirmed_depth
 from liftmesh.errors import FormatError
@@ -241,6 +242,17 @@ def faces_of(cloud: Cloud) -> Rows:
 def edges_of(cloud: Cloud) -> Rows:
     """Return the edges of a cloud: an empty array if it has none."""
     return np.zeros((0, 2), dtype=np.int32) if cloud.edges is None else cloud.edges
+
+
+def with_used_rows(cloud: Cloud) -> tuple[Cloud, Rows]:
+    """Leave out the rows in no face; return the others, too, by their numbers before."""
+    faces = faces_of(cloud)
+    used = used_rows(len(cloud), faces)
+    if len(used) == len(cloud):
+        return cloud, used
+    names = np.full(len(cloud), -1, dtype=np.int32)
+    names[used] = np.arange(len(used), dtype=np.int32)
+    return replace(cloud.select(used), faces=names[faces]), used
 
 
 def narrowed(faces: Array) -> Array:

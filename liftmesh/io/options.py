@@ -38,11 +38,12 @@ if TYPE_CHECKING:
 
 
 class ObjectOptions(TypedDict, total=False):
-    """Options of tables and arrays, in memory and in files."""
+    """Options of tables, grids and arrays, in memory and in files."""
 
     columns: ColumnChoice
     flat: bool | None
     nodata: Missing
+    transform: Sequence[float] | None
 
 
 class FormatOptions(ObjectOptions, total=False):
@@ -72,8 +73,8 @@ class ChunkOptions(FormatOptions, total=False):
     z_range: Iterable[float] | None
     every: int
     withheld: bool
-    src_crs: str | None
-    dst_crs: str | None
+    src_crs: Any
+    dst_crs: Any
 
 
 class ReadOptions(ChunkOptions, total=False):

@@ -24,8 +24,8 @@ from liftmesh._typing import Array, Floats
 from liftmesh.base.colors import check_depth
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.base.options import ClassChoice, Returns, as_count, refused
-from liftmesh.crs.comparison import is_same
-from liftmesh.crs.description import check_system, parse_crs
+from liftmesh.crs.comparison import as_system, is_same
+from liftmesh.crs.description import parse_crs
 from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import SAYING_UNITS, height_factors, steps_in
 from liftmesh.errors import FormatError, InputError, Option
@@ -71,8 +71,8 @@ def read(  # noqa: PLR0913 - options are keywords
     every: int = 1,
     withheld: bool = True,
     copc_resolution: float | None = None,
-    src_crs: str | None = None,
-    dst_crs: str | None = None,
+    src_crs: Any = None,
+    dst_crs: Any = None,
     **options: Unpack[FormatOptions],
 ) -> Cloud:
     r"""Read a point cloud or a mesh.
@@ -115,10 +115,11 @@ def read(  # noqa: PLR0913 - options are keywords
     copc_resolution : float, optional
         Of a COPC file, read no more points than it takes for this distance between them. Of COPC,
         `bounds` and `z_range` read the parts of the file that may have any.
-    src_crs : str, optional
-        The coordinate system of the file, WKT or ``EPSG:n``, in place of what it states.
-    dst_crs : str, optional
-        Another coordinate system, WKT or ``EPSG:n``, that coordinates are transformed to, by
+    src_crs : str, int or CRS, optional
+        The coordinate system of the file, in place of what it states: WKT, ``EPSG:n``, or whatever
+        ``pyproj.CRS.from_user_input`` takes, but texts that may name files.
+    dst_crs : str, int or CRS, optional
+        Another coordinate system, given as `src_crs`, that coordinates are transformed to, by
         pyproj; conditions on rows are in the units of the file. Heights keep their unit, and their
         system is added to the other one, unless that says what heights are; then the file has to
         say it, too, or `src_crs`. Of the operations for the first row the most accurate one that is
@@ -200,7 +201,7 @@ def read(  # noqa: PLR0913 - options are keywords
         copc_resolution=copc_resolution,
     )
     if src_crs is not None:
-        check_system("src_crs", src_crs)
+        src_crs = as_system("src_crs", src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
@@ -226,8 +227,8 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
     z_range: Iterable[float] | None = None,
     every: int = 1,
     withheld: bool = True,
-    src_crs: str | None = None,
-    dst_crs: str | None = None,
+    src_crs: Any = None,
+    dst_crs: Any = None,
     **options: Unpack[FormatOptions],
 ) -> Iterator[Cloud]:
     r"""Read a point cloud in chunks, in bounded memory if its format allows it.
@@ -295,7 +296,7 @@ def read_chunks(  # noqa: PLR0913 - options are keywords
         reason = f"which the whole file decides: give {Option('classes', 2)}"
         raise refused("classes", classes, reason, mark=", ")
     if src_crs is not None:
-        check_system("src_crs", src_crs)
+        src_crs = as_system("src_crs", src_crs)
     source = at_home(source)
     name = name_of(source)
     file_format = format_of(source, format, name, find_format)
@@ -448,7 +449,7 @@ def placed(
         cloud = replace(cloud, crs=crs, metadata=metadata)
     if target is None:
         return cloud
-    check_system("dst_crs", target)
+    target = as_system("dst_crs", target)
     target = with_heights(cloud.crs, target)
     before, after = height_factors(cloud, target)
     found, told = transform(_raised(cloud.points, before), cloud.crs, target, chosen)

@@ -93,6 +93,7 @@ ADAPTERS = (
     Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
     Adapter("table", is_table, _objects("tables", "to_cloud")),
     Adapter("array", plain.is_array, plain.from_array),
+    Adapter("grid", plain.is_grid, LazyFunction("liftmesh.raster.grids", "to_cloud")),
     Adapter("own mesh", is_of("liftmesh", {"Surface", "LowerHull"}), plain.converted),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
     Adapter(
@@ -115,6 +116,7 @@ FALLBACKS = (
 )
 
 _with_options = _objects("tables", "with_options")
+_with_transform = LazyFunction("liftmesh.raster.grids", "with_options")
 
 
 def known_formats() -> dict[str, Format]:
@@ -166,13 +168,16 @@ def as_cloud(source: Any, **options: Unpack[ObjectOptions]) -> Cloud:
     source : object
         A `Cloud`; an array-like of shape (n, 2) or (n, 3), or of any width with ``columns``; a
         pandas or polars DataFrame, a structured array or points of laspy, whose columns are known
-        by their names like those of a CSV file; a ``trimesh.PointCloud``,
+        by their names like those of a CSV file; a GeoDataFrame or GeoSeries of points; a grid: a
+        `Raster`, a DataArray of xarray, or an array with ``transform``; a ``trimesh.PointCloud``,
         ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud or mesh, legacy or tensor
         based, or a tensor; an object that an installed adapter accepts; an object with a method
         ``to_cloud()``, such as a `Surface`; or an object with ``vertices``, ``faces`` and
         optionally ``colors``, ``normals`` and ``attributes``.
     **options
-        For tables and arrays: ``columns``, ``flat`` and ``nodata``, as for `read`.
+        For tables and arrays: ``columns``, ``flat`` and ``nodata``, as for `read`. For an array of
+        heights (rows, columns) ``transform``: a, b, c, d, e and f as those of a `Raster`, or of
+        rasterio; values that are NaN, or ``nodata``, are left out.
 
     Returns
     -------
@@ -202,7 +207,8 @@ def as_cloud(source: Any, **options: Unpack[ObjectOptions]) -> Cloud:
     (3, 3)
     """
     if options:
-        made: Cloud = _with_options(source, options)
+        make = _with_transform if "transform" in options else _with_options
+        made: Cloud = make(source, options)
         return made
     with preserve_signals():
         adapter = next((each for each in _adapters() if each.accepts(source)), None)
@@ -245,8 +251,6 @@ def _unsupported(source: object) -> UnsupportedTypeError:
         f"a {qualified_name(source)} is not a point cloud: give an array of shape (n, 2) or "
         "(n, 3), a trimesh or Open3D point cloud or mesh, or an object with vertices and faces"
     )
-    if type(source).__module__ == "liftmesh.raster.raster":
-        message = "a Raster is not a point cloud: give the name of the GeoTIFF that its save writes"
     if isinstance(source, Iterator):
         message += "; what has no length becomes a list first: list(rows)"
     broken = _installed_adapters()[1]

@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 from liftmesh.base.interruption import preserve_signals
+from liftmesh.base.options import as_switch, counted
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
-from liftmesh.io.columns import checked_edges, checked_faces
+from liftmesh.io.columns import checked_edges, checked_faces, with_used_rows
 from liftmesh.io.format import check_needs, dropped, renamed
 from liftmesh.io.registry import as_cloud, find_written
 from liftmesh.io.streams import (
@@ -100,6 +101,7 @@ def write(
     *,
     format: str | None = None,  # noqa: A002
     overwrite: bool | None = None,
+    compact: bool = False,
     **options: Any,
 ) -> WriteResult:
     r"""Write a point cloud or a mesh; a file is written completely or not at all.
@@ -118,6 +120,9 @@ def write(
     overwrite : bool, optional
         Whether a file that exists, and is not empty, is replaced; by default not by LAS and LAZ,
         which may be what was measured, and by all other formats.
+    compact : bool, default False
+        Whether rows in no face are left out of a mesh, as those of a trimmed surface;
+        `WriteResult.dropped` has their number.
     **options
         Options of the format: ``encoding``, ``colors`` and ``comments`` for PLY, ``colors`` and
         ``comments`` for OBJ, ``compressed`` for NPZ, ``delimiter`` for text; ``compressed``,
@@ -178,16 +183,21 @@ def write(
         checked_faces(cloud.faces, len(cloud), name)
     if cloud.edges is not None:
         checked_edges(cloud.edges, len(cloud), name)
+    unused = 0
+    if as_switch("compact", compact) and cloud.faces is not None:
+        rows = len(cloud)
+        cloud, used = with_used_rows(cloud)
+        unused = rows - len(used)
     check_needs(file_format, cloud)
     if not isinstance(target, str | os.PathLike):
         check_stream(target, "write")
         found, size = _write(target, cloud, writer, options)
-        return _result(None, file_format, cloud, options, found, size)
+        return _result(None, file_format, cloud, options, found, size, unused)
     is_replaced = file_format.name not in _KEPT if overwrite is None else overwrite
     with replacing(target, overwrite=is_replaced) as stream:  # an error leaves the old file
         with watched(stream):
             found, size = _write(stream, cloud, writer, options)
-        return _result(Path(target), file_format, cloud, options, found, size)
+        return _result(Path(target), file_format, cloud, options, found, size, unused)
 
 
 def write_chunks(
@@ -234,9 +244,11 @@ def _result(
     options: Mapping[str, Any],
     found: Found,
     size: int,
+    unused: int,
 ) -> WriteResult:
     origin = found if isinstance(found, tuple) else None
     lost = dropped(file_format, cloud, options, found)
+    lost = (f"{counted(unused, 'row')} in no face", *lost) if unused else lost
     return WriteResult(path, file_format.name, size, origin, lost, renamed(file_format, cloud))
 
 

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Mask, Reals, Rows
-from liftmesh.base.arrays import MOST_ROWS, is_masked_array, starts_of_runs, widened
+from liftmesh.base.arrays import MOST_ROWS, distinct, is_masked_array, starts_of_runs, widened
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError, Option
 from liftmesh.vector.geojson import planar_corners
@@ -283,7 +283,7 @@ def _as_rows(points: Reals, lines: Sequence[Line]) -> tuple[list[Rows], Floats]:
 
 def match_rows(points: Floats, corners: Floats) -> tuple[Integers, Indices]:
     """Return the row at each position: the first there, or a new one; and whose those are."""
-    x = np.unique(corners[:, 0])
+    x = distinct(corners[:, 0])
     place = np.minimum(np.searchsorted(x, points[:, 0]), len(x) - 1)
     near = np.flatnonzero(x[place] == points[:, 0]) if len(x) else np.empty(0, dtype=np.intp)
     both = np.concatenate([points[near], corners]) + 0.0  # no -0.0
@@ -292,7 +292,7 @@ def match_rows(points: Floats, corners: Floats) -> tuple[Integers, Indices]:
     first = np.empty(len(both), dtype=np.intp)
     first[order] = order[starts][np.cumsum(starts) - 1]
     leader = first[len(near) :] - len(near)  # negative: a row
-    added = np.unique(leader[leader >= 0])
+    added = distinct(leader[leader >= 0])
     rows = len(points) + np.searchsorted(added, leader)
     is_row = leader < 0
     rows[is_row] = near[leader[is_row] + len(near)]

@@ -20,7 +20,7 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Reals, Rows
-from liftmesh.base.arrays import pair_keys, widened
+from liftmesh.base.arrays import distinct, pair_keys, widened
 from liftmesh.base.options import Part, counted, part_of
 from liftmesh.errors import CrossingError, Option
 from liftmesh.planar.constraints import Constraints, match_rows
@@ -140,7 +140,7 @@ def _insert(split: Split, crossings: Rows, points: Reals, edges: Rows, number: i
 
 def _divide(split: Split, edge: Integers, row: Integers) -> None:
     """Put parts between the rows of each edge in its place."""
-    cut = np.unique(edge)
+    cut = distinct(edge)
     tail, head = split.edges[cut].T
     rank = np.repeat([0, 1, 2], [len(cut), len(edge), len(cut)])
     edge, row = np.concatenate([cut, edge, cut]), np.concatenate([tail, row, head])
@@ -207,6 +207,6 @@ def _crossing(ends: list[float]) -> tuple[float, float]:
 def origins_of(indptr: Rows, members: Rows, origins: Rows) -> tuple[Rows, Rows]:
     """Return the input edges of each piece, ascending and once, for those of parts of edges."""
     piece = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
-    keys: Integers = np.unique(pair_keys(piece, origins[members]))
+    keys: Integers = distinct(pair_keys(piece, origins[members]))
     starts = np.searchsorted(keys, np.arange(len(indptr)) << 32)
     return starts.astype(np.int32), (keys & 0xFFFFFFFF).astype(np.int32)

@@ -22,10 +22,11 @@ from liftmesh.base.arrays import as_coordinates, non_finite, used_rows
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import refused
 from liftmesh.errors import InputError
+from liftmesh.io.columns import edges_of, with_used_rows
 from liftmesh.io.metadata import Provenance
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, with_rows
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.regular import RegularTriangulation
+from liftmesh.planar.regular import RegularTriangulation, regular
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.own_faces import check_faces, with_faces
 from liftmesh.terrain.surface_data import HIDDEN, as_cloud
@@ -144,6 +145,81 @@ def with_attributes(
     """
     added = as_parts({"attributes": {} if attributes is None else attributes})["attributes"]
     return replaced(surface, attributes={**surface.attributes, **added, **named})
+
+
+def compacted(surface: AnySurface) -> AnySurface:
+    """Make a copy without the vertices that are in no face.
+
+    Parameters
+    ----------
+    surface : Surface
+        The surface to copy, such as one that was trimmed.
+
+    Returns
+    -------
+    Surface
+        The same faces over fewer rows, in the same order; the surface itself if all are in faces.
+        The values ``row`` say which row of the surface each was; if it has values of this name, as
+        after a first time, these stay. Duplicates, overhangs, skipped and hidden rows are among
+        those left out, so the report has none. The triangulation is that of the rows that are left.
+
+    See Also
+    --------
+    Surface.trim : Leaves out faces, and keeps all vertices.
+    write : Leaves them out of a file, with ``compact=True``.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> points = [[9, 2, 1], [0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1]]
+    >>> trimmed = liftmesh.triangulate(points).trim(max_edge=2)
+    >>> few = trimmed.compact()
+    >>> few, few.attributes["row"]
+    (<Surface of 2 triangles over 4 vertices>, array([1, 2, 3, 4], dtype=int32))
+    """
+    cloud, used = with_used_rows(as_cloud(surface))
+    if len(used) == len(surface.vertices):
+        return surface
+    solved = _solved_again(surface.triangulation, used)
+    heights, faces = surface.frame.heights(cloud.points), np.asarray(cloud.faces)
+    found = with_faces(solved, faces, heights, edges_of(cloud), "triangulate the vertices")
+    report, nothing, lines = surface.report, np.empty(0, np.int32), surface.report.lines
+    if lines:
+        first = len(surface.vertices) - lines["rows"]
+        lines = {**lines, "rows": int(np.count_nonzero(used >= first))}
+    return replace(
+        surface,
+        vertices=cloud.points,
+        faces=found.faces,
+        triangulation=found.solved,
+        mask=found.mask,
+        colors=cloud.colors,
+        normals=cloud.normals,
+        attributes={"row": used, **cloud.attributes},
+        report=replace(
+            report,
+            n_rows=len(used),
+            n_used=len(used),
+            n_duplicates=0,
+            n_overhangs=0,
+            n_skipped=0,
+            n_hidden=0,
+            n_unused=0,
+            left_out=nothing,
+            representatives=nothing,
+            lines=lines,
+        ),
+    )
+
+
+def _solved_again(old: Triangulation, rows: Rows) -> Triangulation:
+    """Triangulate some rows by what all of them were triangulated by."""
+    points = old.points[rows]
+    if isinstance(old, RegularTriangulation):
+        kind = "weights" if old.radii is None else "radii"
+        values: dict[str, Any] = {kind: getattr(old, kind)[rows]}
+        return regular(points, **values, order="canonical")
+    return delaunay(points, order="canonical", metric=old.metric)
 
 
 def _check_lifting(surface: SurfaceData, given: Mapping[str, Array]) -> None:

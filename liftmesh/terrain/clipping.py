@@ -3,12 +3,16 @@
 Only the faces that a polygon's border touches are cut (`cutting.py`); all others are inside or
 outside as a whole, as one of their corners tells. What is cut keeps its plane: the sides of all
 faces stay, and what triangulates the parts of a face is inside of it.
+
+To paste, both surfaces are cut along one polygon. Faces of each are then divided at the rows that
+the other has on the border, so that both have the same rows there.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from itertools import pairwise
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -20,16 +24,20 @@ from liftmesh.io.metadata import LIFTED
 from liftmesh.io.tags import MARKERS
 from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, extended, in_space
-from liftmesh.terrain.cutting import Layer, Overlay
-from liftmesh.terrain.measures import scale_of, valid_shapes
+from liftmesh.terrain.cutting import Layer, Overlay, along, along_sides
+from liftmesh.terrain.measures import check_pair, scale_of, valid_shapes
 from liftmesh.terrain.profile import LineCrossings
 from liftmesh.terrain.refinement import STEINER
 from liftmesh.terrain.surface_data import HIDDEN, SurfaceData, as_cloud, plane_system
 from liftmesh.vector.polygons import contains, polygons_in
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.terrain.surface import Surface
     from liftmesh.vector.polygons import Polygon
+
+Place: TypeAlias = tuple[float, ...]
+Side: TypeAlias = tuple[Place, Place]
 
 
 def clip(surface: Surface, polygon: object, *, invert: bool = False) -> Surface:
@@ -87,15 +95,17 @@ def clip(surface: Surface, polygon: object, *, invert: bool = False) -> Surface:
     """
     is_inverse = as_switch("invert", invert)
     check_exact(surface.frame)
-    polygons = polygons_in(plane_system(surface), polygon)
-    check_polygons(polygons)
+    polygons = _polygons(surface, polygon)
     return _Cut.of(surface, polygons).part(inverse=is_inverse)
 
 
-def check_polygons(polygons: list[Polygon]) -> None:
-    """Raise for polygons that are not valid."""
-    rings = (ring for rings in polygons for ring in rings)
-    valid_shapes(polygons, scale_of(*rings))
+def _polygons(surface: Surface, polygon: object) -> list[Polygon]:
+    """Convert valid polygons; no ring repeats its first corner."""
+    found = polygons_in(plane_system(surface), polygon)
+    valid_shapes(found, scale_of(*(ring for rings in found for ring in rings)))
+    return [
+        [ring[:-1] if (ring[0] == ring[-1]).all() else ring for ring in rings] for rings in found
+    ]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,6 +132,12 @@ class _Cut:
             touched = _faces_with(surface, layer.rows[bent], ~is_cut & ~mask_of(surface))
         whole = np.flatnonzero(~is_cut & ~mask_of(surface))
         return cls(surface, polygons, whole, overlay)
+
+    def between(self) -> list[Floats]:
+        """Return the places of rows on each side of the polygons, between its ends."""
+        if self.overlay is not None:
+            return self.overlay.on_polygons(np.stack(sides_of(self.polygons), axis=1))
+        return [np.empty((0, 2)) for _ in sides_of(self.polygons)[0]]
 
     def part(self, *, inverse: bool) -> Surface:
         """Make the surface of what is inside, or outside."""
@@ -161,8 +177,6 @@ def surface_of(
     surface: Surface, faces: list[Rows], edges: list[Rows], added: AddedRows | None
 ) -> Surface:
     """Make a surface of faces between its own rows, and others that were added."""
-    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - makes surfaces
-
     joined = np.concatenate(faces)
     if not len(joined):
         raise InputError("no face is left: give a polygon over the faces")
@@ -171,19 +185,26 @@ def surface_of(
         flags = np.ones(len(added.points), dtype=np.uint8)
         cloud = extended(cloud, surface.frame, added.points, flags, STEINER)
     own = getattr(surface.triangulation, "constraints", np.empty((0, 2), dtype=np.int32))
-    used = used_rows(len(cloud), joined)
+    lines = np.concatenate([own, *edges])
+    return _of_used(cloud, joined, lines[(lines >= 0).all(axis=1)], surface.frame.name)
+
+
+def _of_used(cloud: Cloud, faces: Rows, lines: Rows, plane: str) -> Surface:
+    """Make a surface of the rows of a cloud that faces use, with lines between these."""
+    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - makes surfaces
+
+    used = used_rows(len(cloud), faces)
     place = np.full(len(cloud), -1, dtype=np.int32)
     place[used] = np.arange(len(used), dtype=np.int32)
-    lines = np.concatenate([own, *edges])
-    lines = place[lines[(lines >= 0).all(axis=1)]]
+    lines = place[lines]
     mesh = replace(
         cloud.select(used),
-        faces=place[joined],
+        faces=place[faces],
         edges=lines[(lines >= 0).all(axis=1)] if len(lines) else None,
         metadata={k: v for k, v in cloud.metadata.items() if k not in (LIFTED, MARKERS)},
         attributes={k: v[used] for k, v in cloud.attributes.items() if k != HIDDEN},
     )
-    return as_surface(mesh, plane=surface.frame.name)
+    return as_surface(mesh, plane=plane)
 
 
 def sides_of(polygons: list[Polygon]) -> tuple[Floats, Floats]:
@@ -210,3 +231,182 @@ def _faces_with(surface: SurfaceData, sides: Rows, among: Mask) -> Integers:
     ends = np.sort(np.stack([corners[near], corners[near][:, [1, 2, 0]]], axis=2), axis=2)
     keys = pair_keys(*np.sort(sides, axis=1).T)
     return near[np.isin(pair_keys(ends[..., 0], ends[..., 1]), keys).any(axis=1)]
+
+
+def paste(surface: Surface, other: Surface, polygon: object) -> Surface:
+    """Put another surface in the place of what is inside a polygon: one surface of both.
+
+    Parameters
+    ----------
+    surface : Surface
+        What stays outside, over the plane "xy", "xz" or "yz".
+    other : Surface
+        What comes inside, over the same plane. It has to reach as far as the polygon does, but
+        where the first surface has no faces either.
+    polygon : object
+        As for `Surface.clip`.
+
+    Returns
+    -------
+    Surface
+        The faces of the other surface inside, cut along the border, and those of the first one
+        outside. The border has the heights of the other surface, so there is no step: faces of the
+        first one that the border cuts lean to it, all others stay. First come the rows of the first
+        surface, then those of the other one with the border. Values stay that both have.
+
+    Raises
+    ------
+    InputError
+        The surfaces are over different planes or in different coordinate systems, the polygon is
+        invalid, or the other surface has no face at a place of the border where the first one has.
+    FormatError, MissingDependencyError, OSError
+        As for `Surface.clip`.
+
+    See Also
+    --------
+    Surface.clip : One part alone.
+    difference : How two surfaces differ.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> site = liftmesh.triangulate([[0, 0, 0], [9, 0, 0], [0, 9, 0], [9, 9, 0]])
+    >>> pad = liftmesh.triangulate([[2, 2, 1], [7, 2, 1], [2, 7, 1], [7, 7, 1]])
+    >>> built = liftmesh.paste(site, pad, [[3, 3], [6, 3], [6, 6], [3, 6]])
+    >>> built.sample([[4, 4], [0, 0]]).tolist(), built.area(planar=True)
+    ([1.0, 0.0], 81.0)
+    """
+    check_pair(surface, other)
+    check_exact(surface.frame)
+    polygons = _polygons(surface, polygon)
+    cut, pasted = _Cut.of(surface, polygons), _Cut.of(other, polygons)
+    inside = pasted.part(inverse=False)
+    try:
+        outside = cut.part(inverse=True)
+    except InputError:  # no face is left
+        return inside
+    sides = np.stack(sides_of(polygons), axis=1)
+    own, others = cut.between(), pasted.between()
+    both = [np.concatenate(each) for each in zip(own, others, strict=True)]
+    side = np.repeat(np.arange(len(both)), [len(each) for each in both])
+    joined = along_sides(sides, side, np.concatenate(both))
+    return _joined(outside, inside, _chains(sides, joined, own), _chains(sides, joined, others))
+
+
+def _chains(sides: Floats, joined: list[Floats], own: list[Floats]) -> dict[Side, list[Place]]:
+    """Return what is between the corners of one surface along polygons, in both directions."""
+    chains: dict[Side, list[Place]] = {}
+    for (tail, head), places, known in zip(sides, joined, own, strict=True):
+        corners = {*_places(known), *_places(head[None])}
+        last, inner = _places(tail[None])[0], []
+        for place in _places(np.concatenate([places, head[None]])):
+            if place not in corners:
+                inner.append(place)
+                continue
+            chains[last, place], chains[place, last] = inner, inner[::-1]
+            last, inner = place, []
+    return chains
+
+
+def _places(points: Floats) -> list[Place]:
+    return [*map(tuple, (points + 0.0).tolist())]
+
+
+def _joined(
+    outside: Surface,
+    inside: Surface,
+    chains: dict[Side, list[Place]],
+    inner_chains: dict[Side, list[Place]],
+) -> Surface:
+    """Join two surfaces along a border, which has the rows of both, and heights of the second."""
+    count = len(outside.vertices)
+    at_border = {place for side in chains for place in (*side, *chains[side])}
+    own, others = (_places(each.triangulation.points) for each in (outside, inside))
+    row_at = {place: row for row, place in enumerate(others) if place in at_border}
+    added = [
+        (place, row_at[u], row_at[v])
+        for (u, v), inner in inner_chains.items()
+        if u < v and u in row_at and v in row_at
+        for place in inner
+    ]
+    second = _with_rows(inside, added)
+    row_at.update({place: len(others) + k for k, (place, *_) in enumerate(added)})
+    others += [place for place, *_ in added]
+    rows = np.arange(len(others), dtype=np.int32)
+    faces = _divided(inside.faces, others, rows, row_at, inner_chains)
+    names = np.arange(count, dtype=np.int32)
+    row_at = {place: count + row for place, row in row_at.items()}
+    for row, place in enumerate(own):
+        if place in at_border:
+            if place not in row_at:
+                raise InputError(
+                    f"the surface to paste has no face at {place}, on the border, where the other "
+                    "one has: give a polygon that it covers"
+                )
+            names[row] = row_at[place]
+    outer = _divided(outside.faces, own, names, row_at, chains)
+    none = np.empty((0, 2), np.int32)
+    one, two = (getattr(each.triangulation, "constraints", none) for each in (outside, inside))
+    return _of_used(
+        _concatenated(as_cloud(outside), second),
+        np.concatenate([outer, faces + np.int32(count)]),
+        np.concatenate([names[one], two + np.int32(count)]),
+        outside.frame.name,
+    )
+
+
+def _with_rows(surface: Surface, added: list[tuple[Place, int, int]]) -> Cloud:
+    """Add rows on sides of faces."""
+    if not added:
+        return as_cloud(surface)
+    places = np.array([place for place, *_ in added])
+    ends = np.array([rows for _, *rows in added])
+    heights = surface.frame.heights(surface.vertices)
+    points = surface.triangulation.points
+    found = along(points[ends], places, *heights[ends.T])
+    flags = np.ones(len(added), dtype=np.uint8)
+    rows = in_space(surface.frame, places, found)
+    return extended(as_cloud(surface), surface.frame, rows, flags, STEINER)
+
+
+def _divided(
+    faces: Rows,
+    places: list[Place],
+    names: Rows,
+    row_at: dict[Place, int],
+    chains: dict[Side, list[Place]],
+) -> Rows:
+    """Name the rows of faces anew, and divide faces at the corners that the border has on sides."""
+    is_border = np.array([place in row_at for place in places])
+    is_near = is_border[faces].sum(axis=1) > 1
+    done = names[faces[~is_near]].tolist()
+    pending = [[(int(names[row]), places[row]) for row in face] for face in faces[is_near].tolist()]
+    while pending:
+        a, b, c = pending.pop()
+        for u, v, w in ((a, b, c), (b, c, a), (c, a, b)):
+            inner = chains.get((u[1], v[1]), ())
+            if inner:
+                chain = [u, *((row_at[place], place) for place in inner), v]
+                pending += [[one, two, w] for one, two in pairwise(chain)]
+                break
+        else:
+            done.append([a[0], b[0], c[0]])
+    return np.array(done, dtype=np.int32).reshape(-1, 3)
+
+
+def _concatenated(one: Cloud, two: Cloud) -> Cloud:
+    """Join the rows of two clouds, with the values that both have."""
+    shared = [
+        key
+        for key, each in one.attributes.items()
+        if key in two.attributes and two.attributes[key].shape[1:] == each.shape[1:]
+    ]
+    return replace(
+        one,
+        points=np.concatenate([one.points, two.points]),
+        attributes={k: np.concatenate([one.attributes[k], two.attributes[k]]) for k in shared},
+        colors=None,
+        normals=None,
+        faces=None,
+        edges=None,
+    )

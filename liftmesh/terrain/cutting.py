@@ -6,8 +6,9 @@ of each surface or in none, and inside of the polygons or not. What is where fol
 alone: a side divides the face on its left from that on its right, however it was rounded. No
 coordinate is compared for it.
 
-A row on a side has its height along the side, any other one that of its face. So faces keep their
-planes, and borders are the same from whichever side they are cut, bit for bit.
+A row on a side has its height along the side, any other one that of its face. Of sides that
+rounding has brought together, that of the largest face counts. So faces keep their planes, and
+borders are the same from whichever side they are cut, bit for bit.
 """
 
 from __future__ import annotations
@@ -20,15 +21,18 @@ import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, used_rows
+from liftmesh.base.arrays import pair_keys, starts_of_runs, used_rows
+from liftmesh.base.frozen import cached_property
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
     ConstrainedTriangulation,
     bits_of,
     with_left,
 )
+from liftmesh.terrain.measures import planar_areas
 from liftmesh.terrain.profile import between
 from liftmesh.terrain.sampling import heights_at
+from liftmesh.terrain.surface_data import ordered_corners
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
@@ -71,8 +75,17 @@ class Layer:
         points: Floats = self.surface.triangulation.points[self.rows]
         return points
 
+    def areas(self, faces: Integers) -> Floats:
+        """Return the areas of faces, and 0 for none."""
+        tri = self.surface.triangulation
+        with np.errstate(all="ignore"):
+            areas = planar_areas(ordered_corners(tri.points[tri.simplices[self.faces]]))
+        found = np.zeros(tri.nsimplex + 1)
+        found[self.faces] = areas
+        return found[faces]
 
-@dataclass(frozen=True, slots=True, eq=False)
+
+@dataclass(frozen=True, eq=False)
 class Overlay:
     """Layers and polygons laid over each other."""
 
@@ -103,20 +116,16 @@ class Overlay:
 
     def faces(self, layer: int) -> Integers:
         """Return the face of a layer that each triangle is in; -1 for none."""
-        piece, side = self._pieces_of(layer)
-        tri, given = self.tri, self.layers[layer]
-        turned = _are_turned(
-            tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
-        )
-        there = np.where(turned[:, None], given.owners[side, ::-1], given.owners[side])
-        owners = _owners(len(tri.constraints), piece, there)
-        tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
-        keys = pair_keys(np.minimum(tails, heads), np.maximum(tails, heads))
-        known_keys = pair_keys(*tri.constraints.T)
-        place = np.minimum(np.searchsorted(known_keys, keys), len(known_keys) - 1)
-        place[known_keys[place] != keys] = -1
+        tri = self.tri
+        piece, _, there = self._owned(layer)
+        owners = np.full((len(tri.constraints) + 1, 2), -1)  # the last of what is no piece
+        for way in (0, 1):
+            known = there[:, way] >= 0
+            owners[piece[known], way] = there[known, way]
+        place = self._place
         is_side: Any = (owners[place] >= 0).any(axis=2)
-        of_side = owners[place, (tails > heads).astype(np.intp)]
+        is_back = tri.simplices[:, _TAILS] > tri.simplices[:, _HEADS]
+        of_side = owners[place, is_back.astype(np.intp)]
         regions = _kernel.label_regions(np.ascontiguousarray(tri.neighbors), bits_of(is_side))
         triangle, k = np.nonzero(is_side)
         ends = tri.points[tri.constraints[place[triangle, k]]] / 2
@@ -125,6 +134,34 @@ class Overlay:
         region, face = _longest(regions[triangle], of_side[triangle, k], lengths)
         found[region] = face
         return found[regions]
+
+    @cached_property
+    def _place(self) -> Integers:
+        """Which piece each side of a triangle is, (t, 3); -1 for none."""
+        tri = self.tri
+        tails, heads = tri.simplices[:, _TAILS], tri.simplices[:, _HEADS]
+        place = np.full(tails.shape, -1)
+        is_piece = tri.is_constrained
+        keys = pair_keys(np.minimum(tails, heads)[is_piece], np.maximum(tails, heads)[is_piece])
+        place[is_piece] = np.searchsorted(pair_keys(*tri.constraints.T), keys)
+        return place
+
+    def _owned(self, layer: int) -> tuple[Integers, Integers, Integers]:
+        """Return pieces that are on sides of a layer, these sides, and the faces beside them.
+
+        A face that rounding has left no room is on both sides of a piece, and counts on neither.
+        """
+        piece, side = self._pieces_of(layer)
+        tri, owners = self.tri, self.layers[layer].owners
+        turned = _are_turned(
+            tri.points[tri.constraints[piece]], tri.points[self._ends(layer, side)]
+        )
+        there = np.where(turned[:, None], owners[side, ::-1], owners[side])
+        several = np.flatnonzero((np.bincount(piece) > 1)[piece])
+        keys = pair_keys(piece[several, None], there[several])
+        is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
+        there[several] = np.where(is_shut, -1, there[several])
+        return piece, side, there
 
     def _pieces_of(self, layer: int) -> tuple[Integers, Integers]:
         """Return pieces that are on sides of a layer, and these sides."""
@@ -140,6 +177,14 @@ class Overlay:
         ends = np.sort(given.rows[given.sides], axis=1)
         found: Rows = self.tri.constraints[piece[np.isin(pair_keys(*ends.T), keys)[side]]]
         return found
+
+    def on_polygons(self, sides: Floats) -> list[Floats]:
+        """Return the places of rows on each side of the polygons, (k, 2, 2), in order."""
+        indptr, members = self.tri.constraint_inputs
+        piece = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+        own = members >= self.first_side[-1]
+        side = np.repeat(members[own] - self.first_side[-1], 2)
+        return along_sides(sides, side, self.tri.points[self.tri.constraints[piece[own]].ravel()])
 
     def _ends(self, layer: int, side: Integers) -> Rows:
         """Return the rows of the ends of sides."""
@@ -171,7 +216,9 @@ class Overlay:
         given, points = self.layers[layer], self.tri.points
         own = given.surface.frame.heights(given.surface.vertices)[given.rows]
         heights = np.full(len(points), np.nan)
-        piece, side = self._pieces_of(layer)
+        piece, side, there = self._owned(layer)
+        order = np.argsort(given.areas(there).max(axis=1), kind="stable")  # the last one counts
+        piece, side = piece[order], side[order]
         ends = self._ends(layer, side)
         for k in (0, 1):
             row = self.tri.constraints[piece, k]
@@ -181,20 +228,6 @@ class Overlay:
         rest = np.flatnonzero(np.isnan(heights))
         heights[rest] = heights_at(given.surface, points[rest])
         return heights
-
-
-def _owners(count: int, piece: Integers, there: Integers) -> Integers:
-    """Return the face on both sides of each piece, and of none after them, -1 for none.
-
-    A face that rounding has left no room is on both sides of a piece, and counts on neither.
-    """
-    keys = pair_keys(piece[:, None], there)
-    is_shut = np.stack([np.isin(keys[:, k], keys[:, 1 - k]) for k in (0, 1)], axis=1)
-    owners = np.full((count + 1, 2), -1)
-    for way in (0, 1):
-        known = (there[:, way] >= 0) & ~is_shut[:, way]
-        owners[piece[known], way] = there[known, way]
-    return owners
 
 
 def _longest(regions: Array, faces: Integers, lengths: Floats) -> tuple[Integers, Integers]:
@@ -219,6 +252,21 @@ def _are_turned(pieces: Floats, sides: Floats) -> Mask:
     rows = np.arange(len(steps))
     turned: Mask = (steps[rows, axis] > 0) != (ways[rows, axis] > 0)
     return turned
+
+
+def along_sides(sides: Floats, side: Integers, places: Floats) -> list[Floats]:
+    """Return the places on each side, between its ends, in order and each once."""
+    is_inner = (places[:, None] != sides[side]).any(axis=2).all(axis=1)
+    side, places = side[is_inner], places[is_inner]
+    steps = sides[side, 1] / 2 - sides[side, 0] / 2
+    is_steep = np.abs(steps[:, 1]) > np.abs(steps[:, 0])
+    ahead = places * np.where(steps < 0, -1, 1)
+    ahead[is_steep] = ahead[is_steep, ::-1]
+    order = np.lexsort([ahead[:, 1], ahead[:, 0], side])
+    side, places = side[order], places[order]
+    first = starts_of_runs(np.column_stack([side, places]))
+    side, places = side[first], places[first]
+    return np.split(places, np.searchsorted(side, np.arange(1, len(sides))))
 
 
 def along(ends: Floats, places: Floats, low: Floats, high: Floats) -> Floats:

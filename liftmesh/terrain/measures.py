@@ -339,7 +339,7 @@ def cut_and_fill(
     >>> round(flat.cut_and_fill(hill).fill, 9), round(hill.cut_and_fill(flat).cut, 9)
     (32.0, 32.0)
     """
-    _check(surface, other)
+    check_pair(surface, other)
     if within is not None:
         fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
         return CutFillResult(cut, fill, area, cubic_metres_of(surface))
@@ -404,7 +404,7 @@ def cut_and_fill_by_polygon(
     >>> round(found["A 7"].fill, 9)
     4.0
     """
-    _check(surface, other)
+    check_pair(surface, other)
     unit = cubic_metres_of(surface)
     volumes = _in_each(surface, within, partial(_between_within, surface, other), by)
     return {name: CutFillResult(cut, fill, area, unit) for name, (fill, cut, area) in volumes}
@@ -479,9 +479,12 @@ def prisms(areas: Floats, heights: Floats) -> tuple[Floats, Floats]:
     return np.maximum(above, 0), np.maximum(below, 0)
 
 
-def _check(surface: SurfaceData, other: SurfaceData) -> None:
-    if not hasattr(other, "triangulation") or not hasattr(other, "frame"):
-        raise InputError(f"a {type(other).__name__} is no surface: triangulate it, or as_surface")
+def check_pair(surface: SurfaceData, other: SurfaceData) -> None:
+    """Raise for what are no surfaces, or not over one plane in one system."""
+    for each in (surface, other):
+        if not hasattr(each, "triangulation") or not hasattr(each, "frame"):
+            kind = type(each).__name__
+            raise InputError(f"a {kind} is no surface: triangulate it, or as_surface")
     one, two = surface.frame, other.frame
     if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
         raise InputError("the surfaces are over different planes: give both the same")

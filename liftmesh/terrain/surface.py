@@ -514,6 +514,14 @@ class Surface(SurfaceData):
             polygon=polygon,
         )
 
+    def compact(self) -> Surface:
+        """Make a copy without the vertices that are in no face; the values ``row`` name the others.
+
+        Returns a Surface, itself if all are.
+        In full: `liftmesh.terrain.changes.compacted`.
+        """
+        return changes.compacted(self)
+
     def clip(self, polygon: object, *, invert: bool = False) -> Surface:
         """Cut the faces along a polygon, and keep what is inside.
 

@@ -29,6 +29,7 @@ from liftmesh.base.options import (
     counted,
     part_of,
 )
+from liftmesh.crs.comparison import given_text
 from liftmesh.crs.description import parse_crs
 from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
@@ -65,7 +66,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     colors: ArrayLike | None = None,
     normals: ArrayLike | None = None,
     attributes: Mapping[str, ArrayLike] | None = None,
-    crs: str | None = None,
+    crs: Any = None,
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
@@ -100,8 +101,9 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         Normals of the rows, in place of those of the cloud.
     attributes : mapping of str to (n, ...) array_like, optional
         Further named values of the rows, in place of those of the same name.
-    crs : str, optional
-        The coordinate reference system, in place of that of the cloud: WKT or ``EPSG:n``.
+    crs : str, int or CRS, optional
+        The coordinate reference system, in place of that of the cloud: WKT, ``EPSG:n``, or whatever
+        ``pyproj.CRS.from_user_input`` takes.
     plane : "xy", "xz", "yz", "fit", (3,), (4,), (2, 3) or (4, 4) array-like
         Projection plane: two of the axes (``"xz"`` is seen against y, with the height -y; ``"yz"``
         has the height x); the least squares plane (its normal has n_z > 0; if zero, n_y > 0, then
@@ -252,7 +254,8 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     check_progress(progress)
     check_option("crossing", crossing, Crossing)
     stages = _Stages(progress)
-    given = {"colors": colors, "normals": normals, "attributes": attributes, "crs": crs}
+    given = {"colors": colors, "normals": normals, "attributes": attributes}
+    given["crs"] = given_text(crs)
     source = with_parts(read_rows(cloud, **options), given)
     _warn_of_edges(source)
     given_lines = breaklines, soft_breaklines, boundary, holes, densify

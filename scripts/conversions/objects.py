@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
+import geopandas as gpd
 import laspy
 import numpy as np
 import open3d as o3d
 import pandas as pd
 import polars as pl
 import trimesh as trimesh_library
+import xarray as xr
 from conversions.passages import Arrival, Passage
 from laspy.vlrs.known import WktCoordinateSystemVlr
 
@@ -100,6 +102,34 @@ def to_pandas(cloud: Cloud) -> pd.DataFrame:
         return pd.DataFrame({k: each for k, each in columns.items() if each.dtype.itemsize <= 8})
     except UnicodeEncodeError as error:
         raise InputError("pandas has no such name") from error
+
+
+def to_geopandas(cloud: Cloud) -> gpd.GeoDataFrame:
+    """Points with the values of a table; shapely has no signalling NaNs."""
+    values = {k: each for k, each in to_pandas(cloud).items() if k not in POSITION}
+    places = gpd.points_from_xy(*cloud.points.T)
+    if not np.isfinite(cloud.points).all():
+        raise InputError("points of shapely are finite, or empty")
+    if {k.lower() for k in values} & {*POSITION, "geometry"}:
+        raise InputError("such columns are those of the geometries")
+    if cloud.crs not in (None, "EPSG:25832"):
+        raise InputError("pyproj writes other systems its own way")
+    return gpd.GeoDataFrame(values, geometry=places, crs=cloud.crs)
+
+
+def to_grid(cloud: Cloud) -> xr.DataArray:
+    """A grid of heights, of rows on a lattice in its order."""
+    (x, across), (y, along) = (np.unique(each, return_inverse=True) for each in cloud.points.T[:2])
+    in_order = bool((np.diff(along * len(x) + across) > 0).all())
+    if not len(cloud) or not in_order or not np.isfinite(cloud.points).all():
+        raise InputError("a grid has the rows of a lattice, in its order")
+    if np.signbit(cloud.points[cloud.points == 0]).any():
+        raise InputError("negative zeros are equal to others")
+    heights = np.full((len(y), len(x)), np.nan)
+    heights[along, across] = cloud.points[:, 2]
+    grid = xr.DataArray(heights, coords={"y": y, "x": x}, dims=("y", "x"))
+    stated = {} if cloud.crs is None else {"crs_wkt": cloud.crs}
+    return grid.assign_coords(spatial_ref=xr.DataArray(0, attrs=stated))
 
 
 def to_polars(cloud: Cloud) -> pl.DataFrame:
@@ -237,10 +267,12 @@ MAKERS: dict[str, dict[str, Callable[[Cloud], Any]]] = {
     "table": {
         "pandas.DataFrame": to_pandas,
         "polars.DataFrame": to_polars,
+        "geopandas.GeoDataFrame": to_geopandas,
         "structured array": to_structured,
         "laspy.LasData": to_laspy,
     },
     "array": {"array": lambda cloud: cloud.points, "array with columns=": to_named_rows},
+    "grid": {"xarray.DataArray": to_grid},
     "trimesh": {
         "trimesh.Trimesh": lambda cloud: trimesh.to_mesh(_of_trimesh(cloud)),
         "trimesh.PointCloud": lambda cloud: trimesh.to_points(_of_trimesh(cloud)),

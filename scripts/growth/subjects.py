@@ -111,6 +111,8 @@ WITHOUT_DATA = {
     "Adapter": "describes a conversion",
     "Format": "describes a format",
     "WriteResult": "tells what was written",
+    "TilesetResult": "tells what was written",
+    "write_tileset": "simplify, profile and write, which are watched, do the work of each tile",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "dask.local_cluster": "starts workers",
     "dask.triangulate": "hands the tasks of tile_surface, which is watched, to workers",

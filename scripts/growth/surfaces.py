@@ -99,6 +99,20 @@ def compared(points: Points) -> Work:
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
+def subtracted(points: Points) -> Work:
+    """Prepare the difference of a surface and one of half as many points."""
+    one, other = surface_over(points), surface_over(points[::2])
+    return Work(lambda: liftmesh.difference(one, other), len(points))
+
+
+def pasted(points: Points) -> Work:
+    """Prepare a surface that is pasted into one of the same points at other heights."""
+    one, other = surface_over(points), surface_over(points[::-1])
+    low, high = one.triangulation.min_bound, one.triangulation.max_bound
+    ring = low + (high - low) * [[0.3, 0.3], [0.7, 0.4], [0.5, 0.6]]
+    return Work(lambda: liftmesh.paste(one, other, ring), len(points))
+
+
 def compared_beside(points: Points) -> Work:
     """Prepare two round surfaces with overlapping boxes: their hulls tell that they are apart."""
     one = surface_over(points)
@@ -181,6 +195,8 @@ def meshes_of_their_own() -> Iterator[tuple[Any, ...]]:
     own = on_surface(lambda found: liftmesh.as_surface(stretched(found), threads=1))
     yield "as_surface of its own", PLANAR, own, ("uniform", "lattice")
     overlapping = on_surface(lambda found: refused(stretched(found)))
+    half = on_surface(lambda found: half_of(found).compact())
+    yield "Surface.compact", PLANAR, half, ("uniform", "lattice"), LEAST
     yield "as_surface of faces that overlap", PLANAR, overlapping, ("uniform",), LEAST
 
 
@@ -191,6 +207,8 @@ def measuring_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.volume", PLANAR, cut, ("uniform",), LEAST
     cut_out = on_surface(lambda found: found.clip([[0.1, 0.1], [0.8, 0.2], [0.5, 0.9]]))
     yield "Surface.clip", PLANAR, cut_out, ("uniform", "lattice"), LEAST
+    yield "paste", PLANAR, pasted, ("uniform",), LEAST
+    yield "difference", PLANAR, subtracted, ("uniform",), LEAST
     tabled = on_surface(lambda found: found.stage_storage(np.linspace(0, 1, 9)))
     yield "Surface.stage_storage", PLANAR, tabled, ("uniform", "lattice"), LEAST
     level = on(lambda points: surface_over(points).stage_storage(0.5))(half_filled)
@@ -217,7 +235,7 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.interpolator", PLANAR, called, ("uniform",), LEAST
     smooth = asked("sample", near_the_middle, interpolation="c1")
     yield "Surface.sample by c1", PLANAR, smooth, ("uniform", "lattice"), LEAST
-    weights = asked("weights", near_the_middle, interpolation="sibson")
+    weights = asked("weights", near_the_middle)
     yield "Surface.weights", PLANAR, weights, ("uniform",), LEAST
     above = on_surface(lambda found: found.height_above(found.vertices, threads=1))
     yield "Surface.height_above", PLANAR, above, ("uniform",), LEAST

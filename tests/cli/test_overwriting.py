@@ -29,6 +29,7 @@ WRITING = [
     ("profile", "a.las", "old.geojson", *LINE),
     ("raster", "a.las", "old.tif", "--resolution", "1"),
     ("contour", "a.las", "old.geojson", "--interval", "1"),
+    ("difference", "a.las", "b.las", "old.ply"),
     ("clip", "a.las", "old.ply", "--within", "box.geojson", "--invert"),
     ("solid", "a.las", "old.stl", "--base-height", "-1"),
     ("voronoi", "a.las", "old.svg"),

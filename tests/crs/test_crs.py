@@ -145,7 +145,7 @@ def test_what_cannot_be_transformed() -> None:
     data = lidar("EPSG:4326")
     with pytest.raises(InputError, match=r"<stream>: dst_crs is 'EPSG:999999', which is unknown"):
         lm.read(io.BytesIO(data), format="las", dst_crs="EPSG:999999")
-    for crs in ("+proj=utm +zone=32", "\ud800", 'A["\ud800"]', 25832):
+    for crs in ("+init=epsg:25832", "\ud800", 'A["\ud800"]', "nowhere"):
         with pytest.raises(InputError, match="is unknown: give WKT or EPSG:n"):
             lm.read(io.BytesIO(data), format="las", dst_crs=crs)
     with pytest.raises(InputError, match=r"<stream>: dst_crs= needs .*: read them with src_crs="):
@@ -241,7 +241,7 @@ def test_formats_that_cannot_hold_a_system_say_so() -> None:
         assert "crs" in lm.write(io.BytesIO(), surface, format=kind).dropped
 
 
-@pytest.mark.parametrize("crs", ["foo", "EPSG:999999", "foo[bar]", "/etc/passwd", 25832])
+@pytest.mark.parametrize("crs", ["foo", "EPSG:999999", "foo[bar]", "/etc/passwd", "@passwd"])
 def test_what_is_given_must_be_a_system(crs: Any, tmp_path: Path) -> None:
     for read in (lm.read, lm.read_chunks):
         with pytest.raises(InputError, match=r"^src_crs is .*, which is unknown: give WKT or"):

@@ -50,6 +50,7 @@ def test_typed_options_are_those_of_read_and_of_its_formats() -> None:
         validate_axes,
     )
     of_formats = {name: kind for check in checks for name, kind in keywords(check).items()}
+    of_formats["transform"] = "Sequence[float] | None"  # of arrays
     assert types(FormatOptions) == of_formats
     assert types(ReadOptions) == {**of_formats, **keywords(liftmesh.read)}
     of_chunks = {**of_formats, **keywords(liftmesh.read_chunks)}

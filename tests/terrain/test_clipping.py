@@ -239,6 +239,22 @@ def test_scales(scale: float) -> None:
     assert part.verify().valid
 
 
+@pytest.mark.parametrize("seed", [1, 2, 32, 45, 202])
+def test_borders_along_sides_but_for_rounding(seed: int) -> None:
+    """Where cut faces would bend a side of another one, that one is cut, too."""
+    rng = np.random.default_rng(seed)
+    surface = liftmesh.triangulate(rng.random((40, 3)) * (90, 90, 9) + (4.5e5, 5.2e6, 100))
+    corners = surface.triangulation.points[surface.faces[rng.integers(0, len(surface.faces), 6)]]
+    area = max(shapely.get_parts(shapely.union_all(shapely.polygons(corners))), key=shapely.area)
+    ring = shapely.get_coordinates(area.exterior)[:-1]
+    shape = shapely.Polygon(ring + rng.integers(-2, 3, ring.shape) * np.spacing(ring))
+    inside, outside = surface.clip(shape), surface.clip(shape, invert=True)
+    assert inside.area(planar=True) == pytest.approx(shape.area, abs=1e-5)
+    whole = inside.area(planar=True) + outside.area(planar=True)
+    assert whole == pytest.approx(surface.area(planar=True), abs=1e-5)
+    assert border_of(inside) & border_of(outside)
+
+
 class TestCommand:
     @pytest.fixture
     def folder(self, tmp_path: Path) -> Path:
@@ -269,6 +285,13 @@ class TestCommand:
         found = json.loads(run(*words, cwd=folder).stdout)
         assert found["planar_area"] == 17
         assert found["n_added"] == found["n_rows"]
+
+    def test_another_surface_comes_inside(self, folder) -> None:
+        liftmesh.triangulate(SQUARE + np.array([0, 0, 20])).save(folder / "pad.ply")
+        words = ("clip", "tin.ply", "a.ply", "--within", "lot.geojson", "--paste", "pad.ply")
+        assert "planar area 100" in run(*words, cwd=folder).stdout
+        assert liftmesh.as_surface(folder / "a.ply").sample([5, 4.5]) == pytest.approx(20)
+        failed(run(*words, "--invert", "--overwrite", cwd=folder), 2, "leave --invert out")
 
     def test_bad_input_is_one_line(self, folder) -> None:
         failed(run("clip", "tin.ply", "a.ply", cwd=folder), 2, "--within")

@@ -257,7 +257,6 @@ class _Drawing:
         rows = (place + len(points)).astype(np.int32)
         faces = rows[np.frombuffer(self._faces, np.int64)].reshape(-1, 3)
         edges = rows[np.frombuffer(self._edges, np.int64)].reshape(-1, 2)
-        edges = edges[edges[:, 0] != edges[:, 1]]
         left_out = (counted(count, kind) for kind, count in self._left_out.items())
         return Cloud(
             np.concatenate([points, corners[kept]]),

@@ -355,5 +355,4 @@ def _edges(points: Floats, lines: _Rows) -> tuple[Rows, Floats]:
     is_last[np.cumsum(sizes // 3) - 1] = True
     begins = np.flatnonzero(~is_last)
     edges = np.stack([row[begins], row[begins + 1]], axis=1).astype(np.int32)
-    edges = edges[edges[:, 0] != edges[:, 1]]
     return edges, np.concatenate([points, corners[new - len(points)]])

@@ -16,10 +16,9 @@ from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError, Option
 
-AS_TABLE = "give what its get_coordinates(include_z=True) returns, and other columns beside"
 _ARRAY_LIKE = ("__array__", "__array_interface__", "__dlpack__", "__buffer__", "__len__")
 
-FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame")}
+FRAMES = {("pandas", "DataFrame"), ("polars", "DataFrame"), ("geopandas", "GeoSeries")}
 RECORDS = {("laspy", "LasData"), ("laspy", "ScaleAwarePointRecord")}
 _READERS = {("laspy", "LasReader")}
 
@@ -68,6 +67,11 @@ def is_array_like(source: object) -> bool:
     return has_any and not isinstance(source, type)
 
 
+def is_grid(source: object) -> bool:
+    """Whether an object is a grid of values with their places."""
+    return bool(classes(source) & {("liftmesh", "Raster"), ("xarray", "DataArray")})
+
+
 def is_mesh_like(source: object) -> bool:
     """Whether an object has the attributes of a mesh."""
     has_both = hasattr(source, "vertices") and hasattr(source, "faces")
@@ -88,8 +92,6 @@ def from_array(source: Any) -> Cloud:
             f"{Option('columns', 'x,y,z,red,green,blue')}, or give only those that are x, y and z; "
             "heights of a grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
         )
-    if hasattr(type(source), "get_coordinates"):  # of geopandas, which has no rows of numbers
-        raise InputError(f"points are a {type(source).__name__}: {AS_TABLE}")
     return Cloud(arrays.as_rows3(source))
 
 

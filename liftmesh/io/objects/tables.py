@@ -20,6 +20,7 @@ from liftmesh.base.arrays import is_masked_array
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import fits_eight_bits, recognized
 from liftmesh.base.interruption import preserve_signals
+from liftmesh.crs.comparison import crs_of
 from liftmesh.errors import FormatError, InputError, Option, UnsupportedTypeError
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION, taken_together
 from liftmesh.io.formats.text.column_ambiguity import ColumnAmbiguity
@@ -27,7 +28,6 @@ from liftmesh.io.formats.text.columns import Columns, understood, unnamed
 from liftmesh.io.formats.text.layout import with_point
 from liftmesh.io.metadata import NotedColumns, Unread, noted
 from liftmesh.io.objects.plain import (
-    AS_TABLE,
     FRAMES,
     RECORDS,
     classes,
@@ -61,13 +61,7 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
     try:
         return _cloud(values, options, described)
     except FormatError as error:  # of the rooms for files
-        is_geometric = hasattr(type(source), "get_coordinates") and "as WKT" in str(error)
-        said = (
-            f"{_WHERE}: its points are geometries: {AS_TABLE}"
-            if is_geometric
-            else error.message.marked
-        )
-        raise InputError(said) from error
+        raise InputError(error.message.marked) from error
 
 
 def with_options(source: Any, given: Mapping[str, Any]) -> Cloud:
@@ -94,13 +88,10 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
             "np.concatenate makes of them"
         )
     if is_structured(source):
-        if source.ndim != 1:
-            raise InputError(
-                f"a structured array of the shape {source.shape} is no list of rows: give its "
-                "ravel()"
-            )
-        return [(name, source[name]) for name in source.dtype.names], {}
+        return _of_records(source)
     kinds = classes(source)
+    if arrays.are_geometries(source) and getattr(source, "geometry", None) is not None:
+        return _of_geometries(source)
     if kinds & RECORDS:
         return _of_laspy(source)
     if ("polars", "DataFrame") in kinds:
@@ -113,6 +104,25 @@ def _opened(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
             f"{Option('columns', ...)} names the columns of a table, not of the shape {rows.shape}"
         )
     return [("", column) for column in rows.T], {}
+
+
+def _of_records(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
+    if source.ndim != 1:
+        raise InputError(
+            f"a structured array of the shape {source.shape} is no list of rows: give its ravel()"
+        )
+    return [(name, source[name]) for name in source.dtype.names], {}
+
+
+def _of_geometries(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
+    """Return coordinates in place of the geometries, which come before columns of their names."""
+    shapes = source.geometry
+    columns: list[tuple[str, Any]] = [*zip(POSITION, arrays.coordinates_of(shapes).T, strict=False)]
+    rest = [(str(name), source.iloc[:, k]) for k, name in enumerate(getattr(source, "columns", ()))]
+    rest = [each for each in rest if each[0] != shapes.name]
+    taken = [name for name, _ in rest if name.lower() in dict(columns)]
+    columns += [each for each in rest if each[0] not in taken]
+    return columns, {"crs": crs_of(shapes), "unread": [f"column {name}" for name in taken]}
 
 
 def _of_polars(column: Any) -> Array:
@@ -139,6 +149,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     read = {k: _as_numbers(values[k][1]) for k in range(len(values)) if k not in columns.left_out}
     columns_read = {columns.names[k]: each for k, each in read.items() if each is not None}
     unread = [_unread(columns, k, values[k][1]) for k in range(len(values)) if read.get(k) is None]
+    unread += described.get("unread", ())
     if not options.names_all and "z" not in columns.names:
         words = [columns.names[k] for k, each in read.items() if _holds_number(each, values[k][1])]
         columns.check_height([*columns_read, *words], _WHERE)
@@ -165,7 +176,9 @@ def _named(names: list[str], options: TableOptions, has_coordinates: bool) -> Co
         return unnamed(len(names), options, _WHERE)
     if has_coordinates and not options.chosen and options.names is None:
         options = TableOptions(
-            chosen={each: each for each in POSITION}, missing=options.missing, flat=options.flat
+            chosen={each: each for each in POSITION if each in names},
+            missing=options.missing,
+            flat=options.flat,
         )
     return understood(names, options, _WHERE)
 

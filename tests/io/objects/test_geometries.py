@@ -1,0 +1,93 @@
+"""Points of geopandas: GeoDataFrames and GeoSeries, wherever points are taken."""
+
+from __future__ import annotations
+
+import geopandas as gpd
+import numpy as np
+import pytest
+from shapely import LineString, Point
+
+import liftmesh
+from liftmesh import InputError
+
+XYZ = np.array([[0, 0, 5], [8, 0, 6], [0, 8, 7], [9, 9, 8.5]])
+
+
+def frame(points: np.ndarray = XYZ, **columns: object) -> gpd.GeoDataFrame:
+    return gpd.GeoDataFrame(columns, geometry=gpd.points_from_xy(*points.T), crs=25832)
+
+
+def test_a_frame_is_a_cloud_with_columns_and_system() -> None:
+    found = liftmesh.as_cloud(frame(intensity=[1, 2, 3, 4], kind=["a", "b", "c", "d"], x=[9] * 4))
+    assert found.points.tolist() == XYZ.tolist()
+    assert found.crs == "EPSG:25832"
+    assert found.attributes["intensity"].tolist() == [1, 2, 3, 4]
+    assert "column x" in found.metadata["not_read"]
+    assert any("kind" in each for each in found.metadata["not_read"])
+    surface = liftmesh.triangulate(frame(red=[1] * 4, green=[2] * 4, blue=[255] * 4))
+    assert surface.crs == "EPSG:25832"
+    assert surface.colors is not None
+    assert surface.colors[0].tolist() == [1, 2, 255]
+
+
+def test_heights_may_be_a_column() -> None:
+    planar = frame(XYZ[:, :2], elevation=XYZ[:, 2])
+    assert liftmesh.as_cloud(planar).points.tolist() == XYZ.tolist()
+    named = frame(XYZ[:, :2], h2=XYZ[:, 2])
+    assert liftmesh.as_cloud(named, columns="x=x,y=y,z=h2").points.tolist() == XYZ.tolist()
+    with pytest.raises(InputError, match="height"):
+        liftmesh.as_cloud(frame(XYZ[:, :2], h2=XYZ[:, 2]))
+    assert liftmesh.as_cloud(frame(XYZ[:, :2]), flat=True).points[:, 2].tolist() == [0] * 4
+
+
+def test_another_geometry_and_a_series() -> None:
+    renamed = frame().rename_geometry("place")
+    assert liftmesh.as_cloud(renamed).points.tolist() == XYZ.tolist()
+    series = frame().geometry
+    assert liftmesh.as_cloud(series).points.tolist() == XYZ.tolist()
+    assert liftmesh.as_cloud(series).crs == "EPSG:25832"
+
+
+def test_every_function_takes_them() -> None:
+    points, planar = frame(), XYZ[:, :2]
+    expected = liftmesh.delaunay(planar)
+    assert np.array_equal(liftmesh.delaunay(points).simplices, expected.simplices)
+    assert np.array_equal(liftmesh.delaunay(points.geometry).simplices, expected.simplices)
+    assert np.array_equal(
+        liftmesh.regular(points, weights=np.zeros(4)).simplices, expected.simplices
+    )
+    assert liftmesh.verify(points, expected.simplices).valid
+    assert len(liftmesh.voronoi(points, domain=(-1, -1, 10, 10))) == 4
+    assert len(liftmesh.lower_hull(points).faces)
+    assert len(liftmesh.apollonius(frame(planar), np.ones(4)).centers) == 4
+    dynamic = liftmesh.DynamicTriangulation(points)
+    assert len(dynamic) == 4
+    surface = liftmesh.triangulate(points)
+    assert surface.sample(points).tolist() == XYZ[:, 2].tolist()
+    assert liftmesh.constrained_delaunay(points, [[0, 3]]).constraints.tolist() == [[0, 3]]
+
+
+@pytest.mark.parametrize(
+    ("shapes", "cause"),
+    [
+        ([Point(0, 0, 1), LineString([(0, 0), (1, 1)])], "row 1 is LineString: give points"),
+        ([Point(0, 0, 1), None], "row 1 is nothing: give points"),
+        ([Point(0, 0, 1).buffer(1)], "row 0 is Polygon"),
+    ],
+)
+def test_other_geometries_are_refused(shapes: list, cause: str) -> None:
+    for call in (liftmesh.as_cloud, liftmesh.delaunay, liftmesh.triangulate):
+        with pytest.raises(InputError, match=cause):
+            call(gpd.GeoDataFrame(geometry=shapes))
+
+
+def test_empty_points_are_not_finite() -> None:
+    points = gpd.GeoDataFrame(geometry=[*gpd.points_from_xy(*XYZ.T), Point()])
+    with pytest.raises(InputError, match="row 4"):
+        liftmesh.triangulate(points)
+    assert liftmesh.triangulate(points, nonfinite="skip").report.n_skipped == 1
+
+
+def test_a_frame_without_geometries_is_a_table() -> None:
+    table = gpd.GeoDataFrame({"x": [0.0, 1, 0], "y": [0.0, 0, 1], "z": [1.0, 2, 3]})
+    assert liftmesh.as_cloud(table).points.tolist() == [[0, 0, 1], [1, 0, 2], [0, 1, 3]]

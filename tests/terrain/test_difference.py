@@ -1,0 +1,163 @@
+"""The difference of two surfaces: exact volumes, rationals, and heights of both."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+from commands import failed, liftmesh as run
+from hypothesis import given, settings, strategies as st
+from oracles.earthwork import exact_earthwork
+from surfaces import LATTICE, drawn, meadow
+
+import liftmesh
+
+LEVEL = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
+
+
+def compared(one, two) -> tuple[liftmesh.Surface, liftmesh.CutFillResult] | None:
+    try:
+        return liftmesh.difference(two, one), one.cut_and_fill(two)
+    except liftmesh.InputError as error:
+        if "no area in common" not in str(error):
+            raise
+        return None
+
+
+@settings(max_examples=30, deadline=None)
+@given(LATTICE, LATTICE)
+def test_volumes_are_those_of_rationals(points, others) -> None:
+    one, two = drawn(points), drawn([(x + 1 / 3, y, z / 7) for x, y, z in others])
+    if one is None or two is None or (found := compared(one, two)) is None:
+        return
+    exact, volumes = exact_earthwork(one, two), found[0].volume()
+    assert volumes.above == pytest.approx(float(exact.fill), rel=1e-9, abs=1e-9)
+    assert volumes.below == pytest.approx(float(exact.cut), rel=1e-9, abs=1e-9)
+    assert volumes.area == pytest.approx(float(exact.area), rel=1e-9, abs=1e-12)
+    assert found[0].verify().valid
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.booleans())
+def test_it_is_what_both_are_apart(seed: int, is_far: bool) -> None:
+    rng = np.random.default_rng(seed)
+    offset = (4.5e5, 5.2e6, 100) if is_far else (0, 0, 0)
+    one, two = (
+        liftmesh.triangulate(rng.random((80, 3)) * (90, 90, 9) + offset).trim(max_edge=25)
+        for _ in range(2)
+    )
+    found = compared(one, two)
+    if found is None:
+        return
+    change, works = found
+    low, high = np.array(change.bounds).reshape(2, 2)
+    places = rng.uniform(low, high, (200, 2))
+    expected = two.sample(places) - one.sample(places)
+    assert change.sample(places) == pytest.approx(expected, abs=1e-6, nan_ok=True)
+    volumes = change.volume()
+    assert volumes.area == pytest.approx(works.area, rel=1e-9)
+    assert volumes.net == pytest.approx(works.net, rel=1e-9, abs=1e-9 * works.area)
+    assert volumes.above == pytest.approx(works.fill, rel=1e-9, abs=1e-9 * works.area)
+
+
+def test_exchanged_it_changes_the_sign_alone() -> None:
+    rng = np.random.default_rng(3)
+    one, two = (rng.random((60, 3)) * 10 for _ in range(2))
+    there = liftmesh.difference(liftmesh.triangulate(one), liftmesh.triangulate(two))
+    back = liftmesh.difference(
+        liftmesh.triangulate(rng.permutation(two)), liftmesh.triangulate(rng.permutation(one))
+    )
+    assert np.array_equal(there.vertices, back.vertices * (1, 1, -1))
+    assert np.array_equal(there.faces, back.faces)
+
+
+def test_from_itself_nothing_is_left() -> None:
+    surface = liftmesh.triangulate(meadow()).trim(max_edge=12)
+    change = liftmesh.difference(surface, surface)
+    assert not change.vertices[:, 2].any()
+    assert len(change.faces) == len(surface.faces)
+    assert change.metadata["difference"] == {"rows_at_crossings": 0, "displacement": 0}
+
+
+def test_rounding_is_said() -> None:
+    rng = np.random.default_rng(1)
+    one, two = (
+        liftmesh.triangulate(rng.random((50, 3)) + np.array([1000, 1000, 0])) for _ in range(2)
+    )
+    said = liftmesh.difference(one, two).metadata["difference"]
+    assert said["rows_at_crossings"] > 100
+    assert 0 < said["displacement"] < 1e-12
+
+
+def test_on_it_everything_works(tmp_path: Path) -> None:
+    hill = liftmesh.triangulate([*LEVEL.tolist(), [2, 2, 6]])
+    change = liftmesh.difference(hill, liftmesh.triangulate(LEVEL + np.array([0, 0, 3])))
+    assert change.volume().above == pytest.approx(4)
+    raster = change.raster(1)
+    assert np.nanmax(raster.values) == pytest.approx(3 - 1.5)
+    lines = change.contours([0])
+    ring = shapely.Polygon(lines[0].points[:, :2])
+    assert ring.area == pytest.approx(4)
+    written = change.save(tmp_path / "change.ply")
+    assert liftmesh.as_surface(written.path).volume().above == pytest.approx(4)
+
+
+def test_other_planes() -> None:
+    walls = [liftmesh.triangulate(LEVEL[:, [0, 2, 1]] + (0, k, 0), plane="xz") for k in (1, 3)]
+    assert liftmesh.difference(*walls).volume().net == pytest.approx(
+        -(walls[0].cut_and_fill(walls[1]).net)
+    )
+    tilted = liftmesh.triangulate(LEVEL, plane=[1, 0, 3])
+    with pytest.raises(liftmesh.InputError, match="new rows need a plane"):
+        liftmesh.difference(tilted, tilted)
+
+
+@pytest.mark.parametrize(
+    ("shift", "said"), [((9, 0, 0), "no area in common"), ((4, 0, 0), "no area in common")]
+)
+def test_surfaces_beside_each_other(shift, said: str) -> None:
+    with pytest.raises(liftmesh.InputError, match=said):
+        liftmesh.difference(liftmesh.triangulate(LEVEL), liftmesh.triangulate(LEVEL + shift))
+
+
+def test_bad_input_is_named() -> None:
+    one = liftmesh.triangulate(LEVEL, crs="EPSG:28992")
+    with pytest.raises(liftmesh.InputError, match="different coordinate systems"):
+        liftmesh.difference(one, liftmesh.triangulate(LEVEL, crs="EPSG:32632"))
+    with pytest.raises(liftmesh.InputError, match="is no surface"):
+        liftmesh.difference(one, LEVEL)
+    with pytest.raises(liftmesh.InputError, match="is no surface"):
+        liftmesh.difference(LEVEL, one)
+    high = [liftmesh.triangulate(LEVEL + np.array([0, 0, sign * 1.7e308])) for sign in (1, -1)]
+    with pytest.raises(liftmesh.InputError, match="beyond the largest double"):
+        liftmesh.difference(*high)
+
+
+class TestCommand:
+    @pytest.fixture
+    def folder(self, tmp_path: Path) -> Path:
+        liftmesh.triangulate(LEVEL, crs="EPSG:7415").save(tmp_path / "before.ply")
+        hill = liftmesh.triangulate([*LEVEL.tolist(), [2, 2, 6]], crs="EPSG:7415")
+        hill.save(tmp_path / "after.ply")
+        return tmp_path
+
+    def test_a_mesh(self, folder) -> None:
+        done = run("difference", "before.ply", "after.ply", "change.ply", cwd=folder)
+        assert done.returncode == 0, done.stderr
+        assert "from 0 to 6" in done.stdout
+        change = liftmesh.as_surface(folder / "change.ply")
+        assert change.volume().above == pytest.approx(32)
+
+    def test_json(self, folder) -> None:
+        words = ("difference", "after.ply", "before.ply", "change.ply", "--json")
+        found = json.loads(run(*words, cwd=folder).stdout)
+        assert (found["cut"], found["fill"]) == (pytest.approx(32), 0)
+        assert (found["lowest"], found["highest"], found["planar_area"]) == (-6, 0, 16)
+
+    def test_bad_input_is_one_line(self, folder) -> None:
+        failed(run("difference", "before.ply", "none.ply", "c.ply", cwd=folder), 3, "none.ply")
+        failed(run("difference", "before.ply", "after.ply", cwd=folder), 2, "OUT")
+        assert not (folder / "c.ply").exists()

@@ -1,0 +1,214 @@
+"""Pyramids of tiles: borders that agree bit for bit, errors as they are said, a valid tileset."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyproj
+import pytest
+import trimesh
+
+import liftmesh
+from liftmesh import InputError, Surface, TilesetResult, write_tileset
+
+UTM = np.array([450000.0, 5400000.0, 300.0])
+
+
+def hills(count: int = 3000) -> Surface:
+    """Points at random and on a frame, so that faces fill the square."""
+    rng = np.random.default_rng(5)
+    side = np.linspace(0, 100, 11)
+    frame = [(x, y) for x in side for y in side if x in (0, 100) or y in (0, 100)]
+    plane = np.concatenate([rng.random((count, 2)) * 100, frame])
+    heights = 8 * np.sin(plane[:, 0] / 9) * np.cos(plane[:, 1] / 13)
+    return liftmesh.triangulate(np.column_stack([plane, heights]) + UTM, crs="EPSG:25832")
+
+
+def vertices(path: Path) -> np.ndarray:
+    """Return the positions of a GLB file as its bytes have them."""
+    data = path.read_bytes()
+    size = struct.unpack_from("<I", data, 12)[0]
+    tree = json.loads(data[20 : 20 + size])
+    accessor = tree["accessors"][tree["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+    begin = 28 + size + tree["bufferViews"][accessor["bufferView"]]["byteOffset"]
+    found: np.ndarray = np.frombuffer(data, "<f4", 3 * accessor["count"], begin).reshape(-1, 3)
+    return found
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Surface, TilesetResult]:
+    surface = hills()
+    folder = tmp_path_factory.mktemp("tiles") / "new"
+    return surface, write_tileset(surface, folder, max_error=0.5)
+
+
+def tiles(found: TilesetResult) -> dict[tuple[int, ...], np.ndarray]:
+    folder = found.path.parent
+    return {
+        tuple(map(int, path.relative_to(folder).with_suffix("").parts)): vertices(path)
+        for path in folder.glob("*/*/*.glb")
+    }
+
+
+def along(rows: np.ndarray, axis: int, at: float) -> set[bytes]:
+    """The bytes of the vertices on a line."""
+    return {row.tobytes() for row in rows[rows[:, axis] == np.float32(at)]}
+
+
+def test_borders_agree_bit_for_bit_between_tiles_and_levels(
+    made: tuple[Surface, TilesetResult],
+) -> None:
+    found = tiles(made[1])
+    assert sorted({key[0] for key in found}) == [0, 1, 2, 3]
+    assert len(found) == 1 + 4 + 16 + 64
+    low = made[0].vertices.min(axis=0) - np.array(made[1].origin)
+    compared = 0
+    for level in range(4):
+        width = 100 / 2**level
+        for (_, column, row), one in [each for each in found.items() if each[0][0] == level]:
+            for axis, other in ((0, (level, column + 1, row)), (1, (level, column, row + 1))):
+                at = low[axis] + width * (other[1 + axis])
+                border = along(one, axis, at)
+                assert len(border) >= 2
+                if other in found:
+                    assert border == along(found[other], axis, at)
+                    compared += 1
+            # The tiles below have the same points on the western border, and so on those of others.
+            if level < 3:
+                at = low[0] + width * column
+                below = [found[level + 1, 2 * column, 2 * row + k] for k in (0, 1)]
+                parts = [along(each, 0, at) for each in below]
+                assert along(one, 0, at) == parts[0] | parts[1]
+                assert len(parts[0] & parts[1]) == 1
+    assert compared == 2 * (2 + 12 + 56)
+
+
+def test_no_vertex_is_farther_than_the_error_of_the_level(
+    made: tuple[Surface, TilesetResult],
+) -> None:
+    surface, found = made
+    for level, error in enumerate(found.errors):
+        assert error <= 0.5 * 2 ** (3 - level)
+        meshes = [liftmesh.read(path) for path in found.path.parent.glob(f"{level}/*/*.glb")]
+        assert sum(len(each.faces) for each in meshes) == found.n_triangles[level]
+        worst = 0.0
+        for mesh in meshes:
+            low, high = mesh.points.min(axis=0), mesh.points.max(axis=0)
+            plane = surface.vertices[:, :2]
+            inside = ((plane > low[:2]) & (plane < high[:2])).all(axis=1)
+            solid = trimesh.Trimesh(mesh.points - UTM, mesh.faces, process=False)
+            assert solid.area > 0
+            assert np.isclose(_planar_area(mesh), np.prod(high[:2] - low[:2]), rtol=1e-6)
+            rows = surface.vertices[inside]
+            worst = max(worst, np.abs(_heights(mesh, rows) - rows[:, 2]).max(initial=0))
+        assert worst <= error + 1e-4  # of single precision
+    assert list(found.n_triangles) == sorted(found.n_triangles)
+
+
+def _planar_area(mesh: liftmesh.Cloud) -> float:
+    a, b, c = np.moveaxis((mesh.points - UTM)[mesh.faces][:, :, :2], 1, 0)
+    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+    return float((ux * vy - uy * vx).sum() / 2)
+
+
+def _heights(mesh: liftmesh.Cloud, rows: np.ndarray) -> np.ndarray:
+    """Heights by matplotlib's interpolation in given triangles."""
+    from matplotlib.tri import LinearTriInterpolator, Triangulation
+
+    points = mesh.points - UTM
+    flat = Triangulation(points[:, 0], points[:, 1], mesh.faces)
+    found = LinearTriInterpolator(flat, points[:, 2])(*(rows - UTM)[:, :2].T)
+    return np.asarray(found.filled(np.nan)) + UTM[2]
+
+
+def test_the_tileset_has_the_place_and_the_errors(made: tuple[Surface, TilesetResult]) -> None:
+    found = made[1]
+    tileset = json.loads(found.path.read_text())
+    assert tileset["asset"]["version"] == "1.1"
+    assert tileset["geometricError"] == tileset["root"]["geometricError"]
+
+    def walk(tile: dict[str, Any], level: int) -> int:
+        assert (found.path.parent / tile["content"]["uri"]).is_file()
+        assert tile["refine"] == "REPLACE"
+        middle, half = np.array(tile["boundingVolume"]["box"][:3]), tile["boundingVolume"]["box"]
+        reach = np.array([half[3], half[7], half[11]]) + 1e-4
+        rows = vertices(found.path.parent / tile["content"]["uri"])
+        assert (np.abs(rows - middle) <= reach).all()
+        children = tile.get("children", [])
+        assert all(each["geometricError"] <= tile["geometricError"] for each in children)
+        assert len(children) == (0 if level == 3 else 4)
+        return 1 + sum(walk(each, level + 1) for each in children)
+
+    assert walk(tileset["root"], 0) == 85
+    matrix = np.reshape(tileset["root"]["transform"], (4, 4)).T
+    place = matrix @ [10, -20, 5, 1]
+    to_degrees = pyproj.Transformer.from_crs(4978, 4979, always_xy=True)
+    to_map = pyproj.Transformer.from_crs(4326, 25832, always_xy=True)
+    east, north, up = to_degrees.transform(*place[:3])
+    x, y, _ = found.origin
+    assert np.allclose(to_map.transform(east, north), [x + 10, y - 20], atol=0.01)
+    assert np.isclose(up, found.origin[2] + 5, atol=0.01)
+
+
+def test_bytes_do_not_depend_on_the_order_of_rows(tmp_path: Path) -> None:
+    surface = hills(200)
+    order = np.random.default_rng(1).permutation(len(surface.vertices))
+    other = liftmesh.triangulate(surface.vertices[order], crs="EPSG:25832")
+    for name, each in (("a", surface), ("b", other)):
+        write_tileset(each, tmp_path / name, max_error=1, levels=2)
+    files = sorted((tmp_path / "a").rglob("*.*"))
+    assert len(files) == 6
+    for path in files:
+        twin = tmp_path / "b" / path.relative_to(tmp_path / "a")
+        assert path.read_bytes() == twin.read_bytes()
+
+
+def test_one_level_and_progress(tmp_path: Path) -> None:
+    told: list[float] = []
+    found = write_tileset(hills(50), tmp_path, max_error=1e-9, levels=1, progress=told.append)
+    assert (told, found.errors[0] < 1e-8) == ([1.0], True)
+    with pytest.raises(KeyError):
+        write_tileset(hills(50), tmp_path, max_error=1, levels=2, progress={}.__getitem__)
+    box = UTM[[0, 1, 0, 1]] + np.array([1, 1, 2, 2])
+    tiny = write_tileset(hills(50), tmp_path, max_error=1, levels=2, bounds=box)
+    assert tiny.n_triangles[1] >= 8
+
+
+@pytest.mark.parametrize(
+    ("given", "cause"),
+    [
+        ({"max_error": 0}, "max_error is 0"),
+        ({"levels": 0}, "levels is 0"),
+        ({"levels": 7}, "levels is 7: give a whole number from 1 to 6"),
+        ({"bounds": [0, 1]}, "bounds is"),
+        ({"bounds": [450000, 5400000, 450200, 5400100]}, "the surface"),
+        ({"folder": 3}, "folder is a int: give the path"),
+        ({"progress": 3}, "progress is 3"),
+    ],
+)
+def test_what_makes_no_tileset(given: dict[str, Any], cause: str, tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=cause):
+        write_tileset(hills(50), **{"folder": tmp_path, "max_error": 1.0, **given})
+    assert not (tmp_path / "tileset.json").exists()
+
+
+def test_surfaces_that_make_none(tmp_path: Path) -> None:
+    surface = hills(50)
+    wall = liftmesh.triangulate(surface.vertices[:, [0, 2, 1]], plane="xz")
+    feet = liftmesh.triangulate(surface.vertices, crs="EPSG:2263")
+    round_ = liftmesh.triangulate(np.random.default_rng(2).random((50, 3)))
+    middle = surface.vertices.mean(axis=0)[:2]
+    holed = surface.trim(polygon=np.array([[0, 0], [0, 200], [200, 200]]) + middle - 100)
+    for each, cause in (
+        (wall, "over x and y"),
+        (feet, "coordinates are in US survey foot, but tilesets in metres"),
+        (round_, "the surface"),
+        (holed, "the surface"),
+    ):
+        with pytest.raises(InputError, match=cause):
+            write_tileset(each, tmp_path, max_error=1)
+    assert [*tmp_path.iterdir()] == []
