@@ -217,7 +217,7 @@ def write_chunks(
         whole = _complete(file_format, chain([first], pieces))
         file_format.write_chunks(stream, whole, **options)
         size = stream.tell()
-    return _result(Path(target), file_format, first, options, None, size)
+    return _result(Path(target), file_format, first, options, None, size, 0)
 
 
 def _complete(file_format: Format, chunks: Iterable[Cloud]) -> Iterator[Cloud]:
