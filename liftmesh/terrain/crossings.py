@@ -69,7 +69,7 @@ def check_tolerance(tolerance: float, levels: Floats) -> None:
     gap = float(np.diff(levels).min(initial=np.inf))
     if not most < gap / 2:
         raise InputError(
-            f"{Option('smooth', tolerance)} is not below half of {gap!r}, the least distance of "
+            f"{Option('smooth', most)} is not below half of {gap!r}, the least distance of "
             "levels, so lines could cross: give a smaller one"
         )
 
