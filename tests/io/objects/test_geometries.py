@@ -67,6 +67,27 @@ def test_every_function_takes_them() -> None:
     assert liftmesh.constrained_delaunay(points, [[0, 3]]).constraints.tolist() == [[0, 3]]
 
 
+def test_points_in_another_system_than_the_surface_are_refused() -> None:
+    surface = liftmesh.triangulate(frame())
+    elsewhere = frame().to_crs(25833)
+    line = {"spacing": 1, "half_width": 1}
+    for points in (elsewhere, elsewhere.geometry):
+        for name in ("sample", "weights", "gradient", "slope", "aspect", "height_above",
+                     "accuracy", "profile"):  # fmt: skip
+            with pytest.raises(InputError, match=r"zone 33N.*zone 32N.*: transform one of them"):
+                getattr(surface, name)(points)
+        with pytest.raises(InputError, match="transform one of them"):
+            surface.interpolator()(points)
+        with pytest.raises(InputError, match="transform one of them"):
+            surface.cross_sections(points, **line)
+    unstated = gpd.GeoDataFrame(geometry=gpd.points_from_xy(*XYZ.T))
+    for points in (unstated, unstated.set_crs(5972)):  # the same plane, with heights
+        assert surface.sample(points).tolist() == XYZ[:, 2].tolist()
+    side = liftmesh.triangulate(frame(), plane="xz")  # in whose plane there is no such system
+    middle = frame(XYZ[:, [0, 2]].mean(axis=0)[None]).set_crs(25833, allow_override=True)
+    assert np.isfinite(side.sample(middle)).all()
+
+
 @pytest.mark.parametrize(
     ("shapes", "cause"),
     [
