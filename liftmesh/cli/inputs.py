@@ -230,6 +230,28 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
     place = terminal.stage(text) if is_stream(path) else terminal.reading(text, progress)
     with _about_reading(str(name)), place:
         cloud = _read_quietly(sys.stdin.buffer if is_stream(path) else path, reading)
+    _say(str(name), cloud, reading)
+    return cloud
+
+
+def read_chunks(path: Path, reading: Mapping[str, Any]) -> Iterator[Cloud]:
+    """Read a cloud in chunks; say on stderr how, and what is not read."""
+    from liftmesh.io import read as io
+
+    _check_file(path)
+    pieces, is_first = io.read_chunks(path, **reading), True
+    while True:
+        with _about_reading(str(path)), without_warnings():
+            cloud = next(pieces, None)
+        if cloud is None:
+            return
+        if is_first:
+            _say(str(path), cloud, reading)
+        is_first = False
+        yield cloud
+
+
+def _say(name: str, cloud: Cloud, reading: Mapping[str, Any]) -> None:
     for each in notes.cloud_notes(cloud, is_transformed="dst_crs" in reading):
         note(f"{name}: {each}")
     if not_read := notes.parts_not_read(cloud):
@@ -240,7 +262,6 @@ def read(path: Path, reading: Mapping[str, Any]) -> Cloud:
         is_here = any("--color-depth" in each.opts for each in options_here)
         how = "--color-depth says another" if is_here else "liftmesh triangulate has --color-depth"
         note(f"{name}: no colour exceeds 255: they are read as 8-bit colours ({how})")
-    return cloud
 
 
 def _check_file(path: Path) -> None:
@@ -252,7 +273,7 @@ def _check_file(path: Path) -> None:
     if (path / MANIFEST).is_file():
         raise FormatError(
             f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour and "
-            "verify take it"
+            "verify take it, and height as --ground"
         )
 
 

@@ -201,6 +201,17 @@ class Target:
         with opened(self.path) as stream:
             return io.write(stream, mesh, format=self.file_format, **self.writing)
 
+    def takes_chunks_of(self, source: str) -> bool:
+        """Whether the file can be written in chunks, as a file of another format is read."""
+        kind = self._kind()
+        return not is_stream(self.path) and kind.name == source and kind.write_chunks is not None
+
+    def write_chunks(self, chunks: Iterable[Cloud]) -> WriteResult:
+        """Write the chunks of a cloud."""
+        from liftmesh.io.write import write_chunks
+
+        return write_chunks(self.path, chunks, format=self.file_format, **self.writing)
+
 
 def target(text: str, *, has_writing: bool = True) -> options.Group:
     """Make the group of a file to write, of which this is said, and of options of its format."""

@@ -131,6 +131,9 @@ class Format:
         writer raises for what it cannot hold.
     suffix_options : mapping, optional
         Options for ``write`` that a suffix stands for, by suffix; those of the caller come first.
+    write_chunks : callable, optional
+        ``write_chunks(stream, chunks, **options)`` writes the consecutive chunks of a cloud, as
+        ``read_chunks`` yields them of one file, and at least one: the bytes of ``write`` for all.
 
     Raises
     ------
@@ -170,6 +173,7 @@ class Format:
     selects: bool = False
     entries: tuple[str, ...] = ()
     suffix_options: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    write_chunks: Callable[..., None] | None = None
 
     def __post_init__(self) -> None:
         for name, words, known in (

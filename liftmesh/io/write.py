@@ -5,8 +5,9 @@ from __future__ import annotations
 import inspect
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -176,10 +177,7 @@ def write(
     """
     target = at_home(target)
     name = name_of(target)
-    file_format = format_of(target, format, name, find_written)
-    suffix = "." + (format or suffix_of(name)).lower().removeprefix(".")
-    options = {**file_format.suffix_options.get(suffix, {}), **options}
-    writer = writer_of(file_format, name, options)
+    file_format, writer, options = _chosen(target, name, format, options)
     cloud = as_cloud(mesh)
     if cloud.faces is not None:
         checked_faces(cloud.faces, len(cloud), name)
@@ -200,6 +198,43 @@ def write(
         with watched(stream):
             found, size = _write(stream, cloud, writer, options)
         return _result(Path(target), file_format, cloud, options, found, size, unused)
+
+
+def write_chunks(
+    target: str | os.PathLike[str],
+    chunks: Iterable[Cloud],
+    *,
+    format: str | None = None,  # noqa: A002 - as of `write`
+    **options: Any,
+) -> WriteResult:
+    """Write a cloud that comes in chunks, of which there is at least one; replace a file."""
+    file_format, _, options = _chosen(target, name_of(target), format, options)
+    if file_format.write_chunks is None:
+        raise FormatError(f"{target}: {file_format.name} files are not written in chunks")
+    pieces = iter(chunks)
+    first = next(pieces)
+    with replacing(target) as stream, watched(stream), preserve_signals():
+        whole = _complete(file_format, chain([first], pieces))
+        file_format.write_chunks(stream, whole, **options)
+        size = stream.tell()
+    return _result(Path(target), file_format, first, options, None, size, 0)
+
+
+def _complete(file_format: Format, chunks: Iterable[Cloud]) -> Iterator[Cloud]:
+    """Yield chunks that have what a format needs."""
+    for cloud in chunks:
+        check_needs(file_format, cloud)
+        yield cloud
+
+
+def _chosen(
+    target: PathOrStream, name: str, given: str | None, options: dict[str, Any]
+) -> tuple[Format, Writer, dict[str, Any]]:
+    """Return the format, its writer, and all options of that."""
+    file_format = format_of(target, given, name, find_written)
+    suffix = "." + (given or suffix_of(name)).lower().removeprefix(".")
+    options = {**file_format.suffix_options.get(suffix, {}), **options}
+    return file_format, writer_of(file_format, name, options), options
 
 
 def _result(

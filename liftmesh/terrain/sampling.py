@@ -20,7 +20,13 @@ from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.sampler import Sampler
-from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, places_on, steepness
+from liftmesh.terrain.surface_data import (
+    OverPlane,
+    SurfaceData,
+    kernel_surface,
+    places_on,
+    steepness,
+)
 
 Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x and y
 
@@ -291,7 +297,7 @@ def heights_above(
     return heights
 
 
-def points_above(surface: SurfaceData, cloud: object) -> Cloud:
+def points_above(surface: OverPlane, cloud: object) -> Cloud:
     """Read points that are compared with a surface: with heights, and in its system."""
     above = read_cloud(cloud)
     shape = np.shape(cloud) if isinstance(cloud, list | tuple) else getattr(cloud, "shape", ())

@@ -25,7 +25,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
-from liftmesh.base.options import as_switch, check_progress, refused
+from liftmesh.base.options import Interpolation, as_switch, check_progress, refused
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
@@ -105,14 +105,42 @@ def _plan(
     if plan.quantity == "longest-edge":
         reason = "which rasters of tiles do not have: take a surface in memory"
         raise refused("quantity", plan.quantity, reason, mark=", ")
-    if plan.interpolation == "c1":
+    check_interpolation(plan.interpolation)
+    if plan.quantity == "height":
+        plan.check_range(np.array([low, high]))
+    return plan
+
+
+def check_interpolation(interpolation: Interpolation) -> None:
+    """Raise for an interpolation that a part of a surface does not have."""
+    if interpolation == "c1":
         raise InputError(
             f"{Option('interpolation', 'c1')} needs all vertices at once, and a surface in tiles "
             f"has some: give {Option('interpolation', 'sibson')}, or triangulate in memory"
         )
-    if plan.quantity == "height":
-        plan.check_range(np.array([low, high]))
-    return plan
+
+
+class Parts:
+    """Makes parts of a surface that answer in a box as the whole does."""
+
+    def __init__(
+        self, tiled: TiledSurfaceData, interpolation: Interpolation, threads: int | None
+    ) -> None:
+        self._tiled, self._threads = tiled, threads
+        is_linear = interpolation == "linear"
+        self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
+        self._fewest = 1 if is_linear else _FEWEST
+        largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
+        self._most = max(_FACES, 2 * largest)
+
+    def around(self, places: Floats) -> Surface | int:
+        """Make the part for the box of places; return the number of faces if 0, or too many."""
+        low, high = places.min(axis=0), places.max(axis=0)
+        is_wide = len(places) > self._fewest and (low < high).any()
+        box = (*low.tolist(), *high.tolist())
+        return part_of(
+            self._tiled, self._near(box), self._most if is_wide else 1 << 31, self._threads
+        )
 
 
 class _Windows:
@@ -120,12 +148,7 @@ class _Windows:
 
     def __init__(self, tiled: TiledSurfaceData, plan: RasterPlan) -> None:
         self.plan = plan
-        self._tiled = tiled
-        is_linear = plan.interpolation == "linear"
-        self._near = partial(touching, tiled) if is_linear else Circles(tiled).near
-        self._fewest = 1 if is_linear else _FEWEST
-        largest = max(shard["triangles"] for shard in tiled.manifest["shards"])
-        self._most = max(_FACES, 2 * largest)
+        self._parts = Parts(tiled, plan.interpolation, plan.threads)
 
     def values(self, progress: Progress | None) -> Iterator[tuple[Window, Array]]:
         """Yield windows, block of rows by block of rows, and their values."""
@@ -153,9 +176,7 @@ class _Windows:
 
     def _of(self, down: range, across: range) -> Array:
         centres = centres_of(self.plan.layout.transform, down, across)
-        low, high = centres.min(axis=(0, 1)).tolist(), centres.max(axis=(0, 1)).tolist()
-        most = self._most if centres.size > 2 * self._fewest else 1 << 31
-        surface = part_of(self._tiled, self._near((*low, *high)), most, self.plan.threads)
+        surface = self._parts.around(centres.reshape(-1, 2))
         if not isinstance(surface, int):
             return self._at(centres, surface)
         if surface == 0:

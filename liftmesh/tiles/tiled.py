@@ -9,10 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Integers, Progress, Rows
-from liftmesh.base.options import as_folder
+from liftmesh._typing import Array, Floats, Integers, Progress, Rows
+from liftmesh.base.options import Interpolation, as_folder
 from liftmesh.errors import FormatError
-from liftmesh.tiles import surface_lines, surface_raster, tiled_data, verification
+from liftmesh.tiles import (
+    surface_heights,
+    surface_lines,
+    surface_raster,
+    tiled_data,
+    verification,
+)
 from liftmesh.tiles.store import manifest_of
 from liftmesh.tiles.tiled_data import TiledData, TiledSurfaceData
 
@@ -499,6 +505,87 @@ class TiledSurface(TiledSurfaceData, Tiled):
         [(3, [[0, 1, 2]])]
         """
         return tiled_data.meshes_of(self)
+
+    def sample(
+        self,
+        points: ArrayLike,
+        interpolation: Interpolation = "linear",
+        *,
+        threads: int | None = None,
+    ) -> Floats:
+        """Interpolate heights at points, reading the faces around them.
+
+        Parameters
+        ----------
+        points, interpolation, threads
+            As for `Surface.sample`; "c1" needs a surface in memory.
+
+        Returns
+        -------
+        (...) ndarray of float64
+            The values of `Surface.sample`, bit for bit.
+
+        Raises
+        ------
+        InputError
+            As for `Surface.sample`.
+        FormatError, OSError
+            As for `iter_blocks`.
+
+        See Also
+        --------
+        raster : At the centres of pixels.
+        height_above : Heights of points above the surface.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [4, 0, 9], [0, 4, 1]], tempfile.mkdtemp())
+        >>> tiled.sample([[1, 1], [2, 2], [9, 9]])
+        array([ 5.,  5., nan])
+        """
+        return surface_heights.heights_at(self, points, interpolation, threads)
+
+    def height_above(
+        self,
+        cloud: object,
+        *,
+        interpolation: Interpolation = "linear",
+        threads: int | None = None,
+    ) -> Floats:
+        """Compute how high the points of a cloud are above the faces.
+
+        Parameters
+        ----------
+        cloud : Cloud, array_like of shape (n, 3), path or object
+            As for `Surface.height_above`.
+        interpolation, threads
+            As for `sample`.
+
+        Returns
+        -------
+        (n,) ndarray of float64
+            The values of `Surface.height_above`, bit for bit.
+
+        Raises
+        ------
+        InputError, FormatError, UnsupportedTypeError, OSError
+            As for `Surface.height_above` and `sample`.
+
+        See Also
+        --------
+        sample : The heights of the ground.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [4, 0, 9], [0, 4, 1]], tempfile.mkdtemp())
+        >>> tiled.height_above([[1, 1, 12], [2, 1, 6], [9, 9, 9]])
+        array([ 7.,  0., nan])
+        """
+        return surface_heights.heights_above(self, cloud, interpolation, threads)
 
     def raster(
         self,

@@ -68,6 +68,11 @@ def saved(tiled: liftmesh.TiledSurface) -> object:
     return tiled.save_raster(Path(tiled.folder) / "raster.tif", **pixels(tiled))
 
 
+def corners(tiled: liftmesh.TiledSurface) -> Points:
+    """Return the corners of all shards."""
+    return np.concatenate([mesh.points for mesh in tiled.iter_meshes()])
+
+
 def lines(tiled: liftmesh.TiledSurface) -> object:
     """Find lines at four levels."""
     return tiled.contours(np.linspace(*tiled.manifest["surface"]["box"][2::3], 6)[1:-1])
@@ -83,6 +88,10 @@ def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "TiledSurface.raster", SPATIAL, raster, heights
     yield "TiledSurface.save_raster", SPATIAL, on_surface_tiles(saved), ()
     yield "TiledSurface.contours", SPATIAL, on_surface_tiles(lines), heights
+    at = on_surface_tiles(lambda tiled: tiled.sample(corners(tiled)[:, :2], threads=1))
+    yield "TiledSurface.sample", SPATIAL, at, heights
+    above = on_surface_tiles(lambda tiled: tiled.height_above(corners(tiled), threads=1))
+    yield "TiledSurface.height_above", SPATIAL, above, ()
     bands = on_surface_tiles(lambda tiled: tiled.filled_contours([0.0, 0.5]))
     yield "TiledSurface.filled_contours", SPATIAL, bands, ()
 

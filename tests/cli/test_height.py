@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import laspy
@@ -162,3 +163,48 @@ def test_above_a_surface_of_another_plane_and_system() -> None:
     there = lm.Cloud(points, crs="EPSG:25832")
     with pytest.raises(lm.InputError, match="the points are in 'EPSG:25832', and the surface in"):
         ground.replace(crs="EPSG:25833").height_above(there)
+
+
+def test_a_narrow_range_of_colours_is_said_once_of_a_part(folder: Path) -> None:
+    las = laspy.convert(laspy.read(folder / "tile.laz"), point_format_id=7)
+    las.red[:] = 200
+    las.write(folder / "colors.las")
+    box = f"{las.x.min()},{las.y.min()},{las.x.max()},{las.y.max()}"
+    done = liftmesh("height", "colors.las", "o.las", "--bounds", box, cwd=folder)
+    assert done.stderr.count("no colour exceeds") == 1, done.stderr
+
+
+def test_chunks_have_the_bytes_of_the_whole(folder: Path) -> None:
+    cloud = lm.read(folder / "tile.laz")
+    ground = lm.triangulate(lm.read(folder / "tile.laz", classes=2, withheld=False))
+    heights = ground.height_above(cloud)
+    values = {**cloud.attributes, "HeightAboveGround": heights}
+    lm.write(folder / "whole.laz", replace(cloud, attributes=values))
+    done = liftmesh("height", "tile.laz", "out.laz", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert (folder / "out.laz").read_bytes() == (folder / "whole.laz").read_bytes()
+
+
+def test_above_tiles(folder: Path) -> None:
+    words = ("--surface", "--tile-rows", "100")
+    done = liftmesh("tile", "tile.laz", "tiles", *words, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    liftmesh("height", "tile.laz", "one.laz", cwd=folder)
+    done = liftmesh("height", "tile.laz", "tiled.laz", "--ground", "tiles", "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["n_faces"] == lm.open_tiled(folder / "tiles").nsimplex
+    assert (folder / "tiled.laz").read_bytes() == (folder / "one.laz").read_bytes()
+    words = ("--ground", "tiles", "--extrapolate", "nearest")
+    done = liftmesh("height", "tile.laz", "o.laz", *words, cwd=folder)
+    assert done.returncode == 2
+    assert "--extrapolate is for files: tiles is a surface in tiles" in done.stderr
+    assert not (folder / "o.laz").exists()
+
+
+def test_a_damaged_file_leaves_none(folder: Path) -> None:
+    las = laspy.read(folder / "tile.laz")
+    las.write(folder / "whole.las")
+    data = (folder / "whole.las").read_bytes()
+    (folder / "part.las").write_bytes(data[: len(data) - 1000])
+    failed(liftmesh("height", "part.las", "o.las", cwd=folder), 3, "part.las")
+    assert not (folder / "o.las").exists()

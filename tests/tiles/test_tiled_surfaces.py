@@ -21,7 +21,7 @@ from liftmesh.errors import (
     InputError,
     NonFiniteError,
 )
-from liftmesh.tiles import schedule, shards, sorted_chunks
+from liftmesh.tiles import schedule, shards, sorted_chunks, surface_raster
 
 CLOUD = steep_cloud()
 POINTS = CLOUD.points
@@ -438,3 +438,43 @@ def test_rows_are_those_that_the_policy_chooses(tmp_path: Path) -> None:
             break
     kinds = {flaw.kind for flaw in found.verify(CLOUD).flaws}
     assert {"damaged_files", "invalid_index"} <= kinds
+
+
+@pytest.mark.parametrize("interpolation", ["linear", "nearest", "laplace", "sibson"])
+def test_heights_at_points_are_those_of_one_call(tmp_path: Path, interpolation: Any) -> None:
+    points = np.random.default_rng(3).random((3000, 3))
+    tiled = liftmesh.tile_surface(points, tmp_path, tile_rows=300)
+    surface = liftmesh.triangulate(points)
+    at = np.random.default_rng(4).random((40, 50, 3)) * 1.2 - 0.1
+    at[0, 0] = np.nan
+    at[1] = points[:50]
+    options: dict[str, Any] = {"interpolation": interpolation, "threads": 1}
+    expected = surface.sample(at[..., :2], **options)
+    assert 1000 < np.isfinite(expected).sum() < 2000
+    np.testing.assert_array_equal(tiled.sample(at[..., :2], **options), expected)
+    above = at.reshape(-1, 3)
+    expected = surface.height_above(above, **options)
+    np.testing.assert_array_equal(tiled.height_above(above, **options), expected)
+
+
+def test_points_of_few_shards_are_asked_of_few_faces(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A box with too many faces is cut, down to points at one position."""
+    points = np.random.default_rng(3).random((3000, 3))
+    tiled = liftmesh.tile_surface(points, tmp_path, tile_rows=300)
+    monkeypatch.setattr(surface_raster, "_FACES", 1)
+    at = np.repeat(points[:100, :2], 3, axis=0)
+    np.testing.assert_array_equal(tiled.sample(at), np.repeat(points[:100, 2], 3))
+    assert tiled.sample([0.5, 0.5]) == liftmesh.triangulate(points).sample([0.5, 0.5])
+    assert tiled.sample(np.empty((0, 2))).shape == (0,)
+
+
+def test_what_tiles_are_not_asked(tmp_path: Path) -> None:
+    tiled = liftmesh.tile_surface(POINTS[:100], tmp_path, on_duplicate="first")
+    with pytest.raises(InputError, match="interpolation='c1' needs all vertices at once"):
+        tiled.sample([[0, 0]], "c1")
+    with pytest.raises(InputError, match="the points have no z"):
+        tiled.height_above([[0, 0]])
+    with pytest.raises(InputError, match="points need"):
+        tiled.sample([0, 0, 0])

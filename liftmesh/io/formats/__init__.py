@@ -248,6 +248,7 @@ FORMATS = (
         loses=_code("io.formats.las.writer", "dropped_parts"),
         check=_code("io.formats.las.writer", "check"),
         read_chunks=_code("io.formats.las.reader", "read_las_chunks"),
+        write_chunks=_code("io.formats.las.writer", "write_las_chunks"),
         expands=True,
         selects=True,
     ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import struct
 from dataclasses import replace
@@ -19,6 +20,7 @@ import liftmesh
 from liftmesh import Cloud, FormatError, InputError
 from liftmesh.io.formats.las.layout import steps_of
 from liftmesh.io.formats.las.reader import WAVE_PACKETS
+from liftmesh.io.write import write_chunks
 
 VERSIONS = {k: "1.2" if k < 4 else "1.3" if k < 6 else "1.4" for k in range(11)}
 POINTS = np.array([[512000.25, 5400000.5, 1.75], [512004.0, 5400000.0, 2.0], [512000, 5400003, 3]])
@@ -423,3 +425,42 @@ def test_a_coordinate_is_near_a_decimal_within_the_rounding_of_doubles_only(
     near = "last bits of coordinates, whose decimals are the same"
     dropped = liftmesh.write(io.BytesIO(), Cloud(points), format="las").dropped
     assert (near in dropped) == is_same
+
+
+@pytest.mark.parametrize("kind", ["las", "laz"])
+def test_chunks_make_the_file_of_the_whole(kind: str, tmp_path: Path) -> None:
+    cloud = read(encoded(tile(700, point_format=7, version="1.4"), compressed=True))
+    cloud = replace(cloud, attributes={**cloud.attributes, "high": cloud.points[:, 2] / 3})
+    parts = [cloud.select(slice(k, k + 150)) for k in range(0, 700, 150)]
+    parts.insert(2, cloud.select(slice(0, 0)))
+    done = write_chunks(tmp_path / f"file.{kind}", iter(parts))
+    data = (tmp_path / f"file.{kind}").read_bytes()
+    assert data == written(cloud, kind)
+    assert (done.bytes, done.format, done.dropped) == (len(data), "las", ())
+
+
+def test_chunks_that_do_not_fit_together_leave_no_file(tmp_path: Path) -> None:
+    cloud = read(encoded(tile(20, point_format=6, version="1.4")))
+    moved = replace(cloud, points=cloud.points + 1e-5)
+    named = replace(cloud, attributes={**cloud.attributes, "more": np.arange(20.0)})
+    for other in (moved, named):
+        with pytest.raises(FormatError, match="chunk 1 has other values, or coordinates"):
+            write_chunks(tmp_path / "file.laz", iter([cloud, other]))
+    with pytest.raises(FormatError, match="ply files are not written in chunks"):
+        write_chunks(tmp_path / "file.ply", iter([cloud]))
+    assert [*tmp_path.iterdir()] == []
+
+
+class _Full(io.BytesIO):
+    """A disk that is full after so many bytes."""
+
+    def write(self, data: Any) -> int:
+        if self.tell() + len(data) > 2000:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return super().write(data)
+
+
+def test_a_full_disk_is_said_of_compressed_points() -> None:
+    cloud = liftmesh.Cloud(np.random.default_rng(0).integers(0, 9999, (5000, 3)) / 100.0)
+    with pytest.raises(OSError, match="No space left"):
+        liftmesh.write(_Full(), cloud, format="laz")

@@ -196,7 +196,7 @@ class _Reading:
 
 
 class ErrorRecordingStream:
-    """A stream that is read, and the first error of reading it."""
+    """A stream, and the first error of reading or writing it."""
 
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
@@ -218,6 +218,16 @@ class ErrorRecordingStream:
         """Read bytes."""
         with self._remembered():
             return self._stream.read(size)
+
+    def write(self, data: bytes) -> int:
+        """Write bytes."""
+        with self._remembered():
+            return self._stream.write(data)
+
+    def flush(self) -> None:
+        """Hand on what has been written."""
+        with self._remembered():
+            self._stream.flush()
 
     def _readinto(self, memory: Any) -> int:
         with self._remembered():
@@ -252,6 +262,14 @@ class OffsetStream:
     def read(self, size: int = -1) -> bytes:
         """Read bytes."""
         return self._stream.read(size)
+
+    def write(self, data: bytes) -> int:
+        """Write bytes."""
+        return self._stream.write(data)
+
+    def flush(self) -> None:
+        """Hand on what has been written."""
+        self._stream.flush()
 
 
 _RECORD = (b"copc", 1)

@@ -4,14 +4,15 @@ A cloud that was read from such a file becomes the same again: every whole numbe
 point, the header and the records; with other classes, say, nothing but the classes is another. Of
 LAZ the compressed bytes may differ, if it had chunks of other sizes, or from another compressor.
 Points are filled in and compressed in blocks; memory beyond the arrays is that of a block. Bytes
-are a function of the cloud: a new file has no date.
+are a function of the cloud: a new file has no date. A cloud may come in chunks, of which the first
+decides the layout.
 """
 
 from __future__ import annotations
 
-import io
 import struct
 from collections.abc import Collection, Iterable, Iterator, Mapping
+from itertools import chain
 from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
@@ -29,6 +30,7 @@ from liftmesh.io.formats.las.header import (
     replace_records,
 )
 from liftmesh.io.formats.las.layout import Layout, layout_of
+from liftmesh.io.formats.las.laz import ErrorRecordingStream, OffsetStream
 from liftmesh.io.formats.las.reader import BLOCK, may_use_threads
 from liftmesh.io.metadata import Provenance
 from liftmesh.optional import load
@@ -54,6 +56,20 @@ def write_las(
     point_format: int | None = None,
 ) -> None:
     """Write a cloud as LAS, or LAZ."""
+    write_las_chunks(stream, [cloud], compressed=compressed, scale=scale, point_format=point_format)
+
+
+def write_las_chunks(
+    stream: BinaryIO,
+    chunks: Iterable[Cloud],
+    *,
+    compressed: bool = False,
+    scale: float | None = None,
+    point_format: int | None = None,
+) -> None:
+    """Write the chunks of a cloud, of which there is at least one, as LAS, or LAZ."""
+    later = iter(chunks)
+    cloud = next(later)
     layout = layout_of(cloud, scale, point_format)
     if compressed and layout.point_format in _CONFUSED and _has_waves(cloud):
         raise FormatError(
@@ -63,18 +79,21 @@ def write_las(
     vlr = None if lazrs is None else _packing(lazrs, layout)
     before = _packed([each for each in layout.records if not each.extended], vlr)
     after = [each for each in layout.records if each.extended]
-    head = _Header(cloud, layout, is_packed=compressed)
+    head = _Header(layout, is_packed=compressed)
     begin = stream.tell()
     stream.write(bytes(head.data))
     stream.writelines(each.head + each.data for each in before)
     stream.write(layout.gap)
     start = stream.tell() - begin
-    blocks = _blocks(cloud, layout)
-    stream.writelines(blocks if lazrs is None else _compressed(blocks, lazrs, vlr, start))
+    blocks = chain(_blocks(cloud, layout, head), _later_blocks(later, layout, head))
+    if lazrs is None:
+        stream.writelines(blocks)
+    else:
+        _compress(blocks, lazrs, vlr, OffsetStream(stream, begin))
     end = stream.tell()
     stream.writelines(each.head + each.data for each in after)
     last = stream.tell()
-    head.set_places(start, len(before), end - begin, len(after))
+    head.finish(start, len(before), end - begin, len(after))
     stream.seek(begin)
     stream.write(bytes(head.data))
     stream.seek(last)
@@ -136,22 +155,24 @@ def _packing(lazrs: Any, layout: Layout) -> Any:
     return lazrs.LazVlr.new_for_compression(layout.point_format, extra)
 
 
-def _compressed(
-    blocks: Iterable[memoryview], lazrs: Any, vlr: Any, start: int
-) -> Iterator[memoryview]:
-    """Compress blocks in memory: what a file raises would become an error of lazrs."""
-    held = io.BytesIO()
-    held.seek(start)  # the places that LAZ states count from the beginning of the file
+def _compress(blocks: Iterable[memoryview], lazrs: Any, vlr: Any, stream: OffsetStream) -> None:
+    """Compress blocks; what a stream raises is raised as it is, and not as an error of lazrs."""
+    target = ErrorRecordingStream(stream)  # type: ignore[arg-type]  # with all that lazrs asks for
     kind = lazrs.ParLasZipCompressor if may_use_threads() else lazrs.LasZipCompressor
-    compressor = kind(held, vlr)
-    for block in blocks:
-        compressor.compress_many(block)
-    compressor.done()
-    yield held.getbuffer()[start:]
+    try:
+        compressor = kind(target, vlr)
+        for block in blocks:
+            compressor.compress_many(block)
+        compressor.done()
+    except Exception as error:
+        if target.failure is not None and target.failure is not error:
+            raise target.failure from error
+        raise
 
 
-def _blocks(cloud: Cloud, layout: Layout) -> Iterator[memoryview]:
-    """Yield the bytes of the points."""
+def _blocks(cloud: Cloud, layout: Layout, head: _Header) -> Iterator[memoryview]:
+    """Yield the bytes of the points, which the header counts."""
+    head.count(cloud)
     for start in range(0, len(cloud), BLOCK):
         rows = slice(start, min(start + BLOCK, len(cloud)))
         points = np.zeros(rows.stop - start, layout.fields.kind)
@@ -161,10 +182,25 @@ def _blocks(cloud: Cloud, layout: Layout) -> Iterator[memoryview]:
         yield points.view(np.uint8).data
 
 
+def _later_blocks(chunks: Iterator[Cloud], first: Layout, head: _Header) -> Iterator[memoryview]:
+    """Yield the bytes of the chunks after the first."""
+    for number, cloud in enumerate(chunks, 1):
+        steps = [(each.scale, each.offset) for each in first.steps]
+        layout = layout_of(cloud, None, first.point_format)
+        if layout.fields.kind != first.fields.kind or steps != [
+            (each.scale, each.offset) for each in layout.steps
+        ]:
+            raise FormatError(
+                f"chunk {number} has other values, or coordinates of other steps, than chunk 0: "
+                "write the cloud as a whole"
+            )
+        yield from _blocks(cloud, layout, head)
+
+
 class _Header:
     """The header of a file: that of the file that was read, with what the points decide."""
 
-    def __init__(self, cloud: Cloud, layout: Layout, *, is_packed: bool) -> None:
+    def __init__(self, layout: Layout, *, is_packed: bool) -> None:
         size = max(SIZES[layout.version[1]], len(layout.header))
         self.data = bytearray((layout.header or _new()).ljust(size, b"\0"))
         self._version, self._before = layout.version, layout.header
@@ -173,12 +209,22 @@ class _Header:
         self._set("<H", 6, encoding | (ENCODING_WKT if layout.is_wkt else 0))
         number = layout.point_format | (_PACKED if is_packed else 0)
         self._set("<BH", 104, number, layout.fields.kind.itemsize)
-        self._set_counts(cloud, layout)
         self._set("<6d", 131, *(s.scale for s in layout.steps), *(s.offset for s in layout.steps))
-        self._set_bounds(cloud, layout)
+        self._layout, self._points, self._returns = layout, 0, np.zeros(_RETURNS, np.int64)
+        self._ends = np.full((2, 3), [[-np.inf], [np.inf]])  # the greatest coordinates, the least
 
-    def set_places(self, start: int, records: int, end: int, extended: int) -> None:
-        """Set where points and extended records begin, once it is known."""
+    def count(self, cloud: Cloud) -> None:
+        """Take note of points, and of what the header says of them."""
+        if len(cloud):
+            self._points += len(cloud)
+            self._returns += _returns(cloud)
+            self._ends[0] = np.maximum(self._ends[0], cloud.points.max(axis=0))
+            self._ends[1] = np.minimum(self._ends[1], cloud.points.min(axis=0))
+
+    def finish(self, start: int, records: int, end: int, extended: int) -> None:
+        """Set what all points decide, and where points and extended records begin."""
+        self._set_counts()
+        self._set_bounds()
         self._set("<HII", 94, len(self.data), start, records)
         if self._version[1] >= 4:
             self._set("<QI", 235, end if extended else 0, extended)
@@ -186,29 +232,31 @@ class _Header:
     def _set(self, form: str, place: int, *values: float) -> None:
         struct.pack_into(form, self.data, place, *values)
 
-    def _set_counts(self, cloud: Cloud, layout: Layout) -> None:
-        counted, older, before = _counts_of(layout.header)
-        is_same = counted == len(cloud)
-        returns = [0] * _RETURNS if is_same and not any(before) else _returns(cloud)
-        fits = len(cloud) < 1 << 32
-        is_older = layout.point_format < _LAYERED or any(older[:1])  # some say so in all formats
+    def _set_counts(self) -> None:
+        counted, older, before = _counts_of(self._before)
+        is_same = counted == self._points
+        is_uncounted = is_same and not any(before)
+        returns = [0] * _RETURNS if is_uncounted else self._returns.tolist()
+        fits = self._points < 1 << 32
+        is_older = self._layout.point_format < _LAYERED or any(
+            older[:1]
+        )  # some say so in all formats
         is_left_out = is_same and counted > 0 and self._version[1] >= 4 and not any(older)
         is_older &= fits and not is_left_out
-        older = [len(cloud), *returns[:_LEGACY_RETURNS]] if is_older else [0] * 6
+        older = [self._points, *returns[:_LEGACY_RETURNS]] if is_older else [0] * 6
         if self._version[1] < 4 and not fits:
-            raise FormatError(f"{len(cloud):,} points are too many for LAS 1.{self._version[1]}")
+            raise FormatError(f"{self._points:,} points are too many for LAS 1.{self._version[1]}")
         self._set("<6I", 107, *older)
         if self._version[1] >= 3:
             self._set("<Q", 227, 0)
         if self._version[1] >= 4:
-            self._set("<16Q", 247, len(cloud), *returns)
+            self._set("<16Q", 247, self._points, *returns)
 
-    def _set_bounds(self, cloud: Cloud, layout: Layout) -> None:
+    def _set_bounds(self) -> None:
         """Set the box; that of the file before is kept where it is the same within a step."""
-        for k, steps in enumerate(layout.steps):
-            column = cloud.points[:, k]
-            ends = np.array([column.max(), column.min()] if len(cloud) else [0.0, 0.0])
-            bounds = steps.coordinates(steps.numbers(ends))
+        ends = self._ends.T if self._points else np.zeros((3, 2))
+        for k, steps in enumerate(self._layout.steps):
+            bounds = steps.coordinates(steps.numbers(ends[k]))
             place = 179 + 16 * k
             before = struct.unpack_from("<2d", self.data, place)
             if not self._before or not (np.abs(bounds - before) < abs(steps.scale)).all():
@@ -226,13 +274,10 @@ def _counts_of(header: bytes) -> tuple[int, list[int], list[int]]:
     return count, older, [*returns, *older[1:]]
 
 
-def _returns(cloud: Cloud) -> list[int]:
+def _returns(cloud: Cloud) -> Array:
     """Count the points of the 1st to 15th return."""
-    values = cloud.attributes.get("return_number")
-    if values is None:
-        return [0] * _RETURNS
-    counts = np.bincount(values.astype(np.int64), minlength=_RETURNS + 1)
-    return [int(each) for each in counts[1 : _RETURNS + 1]]
+    values = cloud.attributes.get("return_number", np.zeros(0, np.int64))
+    return np.bincount(values.astype(np.int64), minlength=_RETURNS + 1)[1 : _RETURNS + 1]
 
 
 def _new() -> bytes:
