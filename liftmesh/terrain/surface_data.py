@@ -154,12 +154,12 @@ def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     return planar_bounds(solved.points[corners])
 
 
-def plane_system(surface: SurfaceData) -> str | None:
+def plane_system(surface: OverPlane) -> str | None:
     """Return the coordinate system of the plane: none if the plane is not that of x and y."""
     return surface.crs if surface.frame.name == "xy" else None
 
 
-def places_on(surface: SurfaceData, points: ArrayLike) -> Floats:
+def places_on(surface: OverPlane, points: ArrayLike) -> Floats:
     """Convert points of the plane to pairs; raise if they say they are in another system."""
     common_system(crs_of(points), plane_system(surface), ("the points", "the surface"))
     return as_pairs(points)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import geopandas as gpd
 import numpy as np
 import pytest
@@ -67,7 +69,7 @@ def test_every_function_takes_them() -> None:
     assert liftmesh.constrained_delaunay(points, [[0, 3]]).constraints.tolist() == [[0, 3]]
 
 
-def test_points_in_another_system_than_the_surface_are_refused() -> None:
+def test_points_in_another_system_than_the_surface_are_refused(tmp_path: Path) -> None:
     surface = liftmesh.triangulate(frame())
     elsewhere = frame().to_crs(25833)
     line = {"spacing": 1, "half_width": 1}
@@ -80,6 +82,9 @@ def test_points_in_another_system_than_the_surface_are_refused() -> None:
             surface.interpolator()(points)
         with pytest.raises(InputError, match="transform one of them"):
             surface.cross_sections(points, **line)
+    tiled = liftmesh.tile_surface(frame(), tmp_path / "out")
+    with pytest.raises(InputError, match="transform one of them"):
+        tiled.sample(elsewhere)
     unstated = gpd.GeoDataFrame(geometry=gpd.points_from_xy(*XYZ.T))
     for points in (unstated, unstated.set_crs(5972)):  # the same plane, with heights
         assert surface.sample(points).tolist() == XYZ[:, 2].tolist()
