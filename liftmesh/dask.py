@@ -171,7 +171,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     out: str | os.PathLike[str],
     *,
     client: Any = None,
-    crs: str | None = None,
+    crs: Any = None,
     plane: Literal["xy"] = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",

@@ -35,7 +35,7 @@ from liftmesh.base.interruption import preserve_signals
 from liftmesh.base.options import counted, refused, shown
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.cells.domain import Domain, as_domain, following_corners, shapes_of, unite
-from liftmesh.crs.comparison import common_system, crs_of, given_system
+from liftmesh.crs.comparison import as_system, common_system, crs_of
 from liftmesh.crs.description import look_up
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import replacing
@@ -121,7 +121,7 @@ def free_name(name: str, taken: Iterable[Any]) -> str:
 
 def common_crs(data: Any, crs: Any, cells: str | None = None) -> Any:
     """Return the coordinate system that is given, or that of a table or of cells with one."""
-    wanted = None if crs is None else given_system(crs)
+    wanted = None if crs is None else as_system("crs", crs)
     own = crs_of(data) if _geometry_of(data) else None
     common = common_system(own, wanted, ("data", "crs"))
     return common_system(common, cells, ("data or crs", "the cells"))

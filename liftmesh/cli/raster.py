@@ -102,7 +102,7 @@ def run(
         raise click.BadParameter("--size: rasters of tiles have a --resolution")
     steps = None if resolution is None else resolution if len(resolution) > 1 else resolution[0]
     packing = None if compress == "none" else compress
-    _check(steps, raster_bounds, quantity, interpolation, crs, packing)
+    crs = _checked(steps, raster_bounds, quantity, interpolation, crs, packing)
     outputs.check_place(target)
     wanted = {
         "bounds": raster_bounds,
@@ -141,16 +141,16 @@ def run(
     _say(target, raster.quantity, raster.values.shape, place, counts, as_json=json)
 
 
-def _check(
+def _checked(
     steps: float | list[float] | None,
     bounds: list[float] | None,
     quantity: RasterQuantity,
     interpolation: Interpolation,
     crs: str | None,
     compress: str | None,
-) -> None:
-    """Raise before the work starts if the options make no raster."""
-    from liftmesh.crs.description import check_system
+) -> str | None:
+    """Return the coordinate system; raise before the work starts if the options make no raster."""
+    from liftmesh.crs.comparison import as_system
     from liftmesh.raster import writer
     from liftmesh.raster.pixels import bounds_of, steps_of
     from liftmesh.terrain.rasters import check_interpolation
@@ -161,9 +161,9 @@ def _check(
         if bounds is not None:
             bounds_of(bounds, "raster_bounds")
         check_interpolation(quantity, interpolation)
-        if crs is not None:
-            check_system("crs", crs)
+        crs = None if crs is None else as_system("crs", crs)
         writer.validate_geotiff_options(crs, compress)
+    return crs
 
 
 def _pixels(surface: Surface, size: int, bounds: list[float] | None) -> dict[str, Any]:

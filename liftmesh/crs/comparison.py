@@ -36,20 +36,6 @@ def text_of(crs: Any) -> str:
     return ":".join(authority) if authority and authority[0] == "EPSG" else str(crs.to_wkt())
 
 
-def given_system(crs: Any) -> str:
-    """Convert what geopandas takes as a coordinate system to text."""
-    text = crs.to_wkt() if hasattr(crs, "to_wkt") else crs
-    if isinstance(crs, int):
-        text = f"EPSG:{crs}"
-    elif isinstance(crs, tuple):
-        text = ":".join(map(str, crs))
-    try:
-        return text_of(look_up(text, extra="shapes"))
-    except InputError as error:
-        reason = "which pyproj does not know: give one such as 'EPSG:25832'"
-        raise refused("crs", crs, reason, mark=", ") from error
-
-
 _OF_FILES = re.compile(r"init\s*=|grids|file|json|pipeline|[@\\{]|\.\.|(?<! )/", re.IGNORECASE)
 
 

@@ -574,7 +574,7 @@ def bytes_of(values: Array) -> dict[int, int]:
     for first in range(0, len(values), _BLOCK):
         block = values[first : first + _BLOCK]
         if block.dtype != np.uint8:
-            if not ((block >= 0) & (block < MOST_CLASSES) & (block % 1 == 0)).all():
+            if not ((block >= 0) & (block < MOST_CLASSES) & (block == np.floor(block))).all():
                 return {}
             block = block.astype(np.uint8)
         total += np.bincount(block, minlength=MOST_CLASSES)

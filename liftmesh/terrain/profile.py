@@ -33,7 +33,7 @@ from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, write
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.sampling import heights_at
-from liftmesh.terrain.surface_data import SurfaceData, plane_system
+from liftmesh.terrain.surface_data import SurfaceData, places_on, plane_system
 from liftmesh.terrain.values import Values, over_values
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
@@ -222,7 +222,9 @@ def profile_along(
     >>> slope.profile([[-1, 1], [2, 1], [2, 9]]).points.tolist()
     [[0.0, 1.0, 0.0], [2.0, 1.0, 4.0], [2.0, 2.0, 4.0]]
     """
-    return _laid(surface if values is None else over_values(surface, values), [line])
+    return _laid(
+        surface if values is None else over_values(surface, values), [places_on(surface, line)]
+    )
 
 
 def cross_sections(
@@ -275,7 +277,7 @@ def cross_sections(
     >>> found.stations, found.distances[:3], found.points[:3, 2]
     (array([0., 2., 4.]), array([-1.,  1., -1.]), array([2., 6., 2.]))
     """
-    cuts = sections_across([line], spacing, half_width)
+    cuts = sections_across([places_on(surface, line)], spacing, half_width)
     return cuts.of(_laid(surface if values is None else over_values(surface, values), cuts.ends))
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Rows
-from liftmesh.base.arrays import as_numbers, as_pairs, used_rows
+from liftmesh.base.arrays import as_numbers, used_rows
 from liftmesh.base.options import Extrapolation, Interpolation, as_threads, check_option
 from liftmesh.base.weights import Weights, spread, weights_of
 from liftmesh.errors import InputError, Option
@@ -22,7 +22,7 @@ from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.clough_tocher import CloughTocher
 from liftmesh.terrain.hull_places import HullPlaces
-from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
+from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, places_on
 from liftmesh.terrain.values import Values, values_of
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class Sampler:
 
     def at(self, points: ArrayLike, threads: int | None) -> Floats:
         """Interpolate at points, (..., 2)."""
-        pairs = as_pairs(points)
+        pairs = places_on(self._surface, points)
         places = pairs.reshape(-1, 2)
         found = np.empty((len(self._columns), len(places)))
         asked = self._without_lines if self._is_walking else self._whole
@@ -91,7 +91,7 @@ class Sampler:
 
     def weights(self, points: ArrayLike, threads: int | None) -> Weights:
         """Weigh the vertices at points, (..., 2), in their order."""
-        places = as_pairs(points).reshape(-1, 2)
+        places = places_on(self._surface, points).reshape(-1, 2)
         if self._smooth is not None:
             raise InputError(
                 f"with {Option('interpolation', 'c1')} a value depends on those of all vertices, "

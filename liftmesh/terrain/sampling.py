@@ -14,14 +14,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
-from liftmesh.base.arrays import as_pairs
-from liftmesh.base.options import Extrapolation, Interpolation, as_threads, shown
-from liftmesh.crs.comparison import are_different
+from liftmesh.base.options import Extrapolation, Interpolation, as_threads
+from liftmesh.crs.comparison import common_system
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.sampler import Sampler
-from liftmesh.terrain.surface_data import OverPlane, SurfaceData, kernel_surface, steepness
+from liftmesh.terrain.surface_data import (
+    OverPlane,
+    SurfaceData,
+    kernel_surface,
+    places_on,
+    steepness,
+)
 
 Interpolator: TypeAlias = Callable[..., Floats]  # of points, (..., 2), or of x and y
 
@@ -300,11 +305,7 @@ def points_above(surface: OverPlane, cloud: object) -> Cloud:
         raise InputError("the points have no z: give rows of x, y and z")
     if Provenance(surface.metadata).is_flat:
         raise InputError("the ground has no z: read it with a column of heights")
-    if are_different(surface.crs, above.crs):
-        raise InputError(
-            f"the points are in {shown(above.crs)}, and the surface in {shown(surface.crs)}: "
-            "transform the points first"
-        )
+    common_system(above.crs, surface.crs, ("the points", "the surface"))
     return above
 
 
@@ -344,7 +345,7 @@ def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None
     >>> surface.gradient([1, 1])
     array([ 1., -1.])
     """
-    pairs = as_pairs(points)
+    pairs = places_on(surface, points)
     gradients = np.empty(pairs.shape)
     kernel_surface(surface).gradients(
         surface.triangulation._locator,  # noqa: SLF001 - as above

@@ -55,6 +55,7 @@ from liftmesh.base.options import (
     part_of,
     refused,
 )
+from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError, Option
 from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
@@ -91,6 +92,7 @@ def simplify(  # noqa: PLR0913 - options are keywords
     max_error: float | None = None,
     max_points: int | None = None,
     prune: bool = True,
+    crs: Any = None,
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
@@ -116,6 +118,8 @@ def simplify(  # noqa: PLR0913 - options are keywords
     prune : bool, default True
         Whether vertices are removed again that the distance does not need. On rasters this takes
         7 to 25 times as long as the choice of vertices. Few go where nearly every position counts.
+    crs : str, int or CRS, optional
+        As for `triangulate`.
     plane, on_duplicate, nonfinite
         As for `triangulate`; not for a `Surface`, or faces with edges, which have them already.
     threads : int, optional
@@ -189,7 +193,8 @@ def simplify(  # noqa: PLR0913 - options are keywords
     start = time.perf_counter()
     given: Any = {"plane": plane, "on_duplicate": on_duplicate, "nonfinite": nonfinite}
     given["threads"] = threads
-    whole = _whole(cloud, options, given, part_of(progress, 0.0, _DONE_AFTER["triangulate"]))
+    source = _source(cloud, given_text(crs), options)
+    whole = _whole(source, given, part_of(progress, 0.0, _DONE_AFTER["triangulate"]))
     _check_member(whole)
     check_unwritten(whole.triangulation)
     heights = whole.frame.heights(whole.vertices)
@@ -230,13 +235,20 @@ def _limits(max_error: object, max_points: object) -> tuple[float, int]:
     return bound, min(most, _kernel.MOST_ROWS)
 
 
-def _whole(
-    cloud: object, options: ReadOptions, given: dict[str, Any], progress: Progress | None
-) -> Surface:
-    """Return the surface that is to be simplified."""
+def _source(cloud: object, crs: str | None, options: ReadOptions) -> Surface | Cloud:
+    """Return a surface, or the rows that are to be one, in a given system."""
+    source: Surface | Cloud
     if isinstance(cloud, Surface) and all(each is None for each in options.values()):
-        return cloud
-    source = read_rows(cloud, **options)
+        source = cloud
+    else:
+        source = read_rows(cloud, **options)
+    return source if crs is None else replace(source, crs=crs)
+
+
+def _whole(source: Surface | Cloud, given: dict[str, Any], progress: Progress | None) -> Surface:
+    """Return the surface that is to be simplified."""
+    if isinstance(source, Surface):
+        return source
     as_it_is: Any = {"plane": given["plane"], "threads": given["threads"]}
     faces = 0 if source.faces is None else len(source.faces)
     if faces and len(edges_of(source)):

@@ -13,14 +13,16 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import planar_bounds
+from liftmesh.base.arrays import as_pairs, planar_bounds
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_positive
+from liftmesh.crs.comparison import common_system, crs_of
 from liftmesh.crs.units import Placed, band_unit, system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import with_carved
@@ -152,9 +154,15 @@ def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     return planar_bounds(solved.points[corners])
 
 
-def plane_system(surface: SurfaceData) -> str | None:
+def plane_system(surface: OverPlane) -> str | None:
     """Return the coordinate system of the plane: none if the plane is not that of x and y."""
     return surface.crs if surface.frame.name == "xy" else None
+
+
+def places_on(surface: OverPlane, points: ArrayLike) -> Floats:
+    """Convert points of the plane to pairs; raise if they say they are in another system."""
+    common_system(crs_of(points), plane_system(surface), ("the points", "the surface"))
+    return as_pairs(points)
 
 
 def positions_of(surface: SurfaceData) -> tuple[Rows, Floats, Rows]:

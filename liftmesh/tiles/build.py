@@ -179,7 +179,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     cloud: object,
     out: str | os.PathLike[str],
     *,
-    crs: str | None = None,
+    crs: Any = None,
     plane: Literal["xy"] = "xy",
     on_duplicate: OnDuplicate = "first",
     nonfinite: NonFinite = "error",
@@ -205,8 +205,8 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
         by ranges; what else is read is written to the scratch folder first.
     out : str or path
         The folder to write to, as for `tile`.
-    crs : str, optional
-        The coordinate system, in place of that of the source: WKT or ``EPSG:n``.
+    crs : str, int or CRS, optional
+        The coordinate system, in place of that of the source, as for `triangulate`.
     plane : "xy"
         The projection plane; tiles know no other.
     on_duplicate : {"first", "last", "lowest", "highest", "mean", "error"}

@@ -29,6 +29,7 @@ from liftmesh.base.options import (
     check_option,
     refused,
 )
+from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError
 from liftmesh.tiles.schema import Reading
 
@@ -104,7 +105,7 @@ class SurfaceOptions:
 
     @classmethod
     def validated(
-        cls, on_duplicate: str, plane: object, crs: str | None, options: Mapping[str, Any]
+        cls, on_duplicate: str, plane: object, crs: Any, options: Mapping[str, Any]
     ) -> SurfaceOptions:
         """Check the options."""
         check_option("on_duplicate", on_duplicate, OnDuplicate)
@@ -118,9 +119,10 @@ class SurfaceOptions:
         for name, reason in _WHOLE.items():
             if name in options:
                 raise InputError(f"{name} is for surfaces in one call: {reason}")
-        if crs is not None and not is_crs(crs):
+        text = given_text(crs)
+        if text is not None and not is_crs(text):
             raise refused("crs", crs, "give WKT or 'EPSG:n' as a string, or None")
-        return cls(on_duplicate, Reading(crs, as_json(options)))
+        return cls(on_duplicate, Reading(text, as_json(options)))
 
     def check_shards(self, shards: ShardFormat) -> None:
         """Raise if the triangles of a surface cannot be in a format."""

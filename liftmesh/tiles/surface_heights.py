@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.base.arrays import as_pairs
 from liftmesh.base.options import Interpolation, check_option
 from liftmesh.terrain.sampling import points_above
+from liftmesh.terrain.surface_data import places_on
 from liftmesh.tiles.surface_raster import Parts, check_interpolation
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def heights_at(
     """Interpolate heights at points, (..., 2)."""
     check_option("interpolation", interpolation, Interpolation)
     check_interpolation(interpolation)
-    pairs = as_pairs(points)
+    pairs = places_on(tiled, points)
     places = pairs.reshape(-1, 2)
     heights = np.full(len(places), np.nan)
     parts = Parts(tiled, interpolation, threads)

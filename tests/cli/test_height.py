@@ -161,7 +161,7 @@ def test_above_a_surface_of_another_plane_and_system() -> None:
         wall.height_above(points[:, [2, 0, 1]]), ground.height_above(points)
     )
     there = lm.Cloud(points, crs="EPSG:25832")
-    with pytest.raises(lm.InputError, match="the points are in 'EPSG:25832', and the surface in"):
+    with pytest.raises(lm.InputError, match=r"the points are in .* 32N', and the surface in"):
         ground.replace(crs="EPSG:25833").height_above(there)
 
 

@@ -33,7 +33,7 @@ WRONG = [
     (["tile"], "IN or OUT is missing: give liftmesh tile IN... OUT (see liftmesh tile"),
     (["sample", "a", "b"], "--at is missing: give liftmesh sample IN OUT --at FILE (see liftmesh"),
     (
-        ["raster", "a", "b"],
+        ["raster", "a", "b.tif"],
         "--resolution is missing: give liftmesh raster IN OUT --resolution SIZE",
     ),
     (["profile"], "IN is missing: give liftmesh profile IN OUT --along FILE|X,Y (see liftmesh"),

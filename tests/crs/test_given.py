@@ -40,10 +40,22 @@ def test_what_pyproj_takes_is_a_system(crs: Any) -> None:
     (chunk,) = liftmesh.read_chunks(io.BytesIO(ROWS), format="xyz", src_crs=crs)
     assert chunk.crs == found.crs
     assert liftmesh.triangulate(found.points, crs=crs).crs == found.crs
+    assert liftmesh.simplify(found.points, max_error=0, crs=crs).crs == found.crs
     moved = read(src_crs="EPSG:25833", dst_crs=crs)
     expected = pyproj.Transformer.from_crs(25833, 25832, always_xy=True)
     x, y = expected.transform(*found.points.T[:2])
     assert np.allclose(moved.points[:, :2], np.column_stack([x, y]), atol=1e-6)
+
+
+def test_surfaces_in_tiles_and_simplified_ones_are_in_the_given_system(tmp_path: Path) -> None:
+    points = read().points
+    tiled = liftmesh.tile_surface(points, tmp_path / "out", crs=25832)
+    assert tiled.crs == "EPSG:25832"
+    surface = liftmesh.triangulate(points, crs="EPSG:25833")
+    assert liftmesh.simplify(surface, max_error=0, crs=pyproj.CRS(25832)).crs == "EPSG:25832"
+    assert liftmesh.simplify(surface, max_error=0).crs == "EPSG:25833"
+    with pytest.raises(InputError, match="crs"):
+        liftmesh.tile_surface(points, tmp_path / "other", crs=3.5)  # type: ignore[arg-type]
 
 
 def test_strings_of_proj_without_files() -> None:

@@ -95,7 +95,7 @@ def test_checkpoints_of_a_file(tmp_path: Path) -> None:
         ([[1, 1, 9], [np.inf, 1, 9]], NonFiniteError, "row 1 is not finite"),
         ([[999, 1, 9]], InputError, "none of the 1 checkpoint is over a face: x is from 0 to 64"),
         (np.empty((0, 3)), InputError, "none of the 0 checkpoints"),
-        (liftmesh.Cloud(np.ones((1, 3)), crs="EPSG:28992"), InputError, "transform the points"),
+        (liftmesh.Cloud(np.ones((1, 3)), crs="EPSG:28992"), InputError, "transform one of them"),
     ],
 )
 def test_what_cannot_be_compared(points: object, error: type, said: str) -> None:

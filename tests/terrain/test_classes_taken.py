@@ -164,6 +164,8 @@ def test_classes_are_counted(kind: Any) -> None:
     assert found == dict(zip(numbers.tolist(), counts.tolist(), strict=True))
     assert classes_of({"Class": values[:3].astype(kind)})
     assert classes_of({"class": np.array([0.5])}) == classes_of({"other": values}) == {}
+    for odd in (np.inf, -np.inf, np.nan):
+        assert bytes_of(np.array([1, odd], kind if np.dtype(kind).kind == "f" else float)) == {}
 
 
 def test_two_surfaces_are_of_the_same_classes(folder: Path) -> None:

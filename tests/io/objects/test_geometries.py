@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import geopandas as gpd
 import numpy as np
 import pytest
@@ -65,6 +67,30 @@ def test_every_function_takes_them() -> None:
     surface = liftmesh.triangulate(points)
     assert surface.sample(points).tolist() == XYZ[:, 2].tolist()
     assert liftmesh.constrained_delaunay(points, [[0, 3]]).constraints.tolist() == [[0, 3]]
+
+
+def test_points_in_another_system_than_the_surface_are_refused(tmp_path: Path) -> None:
+    surface = liftmesh.triangulate(frame())
+    elsewhere = frame().to_crs(25833)
+    line = {"spacing": 1, "half_width": 1}
+    for points in (elsewhere, elsewhere.geometry):
+        for name in ("sample", "weights", "gradient", "slope", "aspect", "height_above",
+                     "accuracy", "profile"):  # fmt: skip
+            with pytest.raises(InputError, match=r"zone 33N.*zone 32N.*: transform one of them"):
+                getattr(surface, name)(points)
+        with pytest.raises(InputError, match="transform one of them"):
+            surface.interpolator()(points)
+        with pytest.raises(InputError, match="transform one of them"):
+            surface.cross_sections(points, **line)
+    tiled = liftmesh.tile_surface(frame(), tmp_path / "out")
+    with pytest.raises(InputError, match="transform one of them"):
+        tiled.sample(elsewhere)
+    unstated = gpd.GeoDataFrame(geometry=gpd.points_from_xy(*XYZ.T))
+    for points in (unstated, unstated.set_crs(5972)):  # the same plane, with heights
+        assert surface.sample(points).tolist() == XYZ[:, 2].tolist()
+    side = liftmesh.triangulate(frame(), plane="xz")  # in whose plane there is no such system
+    middle = frame(XYZ[:, [0, 2]].mean(axis=0)[None]).set_crs(25833, allow_override=True)
+    assert np.isfinite(side.sample(middle)).all()
 
 
 @pytest.mark.parametrize(
