@@ -391,9 +391,9 @@ def _moved(points: Floats) -> Floats:
 
 def round_below(low: Floats, size: float) -> Floats:
     """Round coordinates down, to units or to a power of ten that suits a smaller model."""
-    if size == 0:
+    step = 10.0 ** min(np.floor(np.log10(size)), 0.0) if size else 0.0
+    if step == 0:  # of the least denormals, too
         return low
-    step = 10.0 ** min(np.floor(np.log10(size)), 0.0)
     rounded: Floats = np.floor(low / step) * step
     return rounded
 
