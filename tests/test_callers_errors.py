@@ -39,6 +39,8 @@ def tiled_surface(**options: Any) -> object:
     return liftmesh.tile_surface(**{"out": f"tiles-{len(os.listdir())}", **options})  # noqa: PTH208
 
 
+CORNER = [[0.1, 0.1], [0.6, 0.1], [0.1, 0.6]]
+
 CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] = {
     "delaunay": (liftmesh.delaunay, liftmesh.delaunay, {"points": PLANAR}),
     "constrained_delaunay": (
@@ -195,6 +197,25 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "volume": (SURFACE.volume, SURFACE.volume, {}),
     "profile": (SURFACE.profile, SURFACE.profile, {"line": [[0.1, 0.2], [0.5, 0.4]]}),
     "solid": (SURFACE.solid, SURFACE.solid, {"thickness": 99.0}),
+    "difference": (
+        liftmesh.difference,
+        liftmesh.difference,
+        {"surface": SURFACE, "other": SURFACE},
+    ),
+    "paste": (
+        liftmesh.paste,
+        liftmesh.paste,
+        {"surface": SQUARE, "other": SQUARE, "polygon": CORNER},
+    ),
+    "clip": (SQUARE.clip, SQUARE.clip, {"polygon": CORNER}),
+    "stage_storage": (SURFACE.stage_storage, SURFACE.stage_storage, {"levels": [0.5]}),
+    "accuracy": (SURFACE.accuracy, SURFACE.accuracy, {"checkpoints": ROWS}),
+    "cross_sections": (
+        SQUARE.cross_sections,
+        SQUARE.cross_sections,
+        {"line": [[0, 0], [1, 1]], "spacing": 0.5, "half_width": 0.1},
+    ),
+    "filled_contours": (SURFACE.filled_contours, SURFACE.filled_contours, {"levels": [0.5]}),
     "cut_and_fill": (SURFACE.cut_and_fill, SURFACE.cut_and_fill, {"other": SURFACE}),
     "to_open3d_t": (SURFACE.to_open3d_t, liftmesh.Surface.to_open3d_t, {}),
     "Format": (

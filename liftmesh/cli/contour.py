@@ -47,6 +47,10 @@ def run(
         option("N", "Of --interval: every n-th is an index contour; default: 5.", whole(1)),
     ] = None,
     min_length: Annotated[float, option("LENGTH", "Leave out shorter lines.", number)] = 0,
+    smooth: Annotated[
+        float | None,
+        option("HEIGHT", "Smooth lines; heights differ from the level by less.", positive),
+    ] = None,
     values: surfaces.Values = None,
     *,
     filled: Annotated[bool, flag("Polygons between the levels, not lines.")] = False,
@@ -58,18 +62,14 @@ def run(
 
     outputs.check_stdout()
     check_name(target)
-    if (interval is None) == (levels is None):
-        raise click.BadParameter("give either --interval or --levels")
     of_interval = options.given(contour_base=contour_base, index_every=index_every)
-    if levels is not None and of_interval:
-        given = spelled(Option(next(iter(of_interval))))
-        raise click.BadParameter(
-            f"{given} is of --interval only, and --levels is given: leave one out"
-        )
-    if filled and (min_length or index_every is not None):
-        given = spelled(Option("min_length" if min_length else "index_every"))
-        raise click.BadParameter(f"{given} is of lines, and --filled is given: leave one out")
-    wanted = {**options.given(levels=levels, interval=interval), **of_interval}
+    heights = options.given(levels=levels, interval=interval)
+    _check_heights(heights, of_interval)
+    if filled:
+        _check_no_lines(min_length=min_length or None, smooth=smooth, index_every=index_every)
+    if smooth is not None and source.is_dir():
+        raise click.BadParameter("--smooth is of surfaces in one file, and IN is a folder of tiles")
+    wanted = {**heights, **of_interval, **options.given(smooth=smooth)}
     with options.as_usage():
         least = length_of(min_length)
     outputs.check_place(target)
@@ -96,6 +96,22 @@ def run(
         terminal.as_json({"path": str(target), **counts, **rows_of})
     else:
         terminal.sentence(f"{target}: {said}", "good")
+
+
+def _check_heights(heights: dict[str, Any], of_interval: dict[str, Any]) -> None:
+    if len(heights) != 1:
+        raise click.BadParameter("give either --interval or --levels")
+    if "levels" in heights and of_interval:
+        given = spelled(Option(next(iter(of_interval))))
+        raise click.BadParameter(
+            f"{given} is of --interval only, and --levels is given: leave one out"
+        )
+
+
+def _check_no_lines(**of_lines: Any) -> None:
+    if given := options.given(**of_lines):
+        name = spelled(Option(next(iter(given))))
+        raise click.BadParameter(f"{name} is of lines, and --filled is given: leave one out")
 
 
 def _of_lines(lines: Any) -> tuple[dict[str, Any], str]:

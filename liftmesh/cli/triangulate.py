@@ -59,7 +59,10 @@ def _rigidness(text: str) -> int:
 def _ground(
     ground: Annotated[
         GroundAlgorithm | None,
-        flag("Find the ground of an unclassified cloud, by the cloth simulation CSF."),
+        flag(
+            "Find the ground of an unclassified cloud, by the cloth simulation CSF, or by a "
+            "triangulation that grows from the lowest rows."
+        ),
     ] = None,
     cloth_resolution: Annotated[
         float | None,
@@ -79,14 +82,44 @@ def _ground(
             "METRES", "Of --ground: rows nearer to the cloth are ground; default: 0.5.", positive
         ),
     ] = None,
+    tin_cell: Annotated[
+        float | None,
+        option("METRES", "Of --ground tin: more than the largest building; default: 40.", positive),
+    ] = None,
+    tin_distance: Annotated[
+        float | None,
+        option(
+            "METRES", "Of --ground tin: from a facet to rows that join; default: 1.4.", positive
+        ),
+    ] = None,
+    tin_angle: Annotated[
+        float | None,
+        option(
+            "DEGREES", "Of --ground tin: at which such rows see corners; default: 15.", positive
+        ),
+    ] = None,
+    tin_threshold: Annotated[
+        float | None,
+        option("METRES", "Of --ground tin: rows nearer to it are ground; default: 0.25.", positive),
+    ] = None,
+    noise_depth: Annotated[
+        float | None,
+        option(
+            "METRES",
+            "Of --ground: rows that are lower than nearly all around by this are noise, class 7.",
+            positive,
+        ),
+    ] = None,
 ) -> dict[str, Any]:
     """Check the options, and return those given, as `liftmesh.classify_ground` has them."""
     choices = options.given(cloth_resolution=cloth_resolution, cloth_threshold=cloth_threshold)
     choices |= options.given(cloth_rigidness=cloth_rigidness)
-    if choices and ground is None:
-        raise click.BadParameter(
-            f"--{next(iter(choices)).replace('_', '-')} is an option of --ground csf"
-        )
+    choices |= options.given(tin_cell=tin_cell, tin_distance=tin_distance, tin_angle=tin_angle)
+    choices |= options.given(tin_threshold=tin_threshold, noise_depth=noise_depth)
+    for each in choices:
+        kind = {"cloth": "csf", "tin": "tin"}.get(each.partition("_")[0], ground or "tin")
+        if kind != ground:
+            raise click.BadParameter(f"--{each.replace('_', '-')} is an option of --ground {kind}")
     return {} if ground is None else {"algorithm": ground, **choices}
 
 
@@ -218,8 +251,7 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     unit = _UNITS[counts["unit_known"], counts["z_unit_known"]]
     terminal.note(
         f"ground by {counts['algorithm']}: {counts['ground']:,} of {counts['rows']:,} rows "
-        f"(cloth of {counts['cloth_resolution']:g} m, rigidness {counts['cloth_rigidness']}{unit})"
-        "; where ground is sparse, it may hold low vegetation and roofs"
+        f"({_how(counts)}{unit}); where ground is sparse, it may hold low vegetation and roofs"
     )
     if lost := bare_warning(counts):
         terminal.note(worded(lost))
@@ -230,6 +262,15 @@ def _classified(cloud: Cloud, ground: Mapping[str, Any], classes: Any) -> Cloud:
     if not len(classified):
         raise InputError(f"none of {counts['rows']:,} rows has one of these classes")
     return classified
+
+
+def _how(counts: Mapping[str, Any]) -> str:
+    """Say how the ground was found."""
+    noise = f", {counts['noise']:,} of low noise" if "noise" in counts else ""
+    if counts["algorithm"] == "csf":
+        cloth = f"cloth of {counts['cloth_resolution']:g} m"
+        return f"{cloth}, rigidness {counts['cloth_rigidness']}{noise}"
+    return f"cells of {counts['tin_cell']:g} m, {counts['tin_angle']:g} degrees{noise}"
 
 
 def _replaced(cloud: Cloud, surface: Surface) -> list[str]:

@@ -23,7 +23,6 @@ from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.raster.pixels import Transform
-    from liftmesh.raster.raster import Raster
 
 SUFFIXES = (".png", ".r16")
 SIZES = "Unreal takes 127, 253, 505, 1009, 2017, 4033 or 8129, Unity 33, 65 and so on to 4097"
@@ -42,15 +41,15 @@ def suits_engines(size: int) -> bool:
     return size in _UNREAL + _UNITY
 
 
-def save(raster: Raster, path: Path, voids: Voids) -> tuple[float, float]:
-    """Write a raster as a heightmap; return scale and offset."""
+def save(values: Array, transform: Transform, path: Path, voids: Voids) -> tuple[float, float]:
+    """Write heights as a heightmap; return scale and offset."""
     check_option("voids", voids, Voids)
-    samples, scale, offset = _samples(raster.values, voids)
+    samples, scale, offset = _samples(values, voids)
     with replacing(path) as stream:
         if path.suffix.lower() == ".r16":
             stream.write(np.ascontiguousarray(samples, "<u2").data)
         else:
-            a, b, _, d, e, _ = raster.transform
+            a, b, _, d, e, _ = transform
             across, down = float(np.hypot(a, d)), float(np.hypot(b, e))
             said = f"height = {scale!r} * value + {offset!r}; pixels of {across!r} x {down!r}"
             _write_png(stream, samples, said)

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Generic, TypeAlias
 
 import numpy as np
 
@@ -26,21 +26,21 @@ from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, extended, in_space
 from liftmesh.terrain.cutting import Layer, Overlay, along, along_sides
 from liftmesh.terrain.measures import check_pair, scale_of, valid_shapes
+from liftmesh.terrain.own_faces import fields_of
 from liftmesh.terrain.profile import LineCrossings
 from liftmesh.terrain.refinement import STEINER
-from liftmesh.terrain.surface_data import HIDDEN, SurfaceData, as_cloud, plane_system
+from liftmesh.terrain.surface_data import HIDDEN, AnySurface, SurfaceData, as_cloud, plane_system
 from liftmesh.vector.polygons import contains, polygons_in
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.terrain.surface import Surface
     from liftmesh.vector.polygons import Polygon
 
 Place: TypeAlias = tuple[float, ...]
 Side: TypeAlias = tuple[Place, Place]
 
 
-def clip(surface: Surface, polygon: object, *, invert: bool = False) -> Surface:
+def clip(surface: AnySurface, polygon: object, *, invert: bool = False) -> AnySurface:
     """Cut the faces along a polygon, and keep what is inside: the same surface, bounded by it.
 
     Parameters
@@ -99,7 +99,7 @@ def clip(surface: Surface, polygon: object, *, invert: bool = False) -> Surface:
     return _Cut.of(surface, polygons).part(inverse=is_inverse)
 
 
-def _polygons(surface: Surface, polygon: object) -> list[Polygon]:
+def _polygons(surface: SurfaceData, polygon: object) -> list[Polygon]:
     """Convert valid polygons; no ring repeats its first corner."""
     found = polygons_in(plane_system(surface), polygon)
     valid_shapes(found, scale_of(*(ring for rings in found for ring in rings)))
@@ -109,16 +109,16 @@ def _polygons(surface: Surface, polygon: object) -> list[Polygon]:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Cut:
+class _Cut(Generic[AnySurface]):
     """A surface of which some faces were cut along polygons."""
 
-    surface: Surface
+    surface: AnySurface
     polygons: list[Polygon]
     whole: Integers  # faces that are not cut
     overlay: Overlay | None  # of those that are
 
     @classmethod
-    def of(cls, surface: Surface, polygons: list[Polygon]) -> _Cut:
+    def of(cls, surface: AnySurface, polygons: list[Polygon]) -> _Cut[AnySurface]:
         """Cut the faces that the border touches; with neighbours whose sides these would bend."""
         tails, heads = sides_of(polygons)
         is_cut = np.zeros(surface.triangulation.nsimplex, dtype=np.bool_)
@@ -139,7 +139,7 @@ class _Cut:
             return self.overlay.on_polygons(np.stack(sides_of(self.polygons), axis=1))
         return [np.empty((0, 2)) for _ in sides_of(self.polygons)[0]]
 
-    def part(self, *, inverse: bool) -> Surface:
+    def part(self, *, inverse: bool) -> AnySurface:
         """Make the surface of what is inside, or outside."""
         tri = self.surface.triangulation
         corners = tri.simplices[self.whole]
@@ -174,8 +174,8 @@ def added_rows(laid: Overlay, used: Rows, heights: Floats) -> AddedRows:
 
 
 def surface_of(
-    surface: Surface, faces: list[Rows], edges: list[Rows], added: AddedRows | None
-) -> Surface:
+    surface: AnySurface, faces: list[Rows], edges: list[Rows], added: AddedRows | None
+) -> AnySurface:
     """Make a surface of faces between its own rows, and others that were added."""
     joined = np.concatenate(faces)
     if not len(joined):
@@ -186,13 +186,11 @@ def surface_of(
         cloud = extended(cloud, surface.frame, added.points, flags, STEINER)
     own = getattr(surface.triangulation, "constraints", np.empty((0, 2), dtype=np.int32))
     lines = np.concatenate([own, *edges])
-    return _of_used(cloud, joined, lines[(lines >= 0).all(axis=1)], surface.frame.name)
+    return _of_used(surface, cloud, joined, lines[(lines >= 0).all(axis=1)])
 
 
-def _of_used(cloud: Cloud, faces: Rows, lines: Rows, plane: str) -> Surface:
-    """Make a surface of the rows of a cloud that faces use, with lines between these."""
-    from liftmesh.terrain.meshes import as_surface  # noqa: PLC0415 - makes surfaces
-
+def _of_used(surface: AnySurface, cloud: Cloud, faces: Rows, lines: Rows) -> AnySurface:
+    """Make such a surface of the rows of a cloud that faces use, with lines between these."""
     used = used_rows(len(cloud), faces)
     place = np.full(len(cloud), -1, dtype=np.int32)
     place[used] = np.arange(len(used), dtype=np.int32)
@@ -204,7 +202,7 @@ def _of_used(cloud: Cloud, faces: Rows, lines: Rows, plane: str) -> Surface:
         metadata={k: v for k, v in cloud.metadata.items() if k not in (LIFTED, MARKERS)},
         attributes={k: v[used] for k, v in cloud.attributes.items() if k != HIDDEN},
     )
-    return as_surface(mesh, plane=plane)
+    return type(surface)(**fields_of(mesh, surface.frame.name))
 
 
 def sides_of(polygons: list[Polygon]) -> tuple[Floats, Floats]:
@@ -233,7 +231,7 @@ def _faces_with(surface: SurfaceData, sides: Rows, among: Mask) -> Integers:
     return near[np.isin(pair_keys(ends[..., 0], ends[..., 1]), keys).any(axis=1)]
 
 
-def paste(surface: Surface, other: Surface, polygon: object) -> Surface:
+def paste(surface: AnySurface, other: AnySurface, polygon: object) -> AnySurface:
     """Put another surface in the place of what is inside a polygon: one surface of both.
 
     Parameters
@@ -313,11 +311,11 @@ def _places(points: Floats) -> list[Place]:
 
 
 def _joined(
-    outside: Surface,
-    inside: Surface,
+    outside: AnySurface,
+    inside: AnySurface,
     chains: dict[Side, list[Place]],
     inner_chains: dict[Side, list[Place]],
-) -> Surface:
+) -> AnySurface:
     """Join two surfaces along a border, which has the rows of both, and heights of the second."""
     count = len(outside.vertices)
     at_border = {place for side in chains for place in (*side, *chains[side])}
@@ -348,14 +346,14 @@ def _joined(
     none = np.empty((0, 2), np.int32)
     one, two = (getattr(each.triangulation, "constraints", none) for each in (outside, inside))
     return _of_used(
+        outside,
         _concatenated(as_cloud(outside), second),
         np.concatenate([outer, faces + np.int32(count)]),
         np.concatenate([names[one], two + np.int32(count)]),
-        outside.frame.name,
     )
 
 
-def _with_rows(surface: Surface, added: list[tuple[Place, int, int]]) -> Cloud:
+def _with_rows(surface: SurfaceData, added: list[tuple[Place, int, int]]) -> Cloud:
     """Add rows on sides of faces."""
     if not added:
         return as_cloud(surface)

@@ -25,6 +25,7 @@ from liftmesh.base.options import as_count, as_number, as_thousands, as_threads,
 from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.optional import load
+from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.values import Values, over_values
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
@@ -258,6 +259,7 @@ def contour_lines(
     interval: float | None = None,
     contour_base: float = 0.0,
     index_every: int = 5,
+    smooth: float | None = None,
     threads: int | None = None,
 ) -> Contours:
     """Compute lines of equal height, or of another value.
@@ -277,6 +279,10 @@ def contour_lines(
         Where the interval is counted from.
     index_every : int, default 5
         Every so many multiples of the interval are index contours.
+    smooth : float, optional
+        By how much heights along a line may differ from its level, so that bends are less sharp:
+        less than half of the distance of levels. Lines still do not cross. Their ends stay, and
+        points at vertices.
     threads : int, optional
         As for `delaunay`. Threads share the levels.
 
@@ -289,7 +295,7 @@ def contour_lines(
     ------
     InputError
         Neither levels nor interval are given, or both; a number is not finite, or the interval
-        not positive; there are more than a million levels.
+        or the tolerance not positive, or this too large; there are more than a million levels.
 
     See Also
     --------
@@ -316,7 +322,19 @@ def contour_lines(
     )
     points, starts, places, closed = relief.contours(wanted, *limit)
     crs = plane_system(surface)
-    return Contours(points, starts, wanted[places], closed.view(np.bool_), is_index[places], crs)
+    is_closed = closed.view(np.bool_)
+    if smooth is not None:
+        check_tolerance(smooth, wanted)
+        lines = Lines(points, starts, is_closed, places.astype(np.int64))
+        points = smoothed(lines, _sides_of(surface), wanted, smooth)
+    return Contours(points, starts, wanted[places], is_closed, is_index[places], crs)
+
+
+def _sides_of(surface: SurfaceData) -> Floats:
+    """Return the ends of all sides with their heights, (m, 2, 3)."""
+    edges, planar = surface.triangulation.edges, surface.triangulation.points
+    heights = surface.frame.heights(surface.vertices)
+    return np.concatenate([planar[edges], heights[edges][..., None]], axis=2) + 0.0
 
 
 def wanted_levels(
@@ -385,26 +403,3 @@ def _decimal(name: str, value: Any) -> Fraction:
         return as_decimal(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise refused(name, value, "give a finite height") from error
-
-
-def crossings(ends: Floats, levels: Floats) -> Floats:
-    """Compute where levels cross sides, (..., 2, 3), with the bits that the kernel has."""
-    u, v = ends[..., 0, :], ends[..., 1, :]
-    is_swapped = (v[..., 0] < u[..., 0]) | ((v[..., 0] == u[..., 0]) & (v[..., 1] < u[..., 1]))
-    u, v = (np.where(is_swapped[..., None], *pair) for pair in ((v, u), (u, v)))
-    low, high = u[..., 2], v[..., 2]
-    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        share = (levels - low) / (high - low)
-        halved = (levels / 2 - low / 2) / (high / 2 - low / 2)
-        share = np.where(np.isfinite(high - low), share, halved)
-        points = np.stack([_between(u[..., k], v[..., k], share) for k in (0, 1)], axis=-1)
-    points = np.where((high == levels)[..., None], v[..., :2], points)
-    result: Floats = np.where((low == levels)[..., None], u[..., :2], points)
-    return result
-
-
-def _between(begin: Floats, end: Floats, share: Floats) -> Floats:
-    at = begin + share * (end - begin)
-    at = np.where(np.isfinite(at), at, (begin / 2 + share * (end / 2 - begin / 2)) * 2)
-    kept: Floats = np.clip(at, np.minimum(begin, end), np.maximum(begin, end)) + 0.0
-    return kept

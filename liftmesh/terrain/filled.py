@@ -38,7 +38,8 @@ from liftmesh.io.streams import at_home
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.boundary import mask_of
-from liftmesh.terrain.contours import Contours, check_name, contour_lines, crossings, wanted_levels
+from liftmesh.terrain.contours import Contours, check_name, contour_lines, wanted_levels
+from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.values import Values, over_values
 from liftmesh.vector.files import write_areas

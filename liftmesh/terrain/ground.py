@@ -1,5 +1,8 @@
 """`classify_ground`: which rows of an unclassified cloud are ground.
 
+The rows are ground by a triangulation (`ground_tin.py`) or by a cloth. Low noise, which both take
+for ground, is found first, if it is asked for.
+
 The cloth simulation filter (CSF) turns a cloud upside down and lets a cloth fall on it: what is
 near the cloth is ground. It knows metres alone, so coordinates are converted. Noise and withheld
 rows are kept from it, since the cloth would hang on them.
@@ -24,7 +27,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Mask
 from liftmesh.base.options import GroundAlgorithm, as_count, as_positive, check_option, refused
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, InputError, LiftmeshError, MissingDependencyError, Option
@@ -32,6 +35,7 @@ from liftmesh.io.metadata import noted
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import class_column
 from liftmesh.optional import python_command
+from liftmesh.terrain.ground_tin import TinOptions, tin_ground
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -43,17 +47,23 @@ _MOST_NODES = 20_000_000  # of the cloth: CSF takes about 200 bytes for each
 _NODES_OF_CELL, _ROWS_OF_CELL = 5, 5
 _MOST_BARE = 0.1  # share of cells; large roofs leave some
 _MARGIN = 8  # nodes beyond the rows, on both sides together
+_NOISE_CELL, _FEW = 5.0, 4  # metres; the first number of rows that are not too few
 
 
-def classify_ground(
+def classify_ground(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
     algorithm: GroundAlgorithm = "csf",
     cloth_resolution: float = 0.5,
     cloth_rigidness: int = 2,
     cloth_threshold: float = 0.5,
+    tin_cell: float = 40.0,
+    tin_distance: float = 1.4,
+    tin_angle: float = 15.0,
+    tin_threshold: float = 0.25,
+    noise_depth: float | None = None,
 ) -> Cloud:
-    """Find the ground among the rows of a cloud, by cloth simulation.
+    """Find the ground among the rows of a cloud, by a cloth or by a triangulation that grows.
 
     Where ground is sparse, as under trees and large roofs, low vegetation and roofs may be taken
     for it: look at the result.
@@ -62,14 +72,29 @@ def classify_ground(
     ----------
     cloud : path, Cloud or object
         Anything that `triangulate` takes.
-    algorithm : {"csf"}, default "csf"
-        The cloth simulation filter.
+    algorithm : {"csf", "tin"}, default "csf"
+        The cloth simulation filter, or progressive densification of a triangulation (TIN).
     cloth_resolution : float, default 0.5
         Distance between the nodes of the cloth, in metres.
     cloth_rigidness : {1, 2, 3}, default 2
         Of the cloth: 1 for steep slopes, 3 for flat terrain.
     cloth_threshold : float, default 0.5
         Rows nearer to the cloth than this, in metres, are ground.
+    tin_cell : float, default 40
+        Side of the cells of a grid, in metres, the lowest row of each of which is ground to begin
+        with: more than the largest building has.
+    tin_distance : float, default 1.4
+        Rows that join the triangulation are not farther from the facet below or above them, in
+        metres.
+    tin_angle : float, default 15
+        The lines from such a row to the corners of the facet make no larger angles with it, in
+        degrees: more for broken terrain, less where vegetation is low.
+    tin_threshold : float, default 0.25
+        Rows that are in the end not higher above the triangulation, nor lower, in metres, are
+        ground.
+    noise_depth : float, optional
+        Rows become low noise, class 7, and take no part, if among the rows in their square of 5 m
+        and the eight around at most two others are less than this, in metres, above them.
 
     Returns
     -------
@@ -77,8 +102,9 @@ def classify_ground(
         All rows, with their classes in the column that has them (``class``, in any spelling), else
         in the attribute ``classification``: 2 for ground; what was ground and is no more becomes 1,
         as all rows without a class; other classes stay.
-        ``metadata["ground"]`` counts "rows" and "ground", and says how; of the square "cells", five
-        nodes wide, that have five rows or more, "bare_cells" have no ground among them.
+        ``metadata["ground"]`` counts "rows", "ground" and "noise", and says how; of the square
+        "cells", five nodes or 5 m wide, that have five rows or more, "bare_cells" have no ground
+        among them.
 
     Raises
     ------
@@ -94,7 +120,7 @@ def classify_ground(
     -----
     DataWarning
         More than a tenth of the cells have no ground: on slopes, a cloth that is too coarse loses
-        most of it.
+        most of it, and so does a small angle.
 
     See Also
     --------
@@ -109,41 +135,110 @@ def classify_ground(
     and 3 % at 24. Of hills, tops are lost: at a mean slope of 8 degrees 24 %, 21 % and 76 %. A
     rigidness of 1 finds more on slopes.
 
+    A triangulation (P. Axelsson, DEM generation from laser scanner data using adaptive TIN models,
+    2000) needs no package. Each round takes the lowest row over each facet that is within the
+    thresholds and 1 m or more from its corners, at most a hundred times. On generated scenes of
+    flat land, hills and a slope of 31 degrees, with buildings and trees, it has fewer errors than
+    the cloth; at steps of terraces it needs a larger angle, and
+    roofs that are larger than its cells it takes for ground. The result is the same for any order
+    of the rows.
+
     Examples
     --------
     >>> rng = np.random.default_rng(0)
     >>> flat = np.column_stack([rng.random((400, 2)) * 20, np.zeros(400)])
     >>> tree = np.column_stack([rng.random((50, 2)) + 10, rng.random(50) + 5])
-    >>> classify_ground(np.vstack([flat, tree])).metadata["ground"]["ground"]
-    400
+    >>> cloud = np.vstack([flat, tree])
+    >>> [classify_ground(cloud, algorithm=each).metadata["ground"]["ground"] for each in
+    ...  ("csf", "tin")]
+    [400, 400]
     """
     check_option("algorithm", algorithm, GroundAlgorithm)
-    as_positive("cloth_resolution", cloth_resolution, "a positive number of metres")
-    as_positive("cloth_threshold", cloth_threshold, "a positive number of metres")
-    if as_count("cloth_rigidness", cloth_rigidness, 1) > 3:
-        raise refused("cloth_rigidness", cloth_rigidness, "give 1, 2 or 3")
+    given: dict[str, Any] = {
+        "csf": {
+            "cloth_resolution": cloth_resolution, "cloth_rigidness": cloth_rigidness,
+            "cloth_threshold": cloth_threshold,
+        },
+        "tin": {
+            "tin_cell": tin_cell, "tin_distance": tin_distance, "tin_angle": tin_angle,
+            "tin_threshold": tin_threshold,
+        },
+    }[algorithm]  # fmt: skip
+    _check(**given, **({} if noise_depth is None else {"noise_depth": noise_depth}))
     source = read_cloud(cloud)
     metres, is_known, is_known_of_z = _metres(source)
-    rows = np.flatnonzero(_is_for_cloth(source))
+    rows = np.flatnonzero(_takes_part(source))
     points = np.ascontiguousarray(source.points[rows] * metres, dtype=np.float64)
     points -= points.min(axis=0) if len(points) else 0.0
-    _check_size(points, cloth_resolution)
-    is_ground = _filtered(points, cloth_resolution, cloth_rigidness, cloth_threshold)
+    is_noise = _low_noise(points, noise_depth)
+    noise, rows, points = rows[is_noise], rows[~is_noise], points[~is_noise]
+    is_ground = _cloth_ground(points, **given) if algorithm == "csf" else _tin(points, **given)
     ground = rows[is_ground]
-    cells, bare = _bare_cells(points, is_ground, cloth_resolution)
+    cells, bare = _bare_cells(points, is_ground, _side(given))
+    told = {} if noise_depth is None else {"noise_depth": noise_depth, "noise": len(noise)}
     counts = {
-        "rows": len(source), "ground": len(ground), "algorithm": algorithm,
-        "cloth_resolution": cloth_resolution, "cloth_rigidness": cloth_rigidness,
-        "cloth_threshold": cloth_threshold, "unit_known": is_known, "z_unit_known": is_known_of_z,
-        "cells": cells, "bare_cells": bare,
+        "rows": len(source), "ground": len(ground), "algorithm": algorithm, **given, **told,
+        "unit_known": is_known, "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
     if warning := bare_warning(counts):
         warnings.warn(warning, DataWarning, stacklevel=2)
     return replace(
         source,
-        attributes={**source.attributes, **_classes(source, ground)},
+        attributes={**source.attributes, **_classes(source, ground, noise)},
         metadata=noted(source.metadata, ground=counts),
     )
+
+
+def _check(**given: float) -> None:
+    """Check the options of an algorithm."""
+    for name, value in given.items():
+        if name == "cloth_rigidness":
+            if as_count(name, value, 1) > 3:
+                raise refused(name, value, "give 1, 2 or 3")
+        elif name == "tin_angle":
+            if not as_positive(name, value, "a positive number of degrees") < 90:
+                raise refused(name, value, "give less than 90 degrees")
+        else:
+            as_positive(name, value, "a positive number of metres")
+
+
+def _tin(
+    points: Floats, tin_cell: float, tin_distance: float, tin_angle: float, tin_threshold: float
+) -> Mask:
+    return tin_ground(points, TinOptions(tin_cell, tin_distance, tin_angle, tin_threshold))
+
+
+def _cloth_ground(
+    points: Floats, cloth_resolution: float, cloth_rigidness: int, cloth_threshold: float
+) -> Array:
+    _check_size(points, cloth_resolution)
+    return _filtered(points, cloth_resolution, cloth_rigidness, cloth_threshold)
+
+
+def _low_noise(points: Floats, depth: float | None) -> Mask:
+    """Tell which points have few others around that are less than a depth above them."""
+    is_noise = np.zeros(len(points), np.bool_)
+    if depth is None or not len(points):
+        return is_noise
+    across, down = np.floor(points[:, :2].T / _NOISE_CELL)
+    order = np.lexsort((points[:, 2], down, across))
+    keys = np.column_stack([across, down])[order]
+    starts = np.flatnonzero(np.r_[True, (np.diff(keys, axis=0) != 0).any(axis=1)])
+    places = {(x, y): k for k, (x, y) in enumerate(keys[starts].tolist())}
+    lowest = np.full((len(starts) + 1, _FEW), np.inf)  # the last stands for cells without points
+    ends = np.append(starts[1:], len(order))
+    for k in range(_FEW):
+        has_more = starts + k < ends
+        lowest[:-1][has_more, k] = points[order[starts[has_more] + k], 2]
+    around = np.array(
+        [
+            [places.get((x + i, y + j), len(starts)) for i in (-1, 0, 1) for j in (-1, 0, 1)]
+            for x, y in places
+        ]
+    )
+    last = np.sort(lowest[around].reshape(len(starts), -1), axis=1)[:, _FEW - 1]
+    is_noise[order] = points[order, 2] + depth < np.repeat(last, ends - starts)
+    return is_noise
 
 
 def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
@@ -161,7 +256,7 @@ def _metres(cloud: Cloud) -> tuple[Floats, bool, bool]:
     return np.array([plane, y or plane, z or plane]), x is not None, z is not None
 
 
-def _is_for_cloth(cloud: Cloud) -> Array:
+def _takes_part(cloud: Cloud) -> Array:
     """Whether rows are finite, and neither noise nor withheld."""
     is_taken = np.isfinite(cloud.points).all(axis=1)
     name, withheld = class_column(cloud.attributes), cloud.attributes.get("withheld")
@@ -233,10 +328,16 @@ with open(answer, "wb") as stream:
 """
 
 
-def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[int, int]:
+def _side(counts: Mapping[str, Any]) -> float:
+    """Return the side of the cells that are looked at."""
+    side: float = _NODES_OF_CELL * counts.get("cloth_resolution", 1.0)
+    return side
+
+
+def _bare_cells(points: Floats, is_ground: Array, side: float) -> tuple[int, int]:
     """Count the cells that have rows enough, and those of them that have no ground."""
-    places = np.floor(points[:, :2] / (_NODES_OF_CELL * resolution)).astype(np.int64)
-    keys = places[:, 0] * (places[:, 1].max(initial=0) + 1) + places[:, 1]
+    across, down = (np.unique(each, return_inverse=True)[1] for each in points[:, :2].T // side)
+    keys = across * (down.max(initial=0) + 1) + down
     _, which, counts = np.unique(keys, return_inverse=True, return_counts=True)
     has_ground = np.bincount(which[is_ground], minlength=len(counts)) > 0
     is_full = counts >= _ROWS_OF_CELL
@@ -244,20 +345,24 @@ def _bare_cells(points: Floats, is_ground: Array, resolution: float) -> tuple[in
 
 
 def bare_warning(counts: Mapping[str, Any]) -> str:
-    """Say that the cloth has lost the ground of many cells, and what helps; "" if it has not."""
+    """Say that the ground of many cells was lost, and what helps; "" if it was not."""
     cells, bare = counts["cells"], counts["bare_cells"]
     if bare <= _MOST_BARE * cells:
         return ""
-    size = _NODES_OF_CELL * counts["cloth_resolution"]
-    return (
-        f"{bare:,} of {cells:,} cells of {size:g} m have no ground: on slopes the cloth has lost "
-        f"it, if they are no roofs: give a smaller {Option('cloth_resolution', ...)}, or "
-        f"{Option('cloth_rigidness', 1)}"
+    cloth = (
+        "on slopes the cloth has lost it, if they are no roofs: give a smaller "
+        f"{Option('cloth_resolution', ...)}, or {Option('cloth_rigidness', 1)}"
     )
+    tin = (
+        "the triangulation does not reach it, if they are no roofs: give a larger "
+        f"{Option('tin_angle', ...)}, or a smaller {Option('tin_cell', ...)}"
+    )
+    remedy = cloth if counts["algorithm"] == "csf" else tin
+    return f"{bare:,} of {cells:,} cells of {_side(counts):g} m have no ground: {remedy}"
 
 
-def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:
-    """Return the column of classes: those before, but for the ground."""
+def _classes(cloud: Cloud, ground: Array, noise: Array) -> dict[str, Array]:
+    """Return the column of classes: those before, but for the ground and noise that were found."""
     name = class_column(cloud.attributes)
     if name is None or cloud.attributes[name].dtype.kind == "b":
         name, classes = _CLASSES, np.full(len(cloud), _UNCLASSIFIED, np.uint8)
@@ -265,4 +370,5 @@ def _classes(cloud: Cloud, ground: Array) -> dict[str, Array]:
         classes = cloud.attributes[name].copy()
         classes[classes == _GROUND] = _UNCLASSIFIED
     classes[ground] = _GROUND
+    classes[noise] = _NOISE[0]
     return {name: classes}

@@ -1,6 +1,12 @@
 """Triangulations that have given faces, of any planar triangulation (`planar/planarity.py`).
 
-The sides that the Delaunay triangulation of the corners lacks are all that must be asked for: a
+A triangle of a Delaunay triangulation is one of every subset of the points that holds its corners,
+and of a regular one, too, by whose weights the metadata of a file say that it was made. So the
+corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
+faces: it is made again, and what the mesh does not have is masked.
+
+Other meshes, as those that follow lines or were smoothed, have faces of their own. The
+sides that the Delaunay triangulation of the corners lacks are all that must be asked for: a
 side that is Delaunay is in every constrained triangulation whose edges it does not cross. But first
 those are asked for that are stated; and with the others the rim, so that `verify` finds the faces
 to be carved. What lies between the faces, and around them to the convex
@@ -12,17 +18,29 @@ Rows at one position and height are one vertex, as in files whose triangles shar
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, pairs_of_keys, triangles_of_faces
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, triangles_of_faces, used_rows
+from liftmesh.base.options import OwnFaces
 from liftmesh.errors import InputError
+from liftmesh.io.columns import checked_edges, checked_faces, edges_of
+from liftmesh.io.metadata import Provenance
+from liftmesh.io.registry import known_formats
 from liftmesh.planar.constrained import constrained_delaunay
+from liftmesh.planar.delaunay import delaunay
+from liftmesh.planar.kinds import named_values
 from liftmesh.planar.planarity import Conflict, first_conflict, turned
+from liftmesh.planar.regular import regular
+from liftmesh.terrain.frame import resolve_plane
+from liftmesh.terrain.lifting import without_former
+from liftmesh.terrain.report import Report, report_on
 
 if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
     from liftmesh.planar.triangulation import Triangulation
 
 
@@ -140,3 +158,95 @@ def _told(conflict: Conflict, faces: Rows, points: Floats) -> str:
 
 def _face(faces: Rows, number: int) -> str:
     return f"face {number}, of the rows {faces[number].tolist()}"
+
+
+def fields_of(
+    cloud: Cloud,
+    plane: str | ArrayLike = "xy",
+    triangulation: OwnFaces | None = None,
+    threads: int | None = None,
+) -> dict[str, Any]:
+    """Return the fields of the surface that has the faces of a mesh."""
+    if cloud.faces is None or not len(cloud.faces):
+        raise InputError("there are no faces: triangulate the points")
+    faces = checked_faces(cloud.faces, len(cloud), "the mesh")
+    frame = resolve_plane(plane, cloud.points)
+    planar = frame.planar(cloud.points).copy()
+    used = used_rows(len(cloud), faces)
+    _check(cloud, planar, used)
+    planar[np.delete(np.arange(len(cloud)), used)] = np.nan
+    lifted = None if triangulation == "own" else _lifted(cloud, planar, threads)
+    found = None if lifted is None else found_in(lifted, faces)
+    if found is None:
+        cloud = without_former(cloud)
+        edges = checked_edges(edges_of(cloud), len(cloud), "the mesh")
+        solved = delaunay(planar, nonfinite="skip", order="canonical", threads=threads)
+        heights = frame.heights(cloud.points)
+        found = with_faces(solved, faces, heights, edges, _remedy(cloud), threads)
+    return {
+        "vertices": cloud.points,
+        "faces": found.faces,
+        "triangulation": found.solved,
+        "frame": frame,
+        "report": _report(found, cloud),
+        "colors": cloud.colors,
+        "normals": cloud.normals,
+        "attributes": cloud.attributes,
+        "metadata": cloud.metadata,
+        "crs": cloud.crs,
+        "mask": found.mask,
+    }
+
+
+def _lifted(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation | None:
+    """Triangulate the corners by what the mesh says that it was triangulated by, if anything."""
+    said = Provenance(cloud.metadata).lifted_by
+    if not said:
+        return None
+    if "metric" in said:
+        form = said["metric"]
+        return delaunay(planar, nonfinite="skip", order="canonical", threads=threads, metric=form)
+    ((kind, name),) = said.items()
+    values: dict[str, Any] = {kind: named_values(cloud, kind, name)}
+    return regular(planar, **values, nonfinite="skip", order="canonical", threads=threads)
+
+
+def _check(cloud: Cloud, planar: Floats, used: Rows) -> None:
+    """Raise for corners that are not finite."""
+    finite = np.isfinite(planar[used]).all(axis=1) & np.isfinite(cloud.points[used]).all(axis=1)
+    if not finite.all():
+        row = int(used[np.argmin(finite)])
+        raise InputError(f"row {row} of a face is not finite: {cloud.points[row].tolist()}")
+
+
+def _remedy(cloud: Cloud) -> str:
+    """Say what to do about faces; of a format that rounds, what may have moved them."""
+    is_read = Provenance(cloud.metadata).is_read
+    origin = known_formats().get(cloud.metadata["format"]) if is_read else None
+    if origin is None or "float64" in origin.keeps:
+        return "triangulate the vertices"
+    return (
+        "triangulate the vertices; the file holds single precision, which has moved them: write "
+        "PLY for faces that are found again"
+    )
+
+
+def _report(found: Found, cloud: Cloud) -> Report:
+    row, kept = found.solved.duplicates.T
+    unused = len(found.solved.skipped)
+    left_out = np.sort(np.concatenate([found.solved.skipped, row]))
+    representatives = np.full(len(left_out), -1, dtype=np.int32)
+    representatives[np.searchsorted(left_out, row)] = kept
+    return report_on(
+        cloud,
+        n_used=len(cloud) - len(left_out),
+        n_duplicates=len(row),
+        n_overhangs=0,
+        n_skipped=0,
+        n_triangles=len(found.faces),
+        policy="error",
+        seconds={},
+        left_out=left_out,
+        representatives=representatives,
+        n_unused=unused,
+    )

@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from liftmesh._typing import Rows
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import counted
@@ -177,3 +179,10 @@ def report_on(cloud: Cloud, **fields: Any) -> Report:
         "transformation": Provenance(cloud.metadata).transformation,
     }
     return Report(**{**known, **fields})
+
+
+def bare_report(rows: int, faces: int) -> Report:
+    """Make a report of points all of which are vertices."""
+    none = np.empty(0, np.int32)
+    fields: dict[str, Any] = {"left_out": none, "representatives": none}
+    return Report(rows, rows, 0, 0, 0, faces, "error", {}, **fields)

@@ -61,7 +61,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Surface(SurfaceData):
-    """A triangulated cloud, whose arrays are read-only: `replace` makes a changed copy.
+    """A triangulated cloud: one height at each position of a plane. Its arrays are read-only.
 
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
     """
@@ -101,8 +101,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        vertices, colors, normals : array_like; moved ones, if no two faces overlap; None for none
-        attributes, metadata, crs, color_depth : as for `Cloud`, in place of the present ones
+        vertices, colors, normals, attributes, metadata, crs, color_depth : as for `Cloud`
         """
         return changes.replaced(
             self,
@@ -146,8 +145,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        points : (..., 2) array_like, coordinates in the plane
-        interpolation : {"linear", "nearest", "laplace", "sibson", "c1"}, default "linear"
+        points, interpolation : (..., 2); {"linear", "nearest", "laplace", "sibson", "c1"}
         values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
         extrapolate, threads : {"nearest", "hull"}, for where there are no faces; as for `delaunay`
         """
@@ -313,9 +311,8 @@ class Surface(SurfaceData):
         Parameters
         ----------
         resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
-        **options : ``bounds``; or ``transform`` and ``shape``; ``quantity`` ("height", "slope",
-            "aspect", "hillshade", "longest-edge"), ``interpolation``, ``fill`` (a distance),
-            ``light`` (two angles), ``z_factor`` as for `area`, ``dtype``, ``threads``
+        **options : ``bounds``; ``transform`` and ``shape``; ``quantity``, as "slope"; ``fill``;
+            ``interpolation``; ``light`` (two angles); ``z_factor``; ``dtype``; ``threads``
         """
         ways: Any = {"values": values, "gradients": gradients}
         return rasters.rasterize(self, resolution, **ways, **options)
@@ -328,6 +325,7 @@ class Surface(SurfaceData):
         interval: float | None = None,
         contour_base: float = 0.0,
         index_every: int = 5,
+        smooth: float | None = None,
         threads: int | None = None,
     ) -> Contours:
         """Compute lines of equal height.
@@ -338,8 +336,8 @@ class Surface(SurfaceData):
         Parameters
         ----------
         levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
-        interval : float, optional, in place of levels: all its multiples that the surface has
-        contour_base, index_every, threads : where multiples begin; how many to an index contour
+        interval, contour_base, index_every : multiples in place of levels; every so many are index
+        smooth, threads : how far heights may be from the level, in smoother lines
         """
         return contours.contour_lines(
             self,
@@ -348,6 +346,7 @@ class Surface(SurfaceData):
             interval=interval,
             contour_base=contour_base,
             index_every=index_every,
+            smooth=smooth,
             threads=threads,
         )
 
@@ -472,8 +471,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        base_height, thickness : float, the height of a flat base, or by how much a copy is lower
-        pinched : {"error", "trim"}, default "error", where faces touch in a vertex only
+        base_height, thickness, pinched : a flat base, or a copy that is lower; "error" or "trim"
         longest, z_factor, base_mm, thickness_mm : float, to scale for print, in its millimetres
         """
         return boundary.closed_solid(
@@ -503,8 +501,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
-        max_radius, polygon : leave out larger circumcircles (alpha shape); centroids outside of a
-            GeoJSON, file, shape or (k, 2) array_like
+        max_radius, polygon : leave out larger circles (alpha shape); centroids outside of a shape
         """
         return boundary.trim(
             self,

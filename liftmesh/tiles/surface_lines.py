@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.terrain.contours import Contours, crossings, wanted_levels
+from liftmesh.terrain.contours import Contours, wanted_levels
+from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.filled import FilledContours, fill
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 

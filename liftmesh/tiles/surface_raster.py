@@ -36,7 +36,7 @@ from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.rasters import RasterOptions, RasterPlan
-from liftmesh.terrain.report import Report
+from liftmesh.terrain.report import bare_report
 from liftmesh.terrain.surface import Surface
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
 
@@ -291,7 +291,7 @@ def _surface(points: Floats, faces: Array, crs: str | None, threads: int | None)
         faces=solved.simplices[~mask],
         triangulation=solved,
         frame=frame,
-        report=_report(len(points), len(faces)),
+        report=bare_report(len(points), len(faces)),
         crs=crs,
         mask=mask if mask.any() else None,
     )
@@ -301,14 +301,6 @@ def _names(triangles: Array) -> Integers:
     """Name triangles by their least corner and the next: no others have this directed edge."""
     first, every = np.argmin(triangles, axis=1), np.arange(len(triangles))
     return pair_keys(triangles[every, first], triangles[every, (first + 1) % 3])
-
-
-def _report(rows: int, faces: int) -> Report:
-    none: dict[str, Any] = {
-        "left_out": np.empty(0, np.int32),
-        "representatives": np.empty(0, np.int32),
-    }
-    return Report(rows, rows, 0, 0, 0, faces, "error", {}, **none)
 
 
 class Circles:

@@ -124,7 +124,8 @@ WITHOUT_DATA = {
     "Contour": "a line of Contours",
     "Contours": "a result, made by Surface.contours; its methods are watched",
     "Counters": "a result, made by delaunay",
-    "classify_ground": "CSF does the work, in a process of its own, on a cloth of bounded size",
+    "classify_ground": "CSF works in a process of its own, on a cloth of bounded size; a TIN "
+    "has a hundred rounds at most",
     "CutFillResult": "a result, made by Surface.cut_and_fill",
     "Accuracy": "a result, made by Surface.accuracy",
     "FilledContours": "a result, made by Surface.filled_contours; its methods are watched",

@@ -33,8 +33,8 @@ WRONG = [
     (["tile"], "IN or OUT is missing: give liftmesh tile IN... OUT (see liftmesh tile"),
     (["sample", "a", "b"], "--at is missing: give liftmesh sample IN OUT --at FILE (see liftmesh"),
     (
-        ["raster", "a", "b"],
-        "--resolution is missing: give liftmesh raster IN OUT --resolution SIZE",
+        ["raster", "a", "b.tif"],
+        "give either --resolution or --size (see liftmesh raster --help)",
     ),
     (["profile"], "IN is missing: give liftmesh profile IN OUT --along FILE|X,Y (see liftmesh"),
     (["info", "a.ply", "b.ply"], "unexpected 'b.ply': give liftmesh info FILE"),

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from commands import liftmesh as command
 from files.las import encoded, records
+from scipy.interpolate import LinearNDInterpolator
 
 import liftmesh
 from liftmesh import Cloud, InputError, MissingDependencyError
@@ -139,10 +140,14 @@ def test_rows_that_are_not_finite_have_no_ground() -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({"algorithm": "smrf"}, "algorithm is 'smrf': give one of 'csf'"),
+        ({"algorithm": "smrf"}, "algorithm is 'smrf': give one of 'csf', 'tin'"),
         ({"cloth_resolution": 0}, "cloth_resolution is 0: give a positive number of metres"),
         ({"cloth_threshold": -1.0}, "cloth_threshold is -1.0"),
         ({"cloth_rigidness": 4}, "cloth_rigidness is 4: give 1, 2 or 3"),
+        ({"algorithm": "tin", "tin_cell": 0}, "tin_cell is 0: give a positive number of metres"),
+        ({"algorithm": "tin", "tin_angle": 90}, "tin_angle is 90: give less than 90 degrees"),
+        ({"algorithm": "tin", "tin_distance": np.nan}, "tin_distance is nan"),
+        ({"noise_depth": -1}, "noise_depth is -1: give a positive number of metres"),
         ({"cloth_resolution": 0.001}, "60 by 60 m, for which the cloth has 3.6e[+]09 nodes"),
     ],
 )
@@ -258,4 +263,116 @@ def test_options_of_the_cloth(tmp_path: Path) -> None:
 def test_a_method_that_is_unknown(tmp_path: Path) -> None:
     done = command("triangulate", "raw.las", "tin.ply", "--ground", "smrf", cwd=tmp_path)
     assert done.returncode == 2
-    assert "--ground 'smrf' is unknown: give csf (" in done.stderr
+    assert "--ground 'smrf' is unknown: give csf or tin (" in done.stderr
+
+
+def tin(cloud: Any, **options: Any) -> np.ndarray:
+    found = liftmesh.classify_ground(cloud, algorithm="tin", **options)
+    return np.asarray(found.attributes["classification"])
+
+
+def test_the_triangulation_finds_the_ground() -> None:
+    cloud, truth = scene()
+    found = liftmesh.classify_ground(cloud, algorithm="tin")
+    ground = found.attributes["classification"] == 2
+    assert kappa(ground, truth) > 0.97
+    counts = dict(found.metadata["ground"])
+    assert 0 < counts.pop("bare_cells") < counts.pop("cells") == 144
+    assert counts == {
+        "rows": 6000, "ground": int(ground.sum()), "algorithm": "tin", "tin_cell": 40.0,
+        "tin_distance": 1.4, "tin_angle": 15.0, "tin_threshold": 0.25, "unit_known": False,
+        "z_unit_known": False,
+    }  # fmt: skip
+
+
+def test_the_order_of_rows_does_not_change_what_the_triangulation_finds() -> None:
+    cloud, _ = scene()
+    rounded = np.round(cloud.points, 0)  # positions, facets and heights that are equal
+    for points in (cloud.points, rounded):
+        order = np.random.default_rng(1).permutation(len(points))
+        np.testing.assert_array_equal(tin(points)[order], tin(points[order]))
+
+
+def test_the_triangulation_follows_slopes_and_hills() -> None:
+    x, y = (np.random.default_rng(2).random((2, 5000)) * 120).round(2)
+    for heights in (0.6 * x, 8 * np.sin(x / 30) * np.cos(y / 40)):
+        ground = tin(np.column_stack([x, y, heights])) == 2
+        assert ground.mean() > 0.98
+
+
+def test_every_row_that_is_ground_is_near_a_triangulation_of_ground() -> None:
+    """Against SciPy: rows above the ground that was found by more than all thresholds are none."""
+    cloud, truth = scene()
+    ground = tin(cloud) == 2
+    points = cloud.points - cloud.points.min(axis=0)
+    surface = LinearNDInterpolator(points[ground & truth, :2], points[ground & truth, 2])
+    above = points[:, 2] - surface(points[:, :2])
+    assert not ground[above > 1].any()
+    assert ground[truth & (np.abs(above) < 0.01)].mean() > 0.99
+
+
+def test_feet_are_converted_for_the_triangulation() -> None:
+    metres, feet = scene()[0], scene(0.3048, crs=FEET)[0]
+    assert (tin(metres) == tin(feet)).mean() > 0.999
+
+
+@pytest.mark.parametrize("algorithm", ["csf", "tin"])
+def test_low_noise_is_found_first(algorithm: Any) -> None:
+    cloud, truth = scene()
+    points = cloud.points.copy()
+    places = np.stack(np.meshgrid([8, 24, 40, 54], [8, 24, 40, 54]), axis=2).reshape(-1, 2)
+    apart = np.linalg.norm(points[truth][:, None, :2] - (500000, 5400000) - places, axis=2)
+    low = np.flatnonzero(truth)[apart.argmin(axis=0)]
+    points[low, 2] -= 6
+    points[low[1]] = points[low[0]] + (0.5, 0, 0.1)  # two beside each other
+    found = liftmesh.classify_ground(points, algorithm=algorithm, noise_depth=2)
+    classes = found.attributes["classification"]
+    assert (np.flatnonzero(classes == 7) == np.sort(low)).all()
+    assert found.metadata["ground"]["noise"] == 16
+    rest = np.delete(np.arange(6000), low)
+    assert kappa(classes[rest] == 2, truth[rest]) > 0.9
+    order = np.random.default_rng(1).permutation(6000)
+    again = liftmesh.classify_ground(points[order], algorithm="tin", noise_depth=2)
+    assert ((again.attributes["classification"] == 7) == (classes[order] == 7)).all()
+
+
+def test_low_noise_is_what_the_rule_says() -> None:
+    points = np.random.default_rng(5).random((400, 3)) * [60, 60, 4]
+    classes = liftmesh.classify_ground(points, algorithm="tin", noise_depth=0.4).attributes[
+        "classification"
+    ]
+    moved = points - points.min(axis=0)
+    cells = np.floor(moved[:, :2] / 5)
+    is_near = (np.abs(cells[:, None] - cells) <= 1).all(axis=2)
+    is_low = moved[:, 2] <= moved[:, 2, None] + 0.4
+    is_noise = ((is_near & is_low).sum(axis=1) <= 3) & (is_near.sum(axis=1) > 3)
+    assert 5 < is_noise.sum() < 200
+    assert ((classes == 7) == is_noise).all()
+
+
+@pytest.mark.filterwarnings("ignore:.* have no ground")
+@pytest.mark.parametrize("scale", [1e-200, 1e-3, 1e150, 1e300])
+def test_clouds_of_any_size_have_an_answer(scale: float) -> None:
+    points = np.random.default_rng(0).random((50, 3)) * scale
+    assert {*tin(points, noise_depth=1)} <= {1, 2, 7}
+    assert tin([[1, 2, 3]]).tolist() == tin([[1, 2, 3]] * 3)[:1].tolist() == [1]
+    assert len(tin(np.zeros((0, 3)), noise_depth=1)) == 0
+    assert (tin(np.column_stack([np.arange(9.0)] * 3)) == 1).all()  # on a line there is no facet
+
+
+def test_the_command_grows_a_triangulation(tmp_path: Path) -> None:
+    cloud, _ = scene()
+    liftmesh.write(tmp_path / "raw.las", cloud)
+    words = ("triangulate", "raw.las", "tin.ply", "--ground", "tin", "--noise-depth", "3")
+    done = command(*words, "--tin-angle", "12", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    expected = liftmesh.classify_ground(
+        tmp_path / "raw.las", algorithm="tin", tin_angle=12, noise_depth=3
+    )
+    assert json.loads(done.stdout)["ground"] == expected.metadata["ground"]
+    assert "rows (cells of 40 m, 12 degrees, 0 of low noise; the unit" in done.stderr
+    done = command(*words, "--overwrite", "--cloth-resolution", "2", cwd=tmp_path)
+    assert "--cloth-resolution is an option of --ground csf" in done.stderr
+    for option, value in (("--tin-cell", "2"), ("--noise-depth", "2")):
+        done = command("triangulate", "raw.las", "b.ply", option, value, cwd=tmp_path)
+        assert f"{option} is an option of --ground tin" in done.stderr

@@ -331,7 +331,9 @@ class TestFiles:
         wrong = liftmesh.Raster(found.values, found.transform, "EPSG:1")
         with pytest.raises(liftmesh.InputError, match="EPSG:1' is unknown"):
             wrong.save(tmp_path / "dtm.tif")
-        with pytest.raises(liftmesh.FormatError, match=r"dtm\.png: .* as GeoTIFF: name it \*\.tif"):
+        with pytest.raises(liftmesh.FormatError, match=r"dtm\.jpg: .* as GeoTIFF"):
+            found.save(tmp_path / "dtm.jpg")
+        with pytest.raises(liftmesh.InputError, match="pixels have no value, the first in row 0"):
             found.save(tmp_path / "dtm.png")
         with pytest.raises(FileNotFoundError, match="does not exist"):
             found.save(tmp_path / "nowhere" / "dtm.tif")
