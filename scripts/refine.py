@@ -49,6 +49,7 @@ WIDE = 30_000  # gaps in the length of a strip: several strips are refined to fe
 SAMPLES = 4000  # of edges
 NEAR = 1e-9  # of sizes, whose roundings differ
 ROUNDED = 2.0**-50  # of the longest side's square, in areas
+LIMIT = Fraction(2) ** 1023
 FEW = 2.0**-40  # heights that are this part of coordinates may have too few digits
 Case = tuple[Points, Edges]
 
@@ -138,10 +139,13 @@ def sizes(tri: Any, demand: Demand) -> dict[str, float]:
 
 
 def area_of(points: Points, triangles: Edges) -> float:
-    a, b, c = points[triangles].transpose(1, 0, 2)
-    (ux, uy), (vx, vy) = (b - a).T, (c - a).T
-    with np.errstate(over="ignore", invalid="ignore"):  # inf or nan where it is too large
-        return float((ux * vy - uy * vx).sum() / 2)
+    """Return the area, which does not depend on the order of the rows: the sum of rationals."""
+    at = [[*map(Fraction, each)] for each in points.tolist()]
+    whole = Fraction(0)
+    for a, b, c in triangles.tolist():
+        (x, y), (u, v), (s, t) = at[a], at[b], at[c]
+        whole += (u - x) * (t - y) - (v - y) * (s - x)
+    return float(whole / 2) if whole < LIMIT else np.inf
 
 
 def check(mesh: Refined, case: Case, demand: Demand, rng: Generator) -> None:
