@@ -13,8 +13,8 @@ angle is as large.
 those that conform must be some of `delaunay`, and rows and edges in another order must make the
 same. Those that are larger than asked for, and no others, are listed. Triangles may only be left
 for want of precision, or too large, where heights there or beside it are a few units in the last
-place, and the cap may only be reached for strips between edges without a common end, which are
-printed. Exits with 1 and the domain at a difference.
+place, and the cap may only be reached for strips between edges without a common end, or with one if
+the triangles are to conform, which are printed. Exits with 1 and the domain at a difference.
 """
 
 from __future__ import annotations
@@ -83,7 +83,8 @@ def holds(kind: str, rng: Generator) -> None:
         print(f"{kind}: {error!r}\n{said(case)}\n{demand}", file=sys.stderr)
         raise SystemExit(1) from error
     if kind not in HARD and mesh.result.capped:
-        print(f"{kind}: at the cap for a strip of length / gap {narrowness(mesh):.0e}")
+        found = narrowness(mesh, is_apart=not demand.conforming)
+        print(f"{kind}: at the cap for a strip of length / gap {found:.0e}")
 
 
 def said(case: Case) -> str:
@@ -213,7 +214,7 @@ def check_causes(mesh: Refined, case: Case, demand: Demand) -> None:
         assert any(has_few_digits(mesh.points[mesh.simplices[u]]) for u in (t, *beside)), (
             "there are digits for a better triangle"
         )
-    if not mesh.result.capped or narrowness(mesh) > WIDE:
+    if not mesh.result.capped or narrowness(mesh, is_apart=not demand.conforming) > WIDE:
         return
     more = refined(*case, replace(demand, most=MANY))
     assert not more.result.capped, "the cap is reached without a narrow strip"
@@ -225,13 +226,13 @@ def has_few_digits(corners: Points) -> bool:
     return bool(u[0] * v[1] - u[1] * v[0] <= FEW * longest)
 
 
-def narrowness(mesh: Refined) -> float:
-    """Return how often a gap between edges without a common end goes into its length, at most."""
+def narrowness(mesh: Refined, *, is_apart: bool = True) -> float:
+    """Return how often a gap between edges, perhaps without a common end, goes into its length."""
     points = mesh.before.points / abs(mesh.before.points).max()
     pieces = np.array(sorted(mesh.pieces))
     shares, most = np.linspace(0, 1, SAMPLES)[1:-1, None], 0.0
     for (a, b), (c, d) in permutations(pieces.tolist(), 2):
-        if {a, b} & {c, d}:
+        if {a, b} & {c, d} and (is_apart or {a, b} == {c, d}):
             continue
         places, along = points[a] + shares * (points[b] - points[a]), points[d] - points[c]
         share = ((places - points[c]) @ along / (along @ along)).clip(0, 1)
