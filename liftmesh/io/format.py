@@ -30,7 +30,7 @@ from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import check_colors, fits_eight_bits, is_opaque
@@ -273,7 +273,7 @@ def _check_finite(file_format: Format, cloud: Cloud) -> None:
     if bad.any():
         row = int(np.argmax(bad))
         if cloud.faces is not None and len(held) < len(cloud):
-            row = int(used_rows(len(cloud), cloud.faces)[row])
+            row = int(_used(file_format, cloud)[row])
         raise FormatError(
             f"vertex {row} is {cloud.points[row].tolist()}: {file_format.name} holds finite "
             "coordinates only: remove such rows, or write PLY or OBJ"
@@ -292,7 +292,7 @@ def dropped(
     kept = set(file_format.keeps) - set(losses)
     if "colors" not in kept:
         kept |= {"alpha", "deep_colors"}  # covered by "colors"
-    lost = [word for word in CONTENT if word not in kept and _has(cloud, word)]
+    lost = [word for word in CONTENT if word not in kept and _has(file_format, cloud, word)]
     if {"alpha", "deep_colors"} <= {*lost} and fits_eight_bits(cloud.colors[:, :3]):  # type: ignore[index]
         lost.remove("deep_colors")  # only alpha has more than eight bits
     is_said = "float64" in losses
@@ -305,15 +305,15 @@ def dropped(
     if known.carved and "metadata" not in file_format.keeps:
         entries = (*entries, metadata.CARVED)  # the triangles that are left are all that counts
     names = [name for name in names if name not in metadata.named(entries)]
-    named = (each for each in losses if each not in CONTENT)
+    named = (each for each in losses if each not in CONTENT and each not in names)
     return (*names, *named, *known.lost)
 
 
-def _has(cloud: Cloud, word: str) -> bool:
+def _has(file_format: Format, cloud: Cloud, word: str) -> bool:
     """Whether a cloud has a part that could be lost."""
     colors = cloud.colors
     if word == "points":
-        return _has_unused_rows(cloud)
+        return cloud.faces is None or len(_used(file_format, cloud)) < len(cloud)
     if word == "float64":
         return False  # its coordinates decide, relative to the origin of the file
     if word == "alpha":
@@ -326,8 +326,11 @@ def _has(cloud: Cloud, word: str) -> bool:
     return part is not None and len(part) > 0
 
 
-def _has_unused_rows(cloud: Cloud) -> bool:
-    return cloud.faces is None or len(used_rows(len(cloud), cloud.faces)) < len(cloud)
+def _used(file_format: Format, cloud: Cloud) -> Rows:
+    """List the rows of faces, and those of edges if the format keeps these."""
+    parts = [cloud.faces, cloud.edges if "edges" in file_format.keeps else None]
+    corners = [each.reshape(-1) for each in parts if each is not None]
+    return used_rows(len(cloud), corners[0] if len(corners) == 1 else np.concatenate(corners))
 
 
 def _names(cloud: Cloud, word: str) -> list[str]:
@@ -350,10 +353,10 @@ def renamed(file_format: Format, cloud: Cloud) -> tuple[tuple[str, str], ...]:
 
 
 def _held(file_format: Format, cloud: Cloud) -> Floats:
-    """The points that a file holds: all, or those of the faces."""
+    """The points that a file holds: all, or those in use."""
     if "points" in file_format.keeps or cloud.faces is None:
         return cloud.points
-    return cloud.points.take(used_rows(len(cloud), cloud.faces), axis=0)
+    return cloud.points.take(_used(file_format, cloud), axis=0)
 
 
 TOLERANCE = 1e-6  # of the size of a model, by which rounding may move a vertex
@@ -388,9 +391,9 @@ def _moved(points: Floats) -> Floats:
 
 def round_below(low: Floats, size: float) -> Floats:
     """Round coordinates down, to units or to a power of ten that suits a smaller model."""
-    if size == 0:
+    step = 10.0 ** min(np.floor(np.log10(size)), 0.0) if size else 0.0
+    if step == 0:  # of the least denormals, too
         return low
-    step = 10.0 ** min(np.floor(np.log10(size)), 0.0)
     rounded: Floats = np.floor(low / step) * step
     return rounded
 

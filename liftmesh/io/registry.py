@@ -42,6 +42,7 @@ Entry = TypeVar("Entry")
 FORMAT_GROUP = "liftmesh.formats"
 ADAPTER_GROUP = "liftmesh.adapters"
 _OF_MESHIO = frozenset({"vtk", "xdmf", "med", "mesh", "inp", "bdf", "exo", "cgns"})
+_OF_GEOPANDAS = frozenset({"geojson", "gpkg", "shp", "fgb", "gml", "kml"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,6 +266,8 @@ def _unknown(key: str) -> str:
     unknown = f"no format has the suffix or name {key!r}"
     if key in _OF_MESHIO:
         return f"{unknown}, but `meshio convert` makes such files of .vtu, and .ply of them"
+    if key in _OF_GEOPANDAS:
+        return f"{unknown}, but points that geopandas.read_file() returns are taken as clouds"
     return unknown
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -142,7 +143,7 @@ def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> C
     if vertices - edges + triangles != 1:
         text = f"vertices - edges + triangles is {vertices - edges + triangles}, not 1"
         flaws = (Flaw("euler", 1, text), *flaws)
-    return Certificate(
+    certificate = Certificate(
         n_rows=tiled.npoints,
         n_skipped=skipped,
         n_vertices=vertices,
@@ -156,6 +157,7 @@ def _certificate(tiled: TiledData, proof: Proof, skipped: int, digest: str) -> C
         simplices_sha256=_sha256(tiled),
         version=_kernel.VERSION,
     )
+    return replace(certificate, planar=certificate.valid or None, delaunay=certificate.valid)
 
 
 def _sha256(tiled: TiledData) -> str:

@@ -95,7 +95,7 @@ def near(a: Array, b: Array) -> bool:
 
 def _ends(cloud: Cloud) -> list[list[bytes]]:
     """The positions of both ends of each edge, in any order: some files have their own."""
-    ends = (cloud.points + 0.0)[edges_of(cloud)]
+    ends = np.where(np.isnan(cloud.points), np.nan, cloud.points + 0.0)[edges_of(cloud)]
     return sorted(sorted(end.tobytes() for end in edge) for edge in ends)
 
 
@@ -108,7 +108,8 @@ def _of_points(before: Cloud, after: Cloud) -> Iterator[str]:
     if has_faces and (after.faces is None or not len(after.faces)):
         yield FACES
     _demand(has_faces or after.faces is None or not len(after.faces), "new faces")
-    is_row_by_row = len(before) == len(after) and np.array_equal(before.faces, after.faces)
+    are_there = same(before.points, after.points) or near(before.points, after.points)
+    is_row_by_row = are_there and np.array_equal(before.faces, after.faces)
     if not has_faces or after.faces is None or is_row_by_row:
         _demand(len(after) == len(before), f"{len(after)} rows of {len(before)}")
         if not same(before.points, after.points):
@@ -119,10 +120,14 @@ def _of_points(before: Cloud, after: Cloud) -> Iterator[str]:
 
 
 def _of_triangles(before: Cloud, after: Cloud) -> Iterator[str]:
-    """Compare meshes whose rows are others: corner by corner."""
-    ours, theirs = before.points[before.faces], after.points[after.faces]
+    """Compare meshes whose rows are others: corner by corner, and zeros of either sign are equal.
+
+    Formats without rows make one row of equal corners, so that all have the zeros of the first.
+    """
+    ours, theirs = before.points[before.faces] + 0.0, after.points[after.faces] + 0.0
     _demand(ours.shape == theirs.shape, f"{len(theirs)} faces of {len(ours)}")
-    yield ROWS if len(np.unique(before.faces)) < len(before) else ORDER
+    used = [before.faces, edges_of(before if len(edges_of(after)) else after)]
+    yield ROWS if len(np.unique(np.concatenate([*map(np.ravel, used)]))) < len(before) else ORDER
     if not same(ours, theirs):
         _demand(near(ours.reshape(-1, 3), theirs.reshape(-1, 3)), "other corners")
         yield PRECISION

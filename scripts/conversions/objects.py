@@ -319,8 +319,14 @@ def _through_object(make: Callable[[Cloud], Any], cloud: Cloud) -> Arrival:
         others = {name: each for name, each in back.attributes.items() if name not in own}
         back = replace(back, attributes=others)
     if isinstance(made, Surface):
-        cloud = replace(cloud, faces=made.faces)
+        cloud = replace(cloud, faces=made.faces, metadata=_of_new_faces(cloud, back))
     return Arrival(back, sent=cloud)
+
+
+def _of_new_faces(cloud: Cloud, back: Cloud) -> dict[str, Any]:
+    """Return the metadata, but what told how the faces before were made, where it is gone."""
+    told = {"triangulated_by"} - back.metadata.keys()
+    return {key: value for key, value in cloud.metadata.items() if key not in told}
 
 
 def _through_surface(convert: Callable[[Surface], Any], cloud: Cloud) -> Arrival:

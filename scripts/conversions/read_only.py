@@ -102,7 +102,8 @@ def scan(cloud: Cloud, path: Path) -> None:
     for name, each in _with_numbers(cloud).attributes.items():
         if each.ndim > 1 or (each.dtype == np.uint64 and (each > 1 << 62).any()):
             raise InputError("E57 has no such values")
-        values[name] = each.astype(_STORED.get(each.dtype.newbyteorder("=").name, each.dtype))
+        native = each.dtype.newbyteorder("=")
+        values[name] = each.astype(_STORED.get(native.name, native))
     crs = cloud.crs or ""
     if not set(crs) <= _IN_XML or crs != crs.strip():
         raise InputError("XML has no such characters, or no such blanks")

@@ -34,7 +34,7 @@ WRONG = [
     (["sample", "a", "b"], "--at is missing: give liftmesh sample IN OUT --at FILE (see liftmesh"),
     (
         ["raster", "a", "b.tif"],
-        "--resolution is missing: give liftmesh raster IN OUT --resolution SIZE",
+        "give either --resolution or --size (see liftmesh raster --help)",
     ),
     (["profile"], "IN is missing: give liftmesh profile IN OUT --along FILE|X,Y (see liftmesh"),
     (["info", "a.ply", "b.ply"], "unexpected 'b.ply': give liftmesh info FILE"),

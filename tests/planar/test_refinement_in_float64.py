@@ -112,3 +112,15 @@ def test_what_cannot_conform_is_told() -> None:
     tri = constrained_delaunay(points * [far, near], edges, carve="holes")
     with pytest.warns(liftmesh.DataWarning, match=r"not those of `delaunay` across \d+ constraint"):
         refine(tri, min_angle=28, conforming=True, max_points=500)
+
+
+@pytest.mark.parametrize(
+    ("options", "large"),
+    [({"size": 1e-160}, [0, 1]), ({"size": 1e-120}, [1]), ({"max_area": 1e-320}, [0])],
+)
+def test_what_is_very_small_beside_the_domain_is_measured(options: Any, large: list[int]) -> None:
+    """Squares of such lengths are below all doubles."""
+    tri = liftmesh.delaunay([[0, 0], [1e-150, 0], [0, 1e-150], [1e150, 1e150]])
+    with pytest.warns(liftmesh.DataWarning, match="stayed larger than asked for"):
+        result = liftmesh.refine(tri, min_angle=None, **options)
+    assert (result.too_large.tolist(), result.capped) == (large, False)

@@ -60,6 +60,7 @@ class Measures {
         second_ = std::ldexp(1.0, -exponent - -exponent / 2);
     }
 
+    int exponent() const { return std::ilogb(first_) + std::ilogb(second_); }
     double scaled(double length) const { return length * first_ * second_; }
     Vector between(Point from, Point to) const {
         return {scaled(to.x) - scaled(from.x), scaled(to.y) - scaled(from.y)};

@@ -161,7 +161,7 @@ Refined Refinement::result() {
     std::vector<std::uint32_t> number(wanted_.lengths ? region_.size() : 0);  // of slots
     unmeasured_.clear();
     const auto list_too_long = [&] {
-        for (const Waiting& each : too_long())
+        for (const Waiting& each : too_long(true))
             found.is_large[number[slot_of(triangle_of(each.base))]] = true;
     };
     for (TriangleId t = 0; t < slots().end(); t += words_per_triangle) {
@@ -172,7 +172,7 @@ Refined Refinement::result() {
         Cause cause = Cause::none;
         if (is_inside(t)) {
             const Shape its = shape(t);
-            is_large = has_large_area(t, its);
+            is_large = is_listed_for_area(its.base);
             if (wanted_.lengths) unmeasured_.push_back({its.base2, its.base, stamp_[slot_of(t)]});
             if (its.is_sharp || its.base2 < least2)
                 cause = is_between_constraints(its.base) ? Cause::between_constraints

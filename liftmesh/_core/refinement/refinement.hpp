@@ -66,12 +66,16 @@ class Refinement {
     bool does_step();
     void prefetch() const;
 
+    Vector side_of(Edge e) const { return between(slots().tail(e), slots().head(e)); }
     Shape shape(TriangleId t) const;
     std::optional<Waiting> need(TriangleId t);
     void look_at(TriangleId t);
     void push(std::vector<Waiting> all);
-    std::vector<Waiting> too_long();
+    std::vector<Waiting> too_long(bool at_end = false);
     bool has_large_area(TriangleId t, const Shape& its);
+    std::pair<std::array<Vector, 3>, int> sides_near_one(Edge base) const;
+    bool is_listed_for_area(Edge base);
+    bool is_listed_for_length(Edge base, double length) const;
     bool is_between_constraints(Edge base) const;
     // Of sharp triangles, whether this one is not split for its angle.
     bool is_left(Edge base) const { return is_between_constraints(base) || is_tiny(base); }

@@ -8,7 +8,7 @@ Shape Refinement::shape(TriangleId t) const {
     Vector side[3];
     double length2[3];
     for (unsigned k = 0; k < 3; ++k) {
-        side[k] = between(slots().tail(edge(t, k)), slots().head(edge(t, k)));
+        side[k] = side_of(edge(t, k));
         length2[k] = square(side[k]);
     }
     const auto apex = [&](unsigned k) { return at(slots().vertex(t, k)); };
@@ -69,6 +69,30 @@ bool Refinement::has_large_area(TriangleId t, const Shape& its) {
     return !largest_.empty() && its.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))];
 }
 
+// The sides of a triangle times a power of two, which makes them about one, and its exponent. What
+// is very small beside the domain is not split, as its squares are lost; but by these it is listed.
+std::pair<std::array<Vector, 3>, int> Refinement::sides_near_one(Edge base) const {
+    std::array<Vector, 3> side = {side_of(base), side_of(next(base)), side_of(previous(base))};
+    double most = std::numeric_limits<double>::min();
+    for (const Vector each : side) most = std::max({most, std::abs(each.x), std::abs(each.y)});
+    const int exponent = -std::ilogb(most);
+    for (Vector& each : side) each = {std::ldexp(each.x, exponent), std::ldexp(each.y, exponent)};
+    return {side, measures_.exponent() + exponent};
+}
+
+bool Refinement::is_listed_for_area(Edge base) {
+    if (wanted_.largest.empty()) return false;
+    const auto [side, exponent] = sides_near_one(base);
+    const double most = wanted_.largest[static_cast<std::size_t>(region(triangle_of(base)))];
+    return cross(side[1], side[2]) / 2 > std::ldexp(most, 2 * exponent);
+}
+
+bool Refinement::is_listed_for_length(Edge base, double length) const {
+    const auto [side, exponent] = sides_near_one(base);
+    const double most = std::numbers::sqrt2 * std::ldexp(length, exponent);
+    return std::ranges::any_of(side, [=](Vector each) { return square(each) > most * most; });
+}
+
 void Refinement::look_at(TriangleId t) {
     if (const auto found = need(t)) waiting_.push(*found);
 }
@@ -79,7 +103,7 @@ bool Refinement::is_gone(const Waiting& waiting) const {
 }
 
 // Asks for the lengths that are wanted in all triangles that are new, and returns those too long.
-std::vector<Waiting> Refinement::too_long() {
+std::vector<Waiting> Refinement::too_long(bool at_end) {
     std::erase_if(unmeasured_, [this](const Waiting& each) { return is_gone(each); });
     std::vector<Point> centroids;
     std::vector<std::int32_t> regions;
@@ -94,9 +118,11 @@ std::vector<Waiting> Refinement::too_long() {
     std::vector<Waiting> long_ones;
     expected_ = static_cast<double>(made_);
     for (std::size_t i = 0; i < lengths.size(); ++i) {
-        const Shape found = shape(triangle_of(unmeasured_[i].base));
+        const Edge base = unmeasured_[i].base;
+        const Shape found = shape(triangle_of(base));
         const double most = std::numbers::sqrt2 * measures_.scaled(lengths[i]);
-        if (!(found.longest2 > most * most)) continue;
+        if (!(at_end ? is_listed_for_length(base, lengths[i]) : found.longest2 > most * most))
+            continue;
         long_ones.push_back(unmeasured_[i]);
         expect(found.twice_area / 2, 0.25 * most * most);
     }
@@ -118,9 +144,7 @@ Point Refinement::center(const Shape& shape, double height) const {
 // False where no longer side is a constraint that can be split.
 bool Refinement::split_long_side(Edge base) {
     Edge one = next(base), other = previous(base);
-    const auto length2 = [this](Edge e) {
-        return square(between(slots().tail(e), slots().head(e)));
-    };
+    const auto length2 = [this](Edge e) { return square(side_of(e)); };
     if (length2(one) < length2(other)) std::swap(one, other);
     return (slots().is_marked(one) && ask_to_split(one)) ||
            (slots().is_marked(other) && ask_to_split(other));

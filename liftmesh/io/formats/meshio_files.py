@@ -26,6 +26,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import edges_of, faces_of
+from liftmesh.io.format import CONTENT
 from liftmesh.io.tags import Boundary, grouped, positive_markers, regions_of
 from liftmesh.optional import load
 
@@ -102,6 +103,7 @@ def write_su2(stream: BinaryIO, cloud: Cloud) -> frozenset[str]:
         cell_data={"su2:tag": [np.zeros(len(faces), np.int32), markers]},
     )
     lost = {"heights": cloud.points[:, 2].any(), "edges inside": not is_outer.all()}
+    lost[CONTENT["points"]] = len(rows) < len(cloud)  # also if edges inside have them
     return frozenset(each for each, is_lost in lost.items() if is_lost)
 
 

@@ -160,6 +160,17 @@ def test_ezdxf_reads_what_is_written(tmp_path: Path) -> None:
     )
 
 
+def test_rows_of_edges_alone_are_held(tmp_path: Path) -> None:
+    rows = np.array([[0, 0, 5], [4, 0, 6], [0, 4, 7], [9, 9, 9.0]])
+    mesh = Cloud(rows, faces=np.array([[0, 1, 2]]), edges=np.array([[0, 3]]))
+    assert liftmesh.write(tmp_path / "a.dxf", mesh).dropped == ()
+    assert liftmesh.read(tmp_path / "a.dxf").points.tolist() == rows.tolist()
+    rows[3, 2] = np.nan
+    with pytest.raises(FormatError, match=r"vertex 3 is .*nan.*: dxf holds finite coordinates"):
+        liftmesh.write(tmp_path / "b.dxf", mesh)
+    assert not (tmp_path / "b.dxf").exists()
+
+
 def test_a_drawing_becomes_a_surface(tmp_path: Path) -> None:
     made, space = drawing()
     for each in SQUARE:

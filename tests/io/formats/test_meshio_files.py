@@ -177,6 +177,9 @@ def test_surfaces_and_rows_without_faces(tmp_path: Path) -> None:
     assert liftmesh.write(tmp_path / "a.su2", mesh).dropped == ("rows in no face", "heights")
     found = meshio.read(tmp_path / "a.su2")
     assert found.cells_dict["triangle"].tolist() == [[0, 1, 2], [0, 2, 3]]
+    lined = replace(mesh, edges=np.array([[0, 3]], np.int32))
+    dropped = liftmesh.write(tmp_path / "b.su2", lined).dropped
+    assert sorted(dropped) == ["edges inside", "heights", "rows in no face"]
     assert (len(found.points), len(found.cells_dict["line"])) == (4, 4)
     for kind in ("msh", "su2"):
         with pytest.raises(FormatError, match=f"without faces cannot be written as {kind.upper()}"):

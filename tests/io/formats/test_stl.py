@@ -314,3 +314,11 @@ def test_a_file_within_a_stream() -> None:
         stream = io.BytesIO(b"before" + data)
         stream.seek(6)
         assert len(liftmesh.read(stream, format="stl")) == len(loaded(data, "stl"))
+
+
+@pytest.mark.parametrize("kind", ["stl", "glb", "3mf"])
+def test_the_least_denormals_are_refused_by_name(kind: str) -> None:
+    mesh = small_mesh()
+    tiny = Cloud(np.sign(mesh.points) * 5e-324, faces=mesh.faces)
+    with pytest.raises(FormatError, match="do not fit the single precision of"):
+        liftmesh.write(io.BytesIO(), tiny, format=kind)

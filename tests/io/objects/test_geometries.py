@@ -107,6 +107,15 @@ def test_other_geometries_are_refused(shapes: list, cause: str) -> None:
             call(gpd.GeoDataFrame(geometry=shapes))
 
 
+def test_files_of_geometries_say_how_they_become_clouds(tmp_path: Path) -> None:
+    frame(class_=[1, 2, 3, 4]).to_file(tmp_path / "a.gpkg")
+    with pytest.raises(liftmesh.FormatError, match=r"'gpkg', but points that geopandas.read_file"):
+        liftmesh.read(tmp_path / "a.gpkg")
+    found = liftmesh.as_cloud(gpd.read_file(tmp_path / "a.gpkg"))
+    assert found.points.tolist() == XYZ.tolist()
+    assert (found.crs, found.attributes["class_"].tolist()) == ("EPSG:25832", [1, 2, 3, 4])
+
+
 def test_empty_points_are_not_finite() -> None:
     points = gpd.GeoDataFrame(geometry=[*gpd.points_from_xy(*XYZ.T), Point()])
     with pytest.raises(InputError, match="row 4"):
