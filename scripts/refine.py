@@ -23,6 +23,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import permutations
 from typing import Any
 
@@ -179,8 +180,22 @@ def check_sizes(mesh: Refined, demand: Demand) -> None:
     slack = np.where(is_listed, NEAR, -NEAR)
     is_large = longest * (1 + slack) > length
     is_large |= areas * (1 + slack) + np.sign(slack) * ROUNDED * longest**2 > area
-    assert (is_large == is_listed).all(), "others are listed than those that are too large"
+    for t in np.flatnonzero(is_large != is_listed):  # in doubt, or too small beside the others
+        corners = [[*map(Fraction, each)] for each in mesh.points[mesh.simplices[t]].tolist()]
+        is_exactly = is_too_large(corners, asked)
+        assert is_exactly == is_listed[t], "others are listed than those that are too large"
     assert not is_listed.any() or mesh.result.capped or "larger than asked" in mesh.told, "not told"
+
+
+def is_too_large(corners: list[list[Fraction]], asked: dict[str, float]) -> bool:
+    """Decide in rationals whether a triangle is larger than asked for."""
+    sides = [
+        (q[0] - p[0], q[1] - p[1]) for p, q in zip(corners, corners[1:] + corners, strict=False)
+    ]
+    if "size" in asked:
+        return max(x * x + y * y for x, y in sides) > 2 * Fraction(asked["size"]) ** 2
+    (a, b), (c, d), _ = sides
+    return "max_area" in asked and (a * d - b * c) / 2 > Fraction(asked["max_area"])
 
 
 def check_causes(mesh: Refined, case: Case, demand: Demand) -> None:

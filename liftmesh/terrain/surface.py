@@ -599,9 +599,8 @@ class Surface(SurfaceData):
         return triangulations.to_triangulation(x, y, self.faces)
 
     def save(self, path: str | os.PathLike[str] | BinaryIO, **options: Any) -> WriteResult:
-        """Write the surface to a file.
+        """Write the surface to a file, and return a WriteResult.
 
-        Returns a WriteResult.
         In full: `liftmesh.write`.
 
         Parameters
