@@ -33,8 +33,16 @@ def by_scipy(points: np.ndarray, distance: float, buffer: float) -> np.ndarray:
             solved = Delaunay(plane)
             a, b, c = (plane[solved.simplices[:, k]] for k in range(3))
             sides = np.array([np.hypot(*each.T) for each in (a - b, b - c, c - a)])
-            is_frozen = np.append((sides < distance).all(axis=0), False)
-            left[left] = ~is_frozen[solved.find_simplex(points[left, :2])]
+            is_frozen = (sides < distance).all(axis=0)
+            turns = [
+                np.sign(
+                    (q - p)[:, None, 0] * (points[left, 1] - p[:, None, 1])
+                    - (q - p)[:, None, 1] * (points[left, 0] - p[:, None, 0])
+                )
+                for p, q in ((a, b), (b, c), (c, a))
+            ]
+            is_within = (turns[0] == turns[1]) & (turns[1] == turns[2])
+            left[left] = ~is_within[is_frozen].any(axis=0)
     return np.sort(rows)
 
 
