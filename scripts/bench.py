@@ -27,6 +27,7 @@ BENCHMARKS = {
     "simplify": "rasters in few triangles, beside pydelatin",
     "text": "numbers as text, read and written, beside polars",
     "stl": "binary STL, read and written, beside trimesh",
+    "ground": "errors of ground filters on scenes whose ground is known",
     "lidar": "from LAZ to the mesh of its ground, beside decoding alone",
     "pipeline": "from a PLY file to another, stage by stage",
     "tiles": "a file in tiles, beside one call and tiles with buffers",

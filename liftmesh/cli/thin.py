@@ -17,12 +17,16 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
 SHORT_HELP = "Thin a cloud and write the rows that stay."
-HELP = "At random, one of each cell, a distance apart, or those without which most is lost."
+HELP = (
+    "At random, one of each cell, a distance apart, those without which most is lost, or those of "
+    "tops without spikes."
+)
 EXAMPLES = [
     "liftmesh thin survey.laz few.laz --cell 0.5",
     "liftmesh thin dem.tif points.ply --adaptive 10000",
+    "liftmesh thin forest.laz canopy.laz --returns first --spike-free 1",
 ]
-_WAYS = "give one of --random, --cell, --min-distance and --adaptive"
+_WAYS = "give one of --random, --cell, --min-distance, --adaptive and --spike-free"
 
 
 def _thinning(
@@ -45,16 +49,27 @@ def _thinning(
     adaptive: Annotated[
         int | None, option("N", "Keep the N rows without which a surface loses most.", whole(3))
     ] = None,
+    spike_free: Annotated[
+        float | None,
+        option("D", "Keep tops without spikes: none below triangles of shorter sides.", positive),
+    ] = None,
+    spike_buffer: Annotated[
+        float | None,
+        option("HEIGHT", "Of --spike-free: of a layer; by default half of it.", positive),
+    ] = None,
 ) -> dict[str, Any]:
     """Check the options of thinning, and return those given, as `liftmesh.thin` has them."""
     thinning = options.given(random=random, cell=cell, min_distance=min_distance, adaptive=adaptive)
+    thinning |= options.given(spike_free=spike_free)
     if len(thinning) > 1:
         raise click.BadParameter(_WAYS)
     if seed is not None and random is None:
         raise click.BadParameter("--seed is of --random only: give both, or neither")
     if keep is not None and cell is None:
         raise click.BadParameter("--keep is of --cell only: give both, or neither")
-    return thinning | options.given(seed=seed, keep=keep)
+    if spike_buffer is not None and spike_free is None:
+        raise click.BadParameter("--spike-buffer is of --spike-free only: give both, or neither")
+    return thinning | options.given(seed=seed, keep=keep, spike_buffer=spike_buffer)
 
 
 Thinning: TypeAlias = Annotated[dict[str, Any], options.Group(_thinning, "Selection")]

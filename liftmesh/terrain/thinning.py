@@ -37,6 +37,7 @@ from liftmesh.base.options import (
 from liftmesh.errors import InputError, Option
 from liftmesh.io.read import read_cloud
 from liftmesh.io.selection import only
+from liftmesh.terrain.spike_free import spike_free_rows
 from liftmesh.terrain.surface_data import positions_of
 from liftmesh.terrain.triangulate import triangulate
 
@@ -49,6 +50,7 @@ _MOST_CELLS = float(2**52)  # from the origin: beyond, doubles do not tell cells
 # at the corners by no more than rounding.
 _NEAR = [(i, j) for i in range(-2, 3) for j in range(-2, 3) if i or j]
 _SEEDS = 2**63
+_OWNERS = {"seed": "random", "keep": "cell", "spike_buffer": "spike_free"}
 _TRIANGULATED = 0.1  # of adaptive thinning
 
 
@@ -62,9 +64,11 @@ def thin(  # noqa: PLR0913 - options are keywords
     keep: CellRow | None = None,
     min_distance: float | None = None,
     adaptive: int | None = None,
+    spike_free: float | None = None,
+    spike_buffer: float | None = None,
     progress: Progress | None = None,
 ) -> Cloud:
-    """Thin a cloud by one of five ways.
+    """Thin a cloud by one of six ways.
 
     Parameters
     ----------
@@ -89,7 +93,15 @@ def thin(  # noqa: PLR0913 - options are keywords
         the vertical distances of all that are gone grow least; of several, as on level ground, one
         that a hash of the coordinates chooses. Corners of the hull stay; of rows at one planar
         position the first counts, and each row must be finite.
-
+    spike_free : float, optional
+        Keep the rows of a surface of tops without spikes, as of first returns over trees: rows come
+        in layers from above, and those in a triangle all sides of which are shorter than this
+        freeze distance are left out (A. Khosravipour, A. K. Skidmore and M. Isenburg, 2016). About
+        three times the distance of pulses is usual. Of rows at one planar position the highest
+        counts.
+    spike_buffer : float, optional
+        Of `spike_free`: the height of a layer, whose rows do not leave each other out; half of the
+        freeze distance by default.
     progress : callable, optional
         As for `triangulate`; of `every`, `random` and `cell` it hears of the end alone.
 
@@ -103,8 +115,9 @@ def thin(  # noqa: PLR0913 - options are keywords
     Raises
     ------
     InputError
-        None or several of the five are given, a value is invalid, `seed` is given without `random`
-        or `keep` without `cell`, or `adaptive` is less than the number of corners of the hull.
+        None or several of the six are given, a value is invalid, `seed` is given without `random`,
+        `keep` without `cell` or `spike_buffer` without `spike_free`, or `adaptive` is less than the
+        number of corners of the hull, or by `spike_buffer` rows are in more than 10,000 layers.
     NonFiniteError, DegenerateInputError
         Of `adaptive`: as for `triangulate`.
     FormatError, UnsupportedTypeError
@@ -115,6 +128,12 @@ def thin(  # noqa: PLR0913 - options are keywords
     simplify : A surface with fewer vertices, within a bound.
     merge : Several clouds in one.
 
+    Notes
+    -----
+    A layer of `spike_free` triangulates what is kept so far, and locates what is left: 10^6 first
+    returns over trees of 25 m and the ground take 30 s with a buffer of 0.5 m. In mountains
+    give a larger buffer.
+
     Examples
     --------
     >>> found = thin([[0.2, 0.2, 5], [0.7, 0.1, 4], [1.5, 0, 6]], cell=1.0)
@@ -122,11 +141,9 @@ def thin(  # noqa: PLR0913 - options are keywords
     ([4.0, 6.0], {'n_rows': 3, 'n_kept': 2, 'cell': 1.0, 'keep': 'lowest'})
     """
     given = {"every": every, "random": random, "cell": cell, "min_distance": min_distance}
-    given["adaptive"] = adaptive
+    given |= {"adaptive": adaptive, "spike_free": spike_free}
     way, value = _one_of(given)
-    for name, owner, option in (("seed", "random", seed), ("keep", "cell", keep)):
-        if option is not None and owner != way:
-            raise InputError(f"{Option(name)} is of {Option(owner)} only: give both, or neither")
+    _check_owners(way, seed=seed, keep=keep, spike_buffer=spike_buffer)
     seed = 0 if seed is None else as_count("seed", seed, 0)
     keep = "lowest" if keep is None else keep
     check_option("keep", keep, CellRow)
@@ -142,6 +159,13 @@ def thin(  # noqa: PLR0913 - options are keywords
     elif way == "cell":
         rows = _of_cells(source.points, as_positive("cell", value, _LENGTH), keep)
         how["keep"] = keep
+    elif way == "spike_free":
+        distance = as_positive("spike_free", value, _LENGTH)
+        buffer = distance / 2 if spike_buffer is None else spike_buffer
+        rows = _tops(
+            source.points, distance, as_positive("spike_buffer", buffer, _LENGTH), progress
+        )
+        how["spike_buffer"] = buffer
     elif way == "adaptive":
         rows = _most_significant(source, as_count("adaptive", value, 3), progress)
     else:
@@ -161,6 +185,14 @@ def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     return next(iter(ways.items()))
 
 
+def _check_owners(way: str, **given: object) -> None:
+    """Raise for an option of another way."""
+    for name, value in given.items():
+        owner = _OWNERS[name]
+        if value is not None and owner != way:
+            raise InputError(f"{Option(name)} is of {Option(owner)} only: give both, or neither")
+
+
 def _most_significant(cloud: Cloud, wanted: int, progress: Progress | None) -> Rows:
     """Choose the rows that adaptive thinning keeps."""
     check_finite(cloud.points, skippable=False)
@@ -172,6 +204,14 @@ def _most_significant(cloud: Cloud, wanted: int, progress: Progress | None) -> R
     if len(rows) > wanted:
         raise refused("adaptive", wanted, f"the hull alone has {len(rows)} corners, which stay")
     return np.sort(used[rows])
+
+
+def _tops(points: Floats, distance: float, buffer: float, progress: Progress | None) -> Array:
+    """Keep the rows of a surface without spikes."""
+    is_finite = np.isfinite(points).all(axis=1)
+    rows = np.flatnonzero(is_finite)
+    kept = spike_free_rows(points[rows].astype(np.float64, copy=False), distance, buffer, progress)
+    return np.sort(np.concatenate([rows[kept], np.flatnonzero(~is_finite)]))
 
 
 def _at_random(count: int, wanted: int, seed: int) -> Array:

@@ -95,13 +95,13 @@ def bounded(points: Points) -> Work:
 def compared(points: Points) -> Work:
     """Prepare two surfaces over the same ground, of which one has other points."""
     one = surface_over(points)
-    other = surface_over(points[::2])
+    other = surface_over(points[len(points) // 2 :])
     return Work(lambda: one.cut_and_fill(other), len(points))
 
 
 def subtracted(points: Points) -> Work:
     """Prepare the difference of a surface and one of half as many points."""
-    one, other = surface_over(points), surface_over(points[::2])
+    one, other = surface_over(points), surface_over(points[len(points) // 2 :])
     return Work(lambda: liftmesh.difference(one, other), len(points))
 
 
@@ -134,7 +134,7 @@ def combed(points: Points) -> Work:
 
 def compared_within(points: Points) -> Work:
     """Prepare two such surfaces, in two polygons."""
-    one, other = surface_over(points), surface_over(points[::2])
+    one, other = surface_over(points), surface_over(points[len(points) // 2 :])
     return Work(lambda: one.cut_and_fill_by_polygon(other, HALVES), len(points))
 
 

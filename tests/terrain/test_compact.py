@@ -100,3 +100,11 @@ def test_the_command_says_how_many(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     count = len(liftmesh.read(tmp_path / "few.glb"))
     assert f"glb does not keep {ROWS - count} rows in no face" in done.stdout
+
+
+def test_contours_of_few_faces_among_many_rows() -> None:
+    rows = np.zeros((200_000, 3))
+    rows[-3:] = [[4, 0, 8], [0, 4, 2], [4, 4, 6]]  # all others are one position
+    surface = liftmesh.triangulate(rows)
+    (found,) = surface.contours(interval=4)
+    assert (found.level, found.points[[0, -1]].tolist()) == (4.0, [[2, 4], [2, 0]])

@@ -123,7 +123,10 @@ def test_rows_that_are_not_finite_stay(options: dict[str, Any]) -> None:
 @pytest.mark.parametrize(
     ("options", "cause"),
     [
-        ({}, "none of every, random, cell, min_distance and adaptive are given: give one"),
+        (
+            {},
+            "none of every, random, cell, min_distance, adaptive and spike_free are given",
+        ),
         (
             {"cell": 1.0, "min_distance": 1.0},
             "cell and min_distance of every, .* are given: give one",
@@ -168,7 +171,7 @@ def test_the_command_says_what_stays(tmp_path: Any) -> None:
         (("--cell", "1", "--seed", "0"), "--seed is of --random only: give both, or neither"),
         (
             ("--random", "3", "--cell", "1"),
-            "give one of --random, --cell, --min-distance and --adaptive",
+            "give one of --random, --cell, --min-distance, --adaptive and --spike-free",
         ),
     ],
 )

@@ -57,8 +57,9 @@ bool height_range(const Relief& relief, HeightRange& found, Threads threads, Int
             found = each;
             break;
         }
-        widen(found, each.least);
-        widen(found, each.greatest);
+        // Not widen: blocks without a corner have infinities of the other sign.
+        found.least = std::min(found.least, each.least);
+        found.greatest = std::max(found.greatest, each.greatest);
     }
     return done;
 }
