@@ -13,7 +13,6 @@ from liftmesh.base.options import Extrapolation, Interpolation
 from liftmesh.cli import inputs, options, outputs, surfaces, terminal, thin
 from liftmesh.cli.options import argument, flag, option
 from liftmesh.errors import FormatError, InputError, Message, Option
-from liftmesh.io.streams import progress
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -64,6 +63,8 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read points and the ground, write the points with heights, and say how many have one."""
+    from liftmesh.io.streams import progress
+
     if json:
         outputs.check_stdout()
     target.check()

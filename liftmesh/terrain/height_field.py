@@ -26,7 +26,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Floats, Integers, Rows
+from liftmesh._typing import Array, Floats, Integers, Rows
+from liftmesh.base.arrays import starts_of_runs
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, DegenerateInputError
 from liftmesh.planar.delaunay import delaunay
@@ -39,7 +40,7 @@ _OF_WIDTH, _OF_RANGE, _MOST = 0.1, 0.25, 0.5
 _NEAR, _FAR, _OF_SURFACES = 4, 16, (1.4, 2.2)  # neighbours, and dimensions
 _ASKED = 8  # every so many rows
 _FACTOR = np.uint64(0x9E3779B97F4A7C15)  # 2^64 by the golden ratio
-_PIECE = 1 << 15
+_PIECE, _AT_ONCE = 1 << 12, 4
 
 
 def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
@@ -47,9 +48,9 @@ def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
     system = parse_crs(surface.crs)
     if system is not None and system.kind == "geographic":
         return
-    share, count = folded_share(
-        surface.triangulation.points, surface.frame.heights(surface.vertices)
-    )
+    planar = surface.triangulation.points
+    rows = chosen(planar)
+    share, count = folded_share(planar[rows], surface.frame.heights(surface.vertices[rows]))
     if share > _MOST:
         warnings.warn(
             f"the cloud is no height field: at {100 * share:.0f} % of {count:,} rows the heights "
@@ -62,12 +63,11 @@ def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
 
 
 def folded_share(planar: Floats, heights: Floats) -> tuple[float, int]:
-    """Return which share of some rows are folded, and how many these are; 0 for few rows."""
-    rows = _chosen(planar) if len(planar) >= LEAST else np.empty(0, np.intp)
-    rows = rows[np.isfinite(planar[rows]).all(axis=1) & np.isfinite(heights[rows])]
-    if len(rows) < LEAST // 2:
+    """Return which share of rows are folded, and how many these are; 0 for few rows."""
+    is_finite = np.isfinite(planar).all(axis=1) & np.isfinite(heights)
+    points, z = planar[is_finite], heights[is_finite]
+    if len(planar) < LEAST or len(points) < LEAST // 2:
         return 0.0, 0
-    points, z = planar[rows], heights[rows]
     try:
         tri = delaunay(points, threads=1)
     except DegenerateInputError:
@@ -80,23 +80,28 @@ def folded_share(planar: Floats, heights: Floats) -> tuple[float, int]:
     if share > _MOST:
         low, high = _OF_SURFACES
         share *= low < _dimension(np.column_stack([points, z])) < high
-    return share, len(rows)
+    return share, len(points)
 
 
 def _dimension(points: Floats) -> float:
     """Estimate the dimension of what rows are spread over."""
-    from scipy.spatial import cKDTree  # noqa: PLC0415 - most clouds do without
-
     ordered = points[np.lexsort(points.T)]
     with np.errstate(over="ignore"):
         ordered /= np.ptp(ordered, axis=0).max()
-    distance, _ = cKDTree(ordered).query(ordered[::_ASKED], [_NEAR + 1, _FAR + 1])
+    found: list[Floats] = []
+    for start in range(0, len(ordered), _ASKED * _AT_ONCE):
+        asked = ordered[start : start + _ASKED * _AT_ONCE : _ASKED]
+        squares = sum(
+            np.subtract.outer(one, all_) ** 2 for one, all_ in zip(asked.T, ordered.T, strict=True)
+        )
+        found.append(np.partition(squares, (_NEAR, _FAR), axis=1)[:, [_NEAR, _FAR]])
+    distance = np.sqrt(np.concatenate(found))
     near, far = distance[distance[:, 0] > 0].T
     growth = np.log(far / near).mean() if len(near) else 0.0
     return float(np.log(_FAR / _NEAR) / growth) if growth > 0 else np.inf
 
 
-def _chosen(planar: Floats) -> Integers:
+def chosen(planar: Floats) -> Integers:
     """Choose rows by their coordinates."""
     if len(planar) <= _CHOSEN:
         return np.arange(len(planar))
@@ -113,12 +118,19 @@ def _between(simplices: Rows, duplicates: Rows, z: Floats) -> Floats:
     row, kept = duplicates.T
     names = np.arange(len(z))
     names[row] = kept
-    low, high = z.copy(), z.copy()
-    np.minimum.at(low, kept, z[row])
-    np.maximum.at(high, kept, z[row])
-    of_low, of_high = low[simplices].min(axis=1), high[simplices].max(axis=1)
-    for corner in simplices.T:
-        np.minimum.at(low, corner, of_low)
-        np.maximum.at(high, corner, of_high)
-    between: Floats = (high - low)[names]
+    around = []
+    for heights in (z, -z):
+        least = _least(heights, names, heights)
+        of_faces = least[simplices].min(axis=1)
+        around.append(_least(least, simplices.ravel(), np.repeat(of_faces, 3)))
+    between: Floats = (-around[1] - around[0])[names]
     return between
+
+
+def _least(start: Floats, rows: Array, values: Floats) -> Floats:
+    """Return the least of what each row starts with, and of its values."""
+    order = np.argsort(rows, kind="stable")  # minimum.at ends the process if memory is short
+    begins = np.flatnonzero(starts_of_runs(rows[order][:, None]))
+    result, which = start.copy(), rows[order[begins]]
+    result[which] = np.minimum(result[which], np.minimum.reduceat(values[order], begins))
+    return np.asarray(result)

@@ -74,6 +74,7 @@ def as_surface(
     Examples
     --------
     >>> import liftmesh
+    >>> import numpy as np
     >>> points = [[0, 0, 1], [1, 0, 1], [0, 1, 1], [1, 1, 1], [9, 2, 1]]
     >>> trimmed = liftmesh.triangulate(points).trim(max_edge=2)
     >>> as_surface(trimmed.to_cloud())

@@ -170,7 +170,9 @@ def _check_surface(surface: Surface) -> None:
     if not isinstance(surface, SurfaceData):
         raise refused("surface", surface, "give a Surface, as triangulate makes them")
     if surface.frame.name != "xy":
-        raise InputError("a tileset is of a surface over x and y: triangulate with plane='xy'")
+        raise InputError(
+            f"a tileset is of a surface over x and y: triangulate with {Option('plane', 'xy')}"
+        )
     system = system_of(surface)
     units = [] if system is None else [each for each in system.units if each is not None]
     if any(each.metres != 1.0 for each in units):

@@ -81,7 +81,10 @@ def test_geometries_are_points_of_one_system() -> None:
         assert liftmesh.voronoi(POINTS, domain=found.domain).crs == "EPSG:32633"
         with pytest.raises(liftmesh.InputError, match="the cells in 'WGS 84 / UTM zone 33N'"):
             found.to_geodataframe(crs=4326)
-        with pytest.raises(liftmesh.InputError, match="crs is 'nonsense', which pyproj"):
+        with pytest.raises(
+            liftmesh.InputError,
+            match="crs is 'nonsense', which is unknown: give WKT or EPSG:n, or what pyproj takes",
+        ):
             found.to_geodataframe(crs="nonsense")
     with pytest.raises(liftmesh.InputError, match="row 1 is nothing: give points"):
         liftmesh.voronoi(geopandas.GeoSeries([shapely.Point(0, 0), None]))

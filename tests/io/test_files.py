@@ -87,7 +87,7 @@ def test_unknown_suffixes_list_the_known(tmp_path: Path, name: str) -> None:
         lambda: liftmesh.write(tmp_path / name, full_mesh()),
         lambda: liftmesh.read(io.BytesIO(b"ply"), format=name),
     ):
-        with pytest.raises(FormatError, match=r"known suffixes are \.3mf, \.agr, .*\.csv.*\.ply"):
+        with pytest.raises(FormatError, match=r"known suffixes are \.2dm, \.3mf, .*\.csv.*\.ply"):
             call()
     assert not list(tmp_path.iterdir())
 

@@ -281,7 +281,7 @@ def test_splitting_edges_tells_of_all_rounds(crossing, listener) -> None:
         )
         listener.check(at_least=2)
         listener.told.clear()
-    cloud = np.random.default_rng(5).random((500, 3)) * 64
+    cloud = np.random.default_rng(5).random((500, 3)) * (64, 64, 1)
     found = liftmesh.triangulate(
         cloud, soft_breaklines=list(ends), crossing=crossing, progress=listener
     )

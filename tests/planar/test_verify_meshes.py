@@ -132,7 +132,7 @@ def test_values_given_replace_those_of_the_cloud(tmp_path: Path) -> None:
         ({"normals": np.zeros((50, 4))}, r"normals need the shape \(n, 3\) and numbers"),
         ({"attributes": {"a": [1]}}, "a has 1 row for 50 points"),
         ({"attributes": np.zeros(50)}, "attributes are a ndarray: give a dict"),
-        ({"crs": 25832}, "crs is 25832"),
+        ({"crs": 2583200}, "crs is 2583200"),
     ],
 )
 def test_values_that_do_not_fit_are_refused(given: dict[str, Any], said: str) -> None:

@@ -40,6 +40,6 @@ def test_merged_rows_deviate_by_their_heights() -> None:
 
 
 def test_a_cloth_that_lost_few_cells_is_no_warning() -> None:
-    counts = {"cells": 400, "bare_cells": 12, "cloth_resolution": 2.0}
+    counts = {"algorithm": "csf", "cells": 400, "bare_cells": 12, "cloth_resolution": 2.0}
     assert bare_warning(counts) == ""
     assert "12 of 40 cells of 10 m have no ground" in bare_warning({**counts, "cells": 40})

@@ -19,6 +19,7 @@ import numpy as np
 
 from liftmesh._typing import Array
 from liftmesh.base.colors import as_float
+from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError
 from liftmesh.io.formats.las.fields import depth_of, levels
 from liftmesh.io.formats.las.header import (
@@ -160,10 +161,11 @@ def _compress(blocks: Iterable[memoryview], lazrs: Any, vlr: Any, stream: Offset
     target = ErrorRecordingStream(stream)  # type: ignore[arg-type]  # with all that lazrs asks for
     kind = lazrs.ParLasZipCompressor if may_use_threads() else lazrs.LasZipCompressor
     try:
-        compressor = kind(target, vlr)
-        for block in blocks:
-            compressor.compress_many(block)
-        compressor.done()
+        with preserve_signals():
+            compressor = kind(target, vlr)
+            for block in blocks:
+                compressor.compress_many(block)
+            compressor.done()
     except Exception as error:
         if target.failure is not None and target.failure is not error:
             raise target.failure from error
