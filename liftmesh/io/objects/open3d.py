@@ -231,8 +231,8 @@ def _positions(cloud: Cloud, precision: np.dtype[Any], origin: ArrayLike | None)
     if precision == np.float32 and _needed(points) is not None:
         needed = _needed(cloud.points) or _needed(points)
         raise InputError(
-            f"Float32 is too coarse for these coordinates: give {Option('origin', needed)}, which "
-            "is subtracted, or dtype='float64'"
+            f"Float32 is too coarse for these coordinates: give {Option('origin', ...)}, as "
+            f"{needed}, which is subtracted, or dtype='float64'"
         )
     return points
 
