@@ -143,7 +143,7 @@ def test_rays_meet_a_surface_in_map_coordinates() -> None:
     cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(POINTS))
     cloud.point["colors"] = o3d.core.Tensor(RGB)
     surface = liftmesh.triangulate(cloud)
-    with pytest.raises(liftmesh.InputError, match=r"give origin, as \(500000\.0, 5400000\.0, 0\.0\)"):
+    with pytest.raises(liftmesh.InputError, match=r"give origin=\(500000\.0, 5400000\.0, 0\.0\)"):
         surface.to_open3d_t(dtype="float32")
     mesh = surface.to_open3d_t(dtype="float32", origin=UTM)
     scene = o3d.t.geometry.RaycastingScene()

@@ -23,7 +23,7 @@ from liftmesh.base import arrays
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_float, is_opaque
 from liftmesh.base.options import refused
-from liftmesh.errors import FormatError, InputError, Option
+from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import faces_of, narrowed
 from liftmesh.io.format import needed_origin
 from liftmesh.io.metadata import Unread, noted
@@ -231,8 +231,8 @@ def _positions(cloud: Cloud, precision: np.dtype[Any], origin: ArrayLike | None)
     if precision == np.float32 and _needed(points) is not None:
         needed = _needed(cloud.points) or _needed(points)
         raise InputError(
-            f"Float32 is too coarse for these coordinates: give {Option('origin', ...)}, as "
-            f"{needed}, which is subtracted, or dtype='float64'"
+            f"Float32 is too coarse for these coordinates: give origin={needed}, which is "
+            "subtracted, or dtype='float64'"
         )
     return points
 

@@ -215,9 +215,9 @@ def test_single_precision_for_ray_casting(dtype):
 
 def test_single_precision_that_is_too_coarse_names_the_origin():
     surface = liftmesh.triangulate(FAR + 0.1)
-    with pytest.raises(InputError, match=r"give origin, as \(450000.0, 5200000.0, 0.0\), which is"):
+    with pytest.raises(InputError, match=r"give origin=\(450000.0, 5200000.0, 0.0\), which is"):
         surface.to_open3d_t(dtype="float32")
-    with pytest.raises(InputError, match=r"give origin, as \(450000.0, 5200000.0, 0.0\), which is"):
+    with pytest.raises(InputError, match=r"give origin=\(450000.0, 5200000.0, 0.0\), which is"):
         surface.to_open3d_t(dtype="float32", origin=(1, 2, 3))
     wide = liftmesh.triangulate(POINTS * 1e300)
     with pytest.raises(InputError, match="whatever their origin: give dtype='float64'"):
