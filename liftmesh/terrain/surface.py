@@ -514,7 +514,6 @@ class Surface(SurfaceData):
     def compact(self) -> Surface:
         """Make a copy without the vertices that are in no face; the values ``row`` name the others.
 
-        Returns a Surface, itself if all are.
         In full: `liftmesh.terrain.changes.compacted`.
         """
         return changes.compacted(self)
@@ -552,25 +551,22 @@ class Surface(SurfaceData):
         return self.triangulation.verify(threads=threads)
 
     def to_cloud(self) -> Cloud:
-        """Convert the surface to a cloud with faces.
+        """Convert the surface to a Cloud: the same arrays, without triangulation and report.
 
-        Returns a Cloud with the same arrays, without the triangulation and the report.
         In full: `liftmesh.terrain.surface_data.as_cloud`.
         """
         return as_cloud(self)
 
     def to_trimesh(self) -> trimesh_package.Trimesh:
-        """Convert the surface to a trimesh mesh.
+        """Convert the surface to a trimesh.Trimesh, unprocessed, with a copy of the coordinates.
 
-        Returns a trimesh.Trimesh, unprocessed, with a copy of the coordinates.
         In full: `liftmesh.io.objects.trimesh.to_mesh`.
         """
         return trimesh.to_mesh(self.to_cloud())
 
     def to_open3d(self) -> o3d.geometry.TriangleMesh:
-        """Convert the surface to a legacy Open3D mesh.
+        """Convert the surface to an open3d.geometry.TriangleMesh, which has no named values.
 
-        Returns an open3d.geometry.TriangleMesh; it has no named values.
         In full: `liftmesh.io.objects.open3d.to_legacy`.
         """
         return open3d.to_legacy(self.to_cloud())
@@ -578,9 +574,8 @@ class Surface(SurfaceData):
     def to_open3d_t(
         self, *, dtype: object = "float64", origin: ArrayLike | None = None
     ) -> o3d.t.geometry.TriangleMesh:
-        """Convert the surface to a tensor Open3D mesh.
+        """Convert the surface to an open3d.t.geometry.TriangleMesh with the named values.
 
-        Returns an open3d.t.geometry.TriangleMesh with the named values.
         In full: `liftmesh.io.objects.open3d.to_tensor`.
 
         Parameters
@@ -590,9 +585,8 @@ class Surface(SurfaceData):
         return open3d.to_tensor(self.to_cloud(), dtype, origin)
 
     def to_matplotlib(self) -> matplotlib_tri.Triangulation:
-        """Convert the planar triangles to a matplotlib triangulation.
+        """Convert the planar coordinates and faces to a matplotlib.tri.Triangulation.
 
-        Returns a matplotlib.tri.Triangulation of the planar coordinates and faces.
         In full: `liftmesh.io.objects.triangulations.to_triangulation`.
         """
         x, y = self.triangulation.points.T
