@@ -13,7 +13,8 @@ checked, and a message says why. The mesh may have some ten thousand vertices; i
 triangles, projected along z (no other --plane). Its file is OBJ, or PLY in binary_little_endian
 with the vertices first and then faces of one list each, as liftmesh writes it. For a mesh that is
 not valid, the certificate must say so, name a flaw, and count rows and triangles correctly; its
-list of flaws is not checked further.
+list of flaws is not checked further, nor whether it is "planar". That a valid mesh is, and whether
+it is "delaunay", is checked if the certificate says so: those of older versions do not.
 
 Certificates of regular triangulations speak of weights or radii, by their SHA-256 sum. These are
 the column of the PLY file that has this sum, or stand in a file of their own, one number a line.
@@ -54,6 +55,7 @@ NAMES |= {"weights": "regular by weights", "radii": "regular by radii"}
 NAMES |= {"constrained": "constrained Delaunay"}
 HIDING = ("weights", "radii", "farthest")
 HEIGHTS = (*HIDING, "metric")  # lifted otherwise than by x^2 + y^2
+LATER = ("planar", "delaunay")  # what older certificates do not say
 INDICES = ("vertex_indices", "vertex_index")
 
 
@@ -241,7 +243,7 @@ def judge(
     if not wrong and member in HIDING:
         wrong, hidden = judge_others(lifted, triangles, apex, height)
     if wrong:
-        return wrong, {"valid": False, "canonical": False, "counts": counts}
+        return wrong, {"valid": False, "canonical": False, "counts": counts, "delaunay": False}
     vertices, corners = len(height), len({*chain(*triangles)})
     counts |= {"n_vertices": vertices, "n_merged": corners - vertices}
     counts["n_hull_edges"] = len(boundary)
@@ -249,7 +251,9 @@ def judge(
     if member == "constrained":
         counts["n_outside"] = sum(point in others for point in points)
     ties = sum(below_by_perturbation(*four) for sign, four in sides if sign == 0)
-    return "", valid(counts, ties)
+    everywhere = across(apex, height, set())
+    shape = {"planar": True, "delaunay": not any(sign > 0 for sign, _ in everywhere)}
+    return "", valid(counts, ties) | shape
 
 
 def judge_others(
@@ -431,6 +435,7 @@ def check(
     member, carved = claimed.get("member", "delaunay"), claimed.get("carved", False)
     wrong, truth = judge(lifted, triangles, member, constraints, carved)
     truth["counts"] |= {"n_constraints": len(constraints)} if member == "constrained" else {}
+    truth = {key: value for key, value in truth.items() if key in claimed or key not in LATER}
     flaws = flaws_of(claimed)
     found = differences(claimed | {"flaws": flaws}, truth)
     if wrong and all(kind == "not_canonical" for kind, _ in flaws or []):

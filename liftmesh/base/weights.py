@@ -37,7 +37,8 @@ class Weights:
         face.
     indices : (k,) ndarray of int32
         The row of each entry: for each point the lexicographically least by x, then y, comes
-        first, and others follow counter-clockwise.
+        first, and others follow counter-clockwise. Beyond the hull, the ends of a side follow
+        counter-clockwise.
     data : (k,) ndarray of float64
         The weight of each entry: those of a point add up to 1.
     shape : tuple of int

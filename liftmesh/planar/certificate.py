@@ -165,10 +165,13 @@ class Certificate:
     planar : bool or None
         Whether no two triangles overlap, whatever their orientation, and no vertex is inside a side
         of another one, also if the triangulation is not valid: then `as_surface` makes a surface of
-        a mesh as it is. None if it was not asked, as of invalid ones by weights or in a metric.
+        a mesh as it is, if rows at one position have one height. None if it was not asked, as of
+        members by weights or in a metric.
     delaunay : bool or None
-        Whether the triangulation is valid and Delaunay, so that no constraint is needed for that.
-        None if it was not asked, as of invalid ones with constraints, and of other members.
+        Whether the triangulation is valid, and no circle of a triangle contains the apex of a
+        neighbour, not even across a constraint: it is Delaunay without constraints then, but for
+        those along which regions were carved. None if it was not asked, as of invalid ones with
+        constraints, and of other members.
 
     See Also
     --------
@@ -262,7 +265,10 @@ class Certificate:
         wrong = "; ".join(flaw.text for flaw in self.flaws if flaw.kind != "not_canonical")
         first = [flaw.first[0].text for flaw in self.flaws if flaw.first]
         said = f"not valid: {wrong}" + "".join(f"; first: {text}" for text in first[:1])
-        return said + ("; no two triangles overlap: as_surface takes them" if self.planar else "")
+        if not self.planar:
+            return said
+        told = "; no two triangles overlap: as_surface takes them"
+        return said + told + (" if rows at one position have one height" if self.n_merged else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the certificate as plain values, for JSON.

@@ -112,7 +112,8 @@ def verify(  # noqa: PLR0913 - options are keywords
     Certificate
         True if the triangulation is valid; ``canonical`` is whether it is also the one that
         liftmesh makes, as a set of triangles. ``planar`` tells of triangles that are not valid
-        whether any overlap, and ``delaunay`` of those with constraints whether they need these.
+        whether any overlap, and ``delaunay`` of those with constraints whether their circles are
+        empty across these, too.
 
     Raises
     ------

@@ -28,7 +28,7 @@ from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation, 
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import RegularTriangulation, regular
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.terrain.own_faces import check_faces, with_faces
+from liftmesh.terrain.own_faces import check_faces, kept_rows, with_faces
 from liftmesh.terrain.surface_data import HIDDEN, as_cloud
 
 if TYPE_CHECKING:
@@ -306,19 +306,21 @@ def _with_own_faces(surface: SurfaceData, planar: Floats, heights: Floats) -> di
     solved = delaunay(places, nonfinite="skip", order="canonical")
     found = with_faces(solved, surface.faces, heights, edges, remedy)
     solved = _with_merged(found.solved, planar, surface.triangulation.duplicates)
-    report, unused = surface.report, len(solved.skipped)
+    report, merged = surface.report, len(found.solved.duplicates)  # vertices that met
+    row, kept = solved.duplicates.T
     stands_for = np.full(len(planar), -1, np.int32)
     stands_for[report.left_out] = report.representatives
-    left_out = np.sort(np.concatenate([solved.skipped, solved.duplicates[:, 0]]))
+    stands_for[row] = kept
+    left_out = np.sort(np.concatenate([solved.skipped, row]))
     return {
         "triangulation": solved,
         "faces": found.faces,
         "mask": found.mask,
         "report": replace(
             report,
-            n_used=len(used),
-            n_unused=unused - report.n_skipped,
-            n_duplicates=report.n_duplicates,
+            n_used=len(used) - merged,
+            n_duplicates=report.n_duplicates + merged,
+            n_unused=report.n_unused + report.n_used - len(used),
             left_out=left_out,
             representatives=stands_for[left_out],
         ),
@@ -326,13 +328,16 @@ def _with_own_faces(surface: SurfaceData, planar: Floats, heights: Floats) -> di
 
 
 def _with_merged(solved: Triangulation, planar: Floats, duplicates: Rows) -> Triangulation:
-    """Add the rows at the positions of vertices, which are as they were."""
-    duplicates = duplicates[~np.isin(duplicates[:, 1], solved.skipped)]
-    if not len(duplicates):
+    """Add the rows at the positions of vertices, as they were."""
+    row, kept = duplicates[~np.isin(duplicates[:, 1], solved.skipped)].T
+    if not len(row):
         return solved
-    row, points = duplicates[:, 0], solved.points.copy()
+    points = solved.points.copy()
     points[row] = planar[row]
     skipped = np.setdiff1d(solved.skipped, row)
+    added = np.column_stack([row, kept_rows(solved)[kept]])
+    duplicates = np.concatenate([solved.duplicates, added])
+    duplicates = duplicates[np.argsort(duplicates[:, 0])]
     hull, names = solved.convex_hull, np.arange(len(points), dtype=np.int32)
     if isinstance(solved, ConstrainedTriangulation):
         return with_rows(solved, points, names, duplicates, hull, skipped)

@@ -5,12 +5,12 @@ and of a regular one, too, by whose weights the metadata of a file say that it w
 corners of a mesh that was triangulated, and perhaps trimmed, have a triangulation with all its
 faces: it is made again, and what the mesh does not have is masked.
 
-Other meshes, as those that follow lines or were smoothed, have faces of their own. The
-sides that the Delaunay triangulation of the corners lacks are all that must be asked for: a
-side that is Delaunay is in every constrained triangulation whose edges it does not cross. But first
-those are asked for that are stated; and with the others the rim, so that `verify` finds the faces
-to be carved. What lies between the faces, and around them to the convex
-hull, is filled by triangles that are masked, so location, overlays and rims need no other code.
+Other meshes, as those that follow lines or were smoothed, have faces of their own. It is enough to
+constrain the sides that the Delaunay triangulation of the corners lacks: a side that is Delaunay is
+in every constrained triangulation whose edges it does not cross. The edges that the mesh states are
+tried alone first. If they do not suffice, the sides that are lacking are added, and the rim, along
+which `verify` takes the faces as carved. Triangles that are masked fill what lies between the faces
+and around them, up to the convex hull: so location, overlays and rims need no other code.
 
 Faces are turned counter-clockwise, whatever the order of their corners: many programs write any.
 Rows at one position and height are one vertex, as in files whose triangles share none.
@@ -18,6 +18,7 @@ Rows at one position and height are one vertex, as in files whose triangles shar
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, triangles_of_faces, used_rows
 from liftmesh.base.options import OwnFaces
-from liftmesh.errors import InputError
+from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.io.columns import checked_edges, checked_faces, edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.registry import known_formats
@@ -97,12 +98,12 @@ def _sides(solved: Triangulation, faces: Rows, edges: Rows) -> tuple[Integers, I
     """Return the sides that are edges, and these with those on the rim or in no triangle."""
     ends = np.sort(np.stack([faces, np.roll(faces, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     sides, counts = np.unique(pair_keys(*ends.T), return_counts=True)
-    is_stated = np.isin(sides, pair_keys(*np.sort(_kept(solved)[edges], axis=1).T))
+    is_stated = np.isin(sides, pair_keys(*np.sort(kept_rows(solved)[edges], axis=1).T))
     is_there = np.isin(sides, pair_keys(*solved.edges.T), assume_unique=True)
     return sides[is_stated], sides[is_stated | ~is_there | (counts == 1)]
 
 
-def _kept(solved: Triangulation) -> Rows:
+def kept_rows(solved: Triangulation) -> Rows:
     """Return for each row the one that stands for its position."""
     names = np.arange(solved.npoints, dtype=np.int32)
     row, kept = solved.duplicates.T
@@ -134,7 +135,7 @@ def _checked(
             f"rows {low} and {high} of faces are at one planar position, with the heights "
             f"{float(heights[low])!r} and {float(heights[high])!r}: a surface has one; {remedy}"
         )
-    corners = _kept(solved)[corners]
+    corners = kept_rows(solved)[corners]
     if (conflict := first_conflict(solved.points, corners, threads)) is not None:
         raise InputError(f"{_told(conflict, faces, solved.points)}{remedy}")
     return corners
@@ -175,14 +176,17 @@ def fields_of(
     used = used_rows(len(cloud), faces)
     _check(cloud, planar, used)
     planar[np.delete(np.arange(len(cloud)), used)] = np.nan
-    lifted = None if triangulation == "own" else _lifted(cloud, planar, threads)
+    remedy = _remedy(cloud)
+    lifted = None
+    if triangulation != "own":
+        with suppress(DegenerateInputError):  # of weights that are not finite
+            lifted = _lifted(cloud, planar, threads)
     found = None if lifted is None else found_in(lifted, faces)
     if found is None:
         cloud = without_former(cloud)
         edges = checked_edges(edges_of(cloud), len(cloud), "the mesh")
-        solved = delaunay(planar, nonfinite="skip", order="canonical", threads=threads)
-        heights = frame.heights(cloud.points)
-        found = with_faces(solved, faces, heights, edges, _remedy(cloud), threads)
+        solved = _solved(planar, faces, remedy, threads)
+        found = with_faces(solved, faces, frame.heights(cloud.points), edges, remedy, threads)
     return {
         "vertices": cloud.points,
         "faces": found.faces,
@@ -196,6 +200,15 @@ def fields_of(
         "crs": cloud.crs,
         "mask": found.mask,
     }
+
+
+def _solved(planar: Floats, faces: Rows, remedy: str, threads: int | None) -> Triangulation:
+    """Triangulate the corners, which are on a line only if no face has an area."""
+    try:
+        return delaunay(planar, nonfinite="skip", order="canonical", threads=threads)
+    except DegenerateInputError:
+        check_faces(planar, faces, remedy)
+        raise
 
 
 def _lifted(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation | None:

@@ -104,7 +104,11 @@ FAN = [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]
 OTHERWISE = [(0, 1, 2), (0, 2, 3)]  # not the canonical choice; without the point in the middle
 LIES = [
     *(("valid", value) for value in (False, 1, 1.0, "no", None, [], {})),
-    *(("canonical", value) for value in (False, 1, "yes", None)),
+    *(
+        (name, value)
+        for name in ("canonical", "planar", "delaunay")
+        for value in (False, 1, "yes", None)
+    ),
     *(("euler_characteristic", value) for value in (0, True, 1.0, None)),
     *(("flaws", value) for value in (None, {}, [{}], [{"kind": "not_canonical", "count": 1}], [3])),
     *(("counts", value) for value in (None, [], {}, 3)),
@@ -151,6 +155,7 @@ def test_lies_of_a_mesh_that_is_not_valid_are_found() -> None:
     assert honest["valid"] is False
     only = [{"kind": "not_canonical", "count": 1}]
     lies = [{"valid": v} for v in (True, 0, None)] + [{"flaws": v} for v in ([], only, None)]
+    lies.append({"delaunay": True})
     lies += [{"counts": honest["counts"] | {n: 99}} for n in ("n_rows", "n_triangles", "n_skipped")]
     for lie in lies:
         assert hold(honest | lie, SQUARE, FAN[1:]) == 1, lie

@@ -70,6 +70,21 @@ def test_what_is_carved_holds_and_lies_are_found(capsys: pytest.CaptureFixture[s
         assert hold(lie, POINTS, TRIANGLES, EDGES) == 1
 
 
+def test_what_is_planar_or_delaunay_is_looked_at() -> None:
+    kite, faces = [(0, 0), (4, -1), (8, 0), (4, 1)], [(0, 1, 2), (0, 2, 3)]
+    for points, triangles, edges, is_delaunay in (
+        (POINTS, TRIANGLES, EDGES, True),
+        (kite, faces, [(0, 2)], False),
+    ):
+        said = said_of(points, triangles, edges, carved=points is POINTS)
+        assert (said["planar"], said["delaunay"]) == (True, is_delaunay)
+        assert hold(said, points, triangles, edges) == 0
+        for lie in ({"planar": False}, {"delaunay": not is_delaunay}):
+            assert hold(said | lie, points, triangles, edges) == 1, lie
+        older = {key: value for key, value in said.items() if key not in ("planar", "delaunay")}
+        assert hold(older, points, triangles, edges) == 0
+
+
 WRONG = {
     "a triangle less": (TRIANGLES[1:], EDGES),
     "an edge of the boundary off all constraints": (TRIANGLES, [e for e in EDGES if e != (1, 2)]),

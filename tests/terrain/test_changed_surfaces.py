@@ -195,6 +195,40 @@ def test_faces_that_are_no_longer_delaunay_stay(scale, longest: float | None) ->
     assert set(map(frozenset, back.faces.tolist())) == named[0]
 
 
+def accounted(surface: liftmesh.Surface) -> liftmesh.Report:
+    """Every row is counted once, and is a corner, a duplicate or skipped."""
+    report, solved = surface.report, surface.triangulation
+    parts = ("used", "duplicates", "overhangs", "skipped", "hidden", "unused")
+    assert sum(getattr(report, f"n_{part}") for part in parts) == report.n_rows
+    rows = [surface.faces.ravel(), solved.duplicates[:, 0], solved.skipped]
+    assert np.unique(np.concatenate(rows)).tolist() == [*range(report.n_rows)]
+    return report
+
+
+def test_duplicates_of_vertices_that_were_trimmed_off_are_counted_once() -> None:
+    surface = liftmesh.triangulate(np.vstack([ROWS, ROWS])).trim(max_edge=20)
+    used = len(np.unique(surface.faces))
+    assert used < 60
+    report = accounted(surface.replace(vertices=surface.vertices * [1, 5, 1]))
+    assert (report.n_used, report.n_duplicates, report.n_unused) == (used, 60, 60 - used)
+    assert len(report.left_out) == 120 - used
+
+
+def test_vertices_that_meet_are_merged() -> None:
+    square = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]])
+    other = square + np.array([5, 5, 0])
+    rows = np.vstack([square, other, square[:1], other[:1]])
+    surface = liftmesh.triangulate(rows).trim(max_edge=2)
+    vertices = surface.vertices - [[4, 4, 0]] * (np.arange(10) > 3)[:, None]
+    vertices[8] = 0
+    moved = surface.replace(vertices=vertices)  # rows 4 and 9 are where row 3 is
+    report = accounted(moved)
+    assert moved.triangulation.duplicates.tolist() == [[4, 3], [8, 0], [9, 3]]
+    assert (report.n_used, report.n_duplicates, report.n_unused) == (7, 3, 0)
+    assert report.representatives.tolist() == [3, 0, 3]
+    assert moved.triangulation.verify()
+
+
 def test_a_duplicate_that_moves_to_another_vertex_is_refused() -> None:
     surface = liftmesh.triangulate(np.vstack([ROWS, ROWS[:1]]))
     rows = surface.vertices + np.array([16, 0, 0])

@@ -75,6 +75,18 @@ def test_terrain_is_not(kind: str) -> None:
             liftmesh.triangulate(each)
 
 
+def test_a_plot_of_trees_is_and_its_ground_is_not() -> None:
+    rng = np.random.default_rng(3)
+    x, y = rng.random((2, 6_000)) * 24
+    crown = 22 - 0.3 * ((x % 6 - 3) ** 2 + (y % 6 - 3) ** 2)
+    is_ground = rng.random(6_000) < 0.4
+    z = np.where(is_ground, 0, crown) + rng.normal(0, 0.05, 6_000)
+    plot = np.column_stack([x, y, z])
+    with pytest.warns(liftmesh.DataWarning, match="or of a few trees"):
+        liftmesh.triangulate(plot)
+    assert folded_share(plot[is_ground, :2], z[is_ground])[0] == 0
+
+
 def test_files_of_the_repository_are_not() -> None:
     for name in ("jacksboro.ply", "hill.csv", "quad.xyz"):
         cloud = liftmesh.read(DATA / name)
@@ -111,4 +123,5 @@ def test_the_command_says_it(tmp_path: Path) -> None:
     done = run("triangulate", "sphere.npy", "out.ply", cwd=tmp_path)
     assert done.returncode == 0
     assert "note: the cloud is no height field: at " in done.stderr
-    assert "give another plane, or use a program for closed meshes" in done.stderr
+    assert "or of a few trees." in done.stderr
+    assert "as the ground, give another plane, or use a program for closed" in done.stderr

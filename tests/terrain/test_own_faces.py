@@ -6,6 +6,7 @@ triangles that share no vertices and turn either way.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.tri
@@ -226,6 +227,9 @@ def test_faces_are_sought_by_weights_first_unless_they_are_its_own(tmp_path: Pat
         metadata=cloud.metadata,
     )
     assert liftmesh.as_surface(moved).verify()
+    lost = {name: np.full(len(cloud), np.nan) for name in cloud.attributes}
+    again = liftmesh.as_surface(replace(cloud, attributes=lost))
+    assert len(again.faces) == len(cloud.faces)
     with pytest.raises(InputError, match="triangulation is 'other': give one of 'own'"):
         liftmesh.as_surface(cloud, triangulation="other")  # type: ignore[arg-type]
 
@@ -241,6 +245,8 @@ def test_faces_are_sought_by_weights_first_unless_they_are_its_own(tmp_path: Pat
         ([[0, 1, 2], [0, 4, 3], [4, 2, 3]], r"face 0.* face 1.* not fit together: row 4, .* side"),
         ([[0, 1, 2], [0, 4, 2]], r"face 1, of the rows \[0, 4, 2\], has no area .*: leave it out"),
         ([[0, 1, 2], [0, 8, 1]], r"face 1, of the rows \[0, 8, 1\], has no area .* is vertical"),
+        ([[0, 8, 1]], r"face 0, of the rows \[0, 8, 1\], has no area .* is vertical"),
+        ([[0, 4, 2], [2, 4, 0]], r"face 0, of the rows \[0, 4, 2\], has no area .* on a line"),
         ([[0, 1, 2], [8, 2, 3]], r"rows 0 and 8 .* one planar position, with the heights 0.0 and"),
     ],
 )
