@@ -8,8 +8,8 @@ levels do not meet, as the tolerance is less than half of their distance. Those 
 meet, either: their segments are in different faces, and their points inside different sides. All
 this holds up to the rounding of coordinates, as for contours themselves.
 
-Within these bounds each point comes near to the line between its neighbours, of which the nearer
-one counts more: what becomes of a string that is pulled, in rounds of relaxation.
+Within these bounds each point comes near to where it was between its neighbours, but on the line
+through these: so straight lines stay, and bends are spread over more points, round by round.
 """
 
 from __future__ import annotations
@@ -125,16 +125,16 @@ def _only(points: Floats, level: Integers, count: int) -> Integers:
 
 @dataclass(frozen=True)
 class _Thread:
-    """The points between others of their line, those before and after, and their weights."""
+    """Points of lines, those before and after, and where between these they were, as shares."""
 
     points: Integers
     before: Integers
     after: Integers
-    weights: Floats
+    shares: Floats
 
     @classmethod
     def of(cls, lines: Lines, remainder: int) -> _Thread:
-        """Take every second point of each line, that where it is closed among them."""
+        """Take every second point of each line, but no end of an open one."""
         starts, ends = lines.starts[:-1], lines.starts[1:] - 1
         place = np.arange(len(lines.points))
         before, after = place - 1, place + 1
@@ -144,10 +144,10 @@ class _Thread:
         is_inner[starts[~lines.closed]] = False
         is_inner &= (place - np.repeat(starts, np.diff(lines.starts))) % 2 == remainder
         points, before, after = place[is_inner], before[is_inner], after[is_inner]
-        near, far = (
-            np.hypot(*(lines.points[points] - lines.points[other]).T) for other in (before, after)
+        one, other = (
+            np.hypot(*(lines.points[points] - lines.points[each]).T) for each in (before, after)
         )
-        return cls(points, before, after, far / (near + far))
+        return cls(points, before, after, one / (one + other))
 
 
 def _relaxed(lines: Lines, ways: Floats) -> Floats:
@@ -159,7 +159,7 @@ def _relaxed(lines: Lines, ways: Floats) -> Floats:
         for thread in threads * _ROUNDS:
             begin, end = ways[thread.points, 0], ways[thread.points, 1]
             before, after = points[thread.before], points[thread.after]
-            wanted = before + thread.weights[:, None] * (after - before)
+            wanted = before + thread.shares[:, None] * (after - before)
             along = end - begin
             share = ((wanted - begin) * along).sum(axis=1) / (along**2).sum(axis=1)
             moved = begin + np.clip(share, 0, 1)[:, None] * along
