@@ -106,7 +106,7 @@ print(len(found), len(rooms))
 
 def test_modules_of_public_names_list_them() -> None:
     names = {**vars(importlib.import_module("liftmesh.predicates"))}
-    assert names["__all__"] == ["incircle", "orient2d"]
+    assert names["__all__"] == ["incircle", "insphere", "orient2d", "orient3d"]
     assert all(getattr(liftmesh, name) is names[name] for name in names["__all__"])
     assert liftmesh.scipy.__all__ == ["Delaunay", "Voronoi"]
 
