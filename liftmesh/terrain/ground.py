@@ -82,7 +82,7 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
         Rows nearer to the cloth than this, in metres, are ground.
     tin_cell : float, default 40
         Side of the cells of a grid, in metres, the lowest row of each of which is ground to begin
-        with: more than the largest building has.
+        with: more than the largest building has. It is halved until these are not on a line.
     tin_distance : float, default 1.4
         Rows that join the triangulation are not farther from the facet below or above them, in
         metres.
