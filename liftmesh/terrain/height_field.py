@@ -29,8 +29,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import starts_of_runs
+from liftmesh._typing import Floats, Integers, Rows
+from liftmesh.base.arrays import lower_to
 from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, DegenerateInputError
 from liftmesh.planar.delaunay import delaunay
@@ -43,7 +43,7 @@ _OF_WIDTH, _OF_RANGE, _MOST = 0.1, 0.25, 0.5
 _NEAR, _FAR, _OF_SURFACES = 4, 16, (1.4, 2.2)  # neighbours, and dimensions
 _ASKED = 8  # every so many rows
 _FACTOR = np.uint64(0x9E3779B97F4A7C15)  # 2^64 by the golden ratio
-_PIECE, _AT_ONCE = 1 << 12, 4
+_PIECE, _AT_ONCE = 1 << 11, 2
 
 
 def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
@@ -124,17 +124,11 @@ def _between(simplices: Rows, duplicates: Rows, z: Floats) -> Floats:
     names[row] = kept
     around = []
     for heights in (z, -z):
-        least = _least(heights, names, heights)
+        least = heights.copy()
+        lower_to(least, names, heights)
         of_faces = least[simplices].min(axis=1)
-        around.append(_least(least, simplices.ravel(), np.repeat(of_faces, 3)))
+        for corner in simplices.T:
+            lower_to(least, corner, of_faces)
+        around.append(least)
     between: Floats = (-around[1] - around[0])[names]
     return between
-
-
-def _least(start: Floats, rows: Array, values: Floats) -> Floats:
-    """Return the least of what each row starts with, and of its values."""
-    order = np.argsort(rows, kind="stable")  # minimum.at ends the process if memory is short
-    begins = np.flatnonzero(starts_of_runs(rows[order][:, None]))
-    result, which = start.copy(), rows[order[begins]]
-    result[which] = np.minimum(result[which], np.minimum.reduceat(values[order], begins))
-    return np.asarray(result)
