@@ -366,9 +366,10 @@ def _parts(
     tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
 ) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    numbers, faces = np.arange(len(marks), dtype=np.int32), []
-    for k in range(3):  # of both sides the later
-        faces.append(np.flatnonzero((marks & (1 << k) > 0) & (neighbors[:, k] < numbers)))
+    numbers = np.arange(len(marks), dtype=np.int32)
+    faces = [  # of both sides the later
+        np.flatnonzero((marks & (1 << k) > 0) & (neighbors[:, k] < numbers)) for k in range(3)
+    ]
     k = np.repeat(np.arange(3), [*map(len, faces)])
     keys = np.sort(pair_keys(*ends_of(simplices, np.concatenate(faces), k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)

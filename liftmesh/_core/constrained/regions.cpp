@@ -14,8 +14,8 @@ class Carver {
         const std::size_t count = bounds.pieces.size();
         has_winding_ = std::any_of(bounds.winding, bounds.winding + 2 * count,
                                    [](std::int32_t winding) { return winding != 0; });
-        all_bound_ = !has_winding_ && std::find(bounds.bounds, bounds.bounds + count, 0) ==
-                                          bounds.bounds + count;
+        all_bound_ = !has_winding_ &&
+                     std::find(bounds.bounds, bounds.bounds + count, 0) == bounds.bounds + count;
     }
 
     void cut(Carving carving, std::vector<std::uint8_t>& kept) {

@@ -83,7 +83,8 @@ bool Refinement::has_large_area(TriangleId t, const Shape& its) {
 std::pair<std::array<Vector, 3>, int> Refinement::sides_near_one(Edge first) const {
     const auto scale = [](auto& vectors) {
         double most = std::numeric_limits<double>::min();
-        for (const auto& each : vectors) most = std::max({most, std::abs(each.x), std::abs(each.y)});
+        for (const auto& each : vectors)
+            most = std::max({most, std::abs(each.x), std::abs(each.y)});
         const int exponent = -std::ilogb(most);
         for (auto& each : vectors)
             each = {std::ldexp(each.x, exponent), std::ldexp(each.y, exponent)};
