@@ -62,7 +62,12 @@ from .planar.refinement import refine as refine
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
-from .predicates import incircle as incircle, orient2d as orient2d
+from .predicates import (
+    incircle as incircle,
+    insphere as insphere,
+    orient2d as orient2d,
+    orient3d as orient3d,
+)
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.accuracy import Accuracy as Accuracy
