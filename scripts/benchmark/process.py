@@ -13,7 +13,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-STARTING = 60.0  # time limit in seconds for a process's first answer
+STARTING = 300.0  # time limit in seconds for a process's first answer
 
 
 class NoAnswerError(Exception):

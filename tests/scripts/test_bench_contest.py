@@ -37,7 +37,7 @@ GREETING = "print('{}', flush=True); "
 
 @pytest.fixture(scope="module")
 def measurement() -> Measurement:
-    case = Case("uniform", 400, (OURS, "scipy", "matplotlib", SORT), rounds=2)
+    case = Case("uniform", 400, (OURS, "scipy", "matplotlib", SORT), rounds=2, patience=600.0)
     return run_case(case, {})
 
 
@@ -76,7 +76,7 @@ def test_the_sort_is_timed_but_is_no_rival(measurement: Measurement) -> None:
 
 @pytest.mark.slow
 def test_a_wrong_peer_is_flagged_and_does_not_count() -> None:
-    found = run_case(Case("utm-lattice", 961, (OURS, "scipy"), (1,), rounds=2), {})
+    found = run_case(Case("utm-lattice", 961, (OURS, "scipy"), (1,), rounds=2, patience=600.0), {})
     assert "points missing" in found.timings[SCIPY].trial.flaw
     assert found.timings[ours(1)].right
     assert found.best_rival(1) is None
@@ -84,7 +84,7 @@ def test_a_wrong_peer_is_flagged_and_does_not_count() -> None:
 
 @pytest.mark.slow
 def test_a_peer_that_raises_is_shown_with_its_error() -> None:
-    found = run_case(Case("denormal", 300, (OURS, "scipy"), (1,), rounds=1), {})
+    found = run_case(Case("denormal", 300, (OURS, "scipy"), (1,), rounds=1, patience=600.0), {})
     assert "QhullError" in found.timings[SCIPY].trial.trouble
     assert found.timing(SCIPY) is None
 
@@ -165,7 +165,7 @@ def test_a_silent_process_is_ended(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_cgal_agrees_or_says_what_to_install() -> None:
-    found = run_case(Case("centimetres", 500, (OURS, CGAL), (1,), rounds=2), {})
+    found = run_case(Case("centimetres", 500, (OURS, CGAL), (1,), rounds=2, patience=600.0), {})
     theirs = found.timings[Contestant(CGAL)]
     if theirs.trial.trouble:
         assert "not available" in theirs.trial.trouble
