@@ -17,15 +17,13 @@ from __future__ import annotations
 
 import io
 import os
-import sqlite3
 import struct
-import tempfile
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, closing, contextmanager
 from math import isnan
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 from warnings import warn
 
 import numpy as np
@@ -36,6 +34,9 @@ from liftmesh.crs.description import look_up
 from liftmesh.errors import DataWarning, FormatError, LiftmeshError, Option
 from liftmesh.io.streams import remaining
 from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    import sqlite3
 
 MAGIC = b"SQLite format 3\0"
 
@@ -73,7 +74,7 @@ def opened(name: str, stream: BinaryIO | None = None) -> Iterator[_Package]:
             stack.enter_context(closing(connection))
             _configure(connection, size)
             yield _Package(connection, name, size)
-    except (sqlite3.Error, ValueError, struct.error, IndexError) as error:
+    except (load("sqlite3").Error, ValueError, struct.error, IndexError) as error:
         if isinstance(error, LiftmeshError):
             raise
         raise FormatError(f"{name}: damaged, or no GeoPackage: {error}") from error
@@ -96,19 +97,20 @@ def _check_complete(path: Path) -> None:
 def _connected(name: str) -> sqlite3.Connection:
     """Open a file as it is: neither changed nor locked, and without a journal."""
     uri = f"{Path(name).absolute().as_uri()}?mode=ro&immutable=1"
-    return sqlite3.connect(uri, uri=True, isolation_level=None)
+    connection: sqlite3.Connection = load("sqlite3").connect(uri, uri=True, isolation_level=None)
+    return connection
 
 
 def _in_memory(stream: BinaryIO, stack: ExitStack) -> sqlite3.Connection:
     """Open the content of a stream, as if it had never had a journal."""
     data = bytearray(stream.read())
     data[_JOURNAL] = b"\1\1"
-    connection = sqlite3.connect(":memory:", isolation_level=None)
+    connection: sqlite3.Connection = load("sqlite3").connect(":memory:", isolation_level=None)
     if hasattr(connection, "deserialize"):
         connection.deserialize(data)
         return connection
     connection.close()  # pragma: no cover - Python 3.10, as what follows
-    file = Path(stack.enter_context(tempfile.TemporaryDirectory()), "content")
+    file = Path(stack.enter_context(load("tempfile").TemporaryDirectory()), "content")
     file.write_bytes(data)
     return _connected(str(file))
 
@@ -241,12 +243,14 @@ class _Package:
 
     def _authorize(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
+        codes = load("sqlite3")
         is_known = {
-            sqlite3.SQLITE_SELECT: True,
-            sqlite3.SQLITE_PRAGMA: table == _COLUMNS,
-            sqlite3.SQLITE_READ: str(table).lower() in self._allowed,
+            codes.SQLITE_SELECT: True,
+            codes.SQLITE_PRAGMA: table == _COLUMNS,
+            codes.SQLITE_READ: str(table).lower() in self._allowed,
         }.get(action, False)
-        return sqlite3.SQLITE_OK if is_known and rest[-1] is None else sqlite3.SQLITE_DENY
+        allowed: int = codes.SQLITE_OK if is_known and rest[-1] is None else codes.SQLITE_DENY
+        return allowed
 
 
 def _quoted(name: str) -> str:
