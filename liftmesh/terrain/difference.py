@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Integers
+from liftmesh._typing import Floats, Integers
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import InputError
@@ -20,9 +20,11 @@ from liftmesh.terrain.breaklines import check_exact, in_space
 from liftmesh.terrain.cutting import Layer, Overlay
 from liftmesh.terrain.measures import check_pair
 from liftmesh.terrain.meshes import as_surface
+from liftmesh.terrain.overlay_mesh import overlay_mesh
+from liftmesh.terrain.report import bare_report
+from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
     from liftmesh.terrain.surface_data import SurfaceData
 
 
@@ -75,6 +77,33 @@ def difference(surface: Surface, other: Surface) -> Surface:
     """
     check_pair(surface, other)
     check_exact(surface.frame)
+    laid = overlay_mesh(surface, other, None)
+    if laid is None:
+        return _by_constraints(surface, other)
+    told = {"rows_at_crossings": laid.crossings, "displacement": laid.displacement}
+    solved, faces = laid.triangulation, laid.triangulation.simplices
+    if laid.mask is not None:
+        faces = faces[~laid.mask]
+    return Surface(
+        vertices=in_space(surface.frame, solved.points, _finite(laid.rises)),
+        faces=faces,
+        triangulation=solved,
+        frame=surface.frame,
+        report=bare_report(solved.npoints, len(faces)),
+        metadata={"difference": told},
+        crs=surface.crs,
+        mask=laid.mask,
+    )
+
+
+def _finite(heights: Floats) -> Floats:
+    if not np.isfinite(heights).all():
+        raise InputError("a difference is beyond the largest double: scale the coordinates")
+    return heights
+
+
+def _by_constraints(surface: SurfaceData, other: SurfaceData) -> Surface:
+    """The same where both nearly coincide: their sides are split until none cross."""
     laid = Overlay.of([Layer.of(one, _near(one, two)) for one, two in _both(surface, other)])
     common = (laid.faces(0) >= 0) & (laid.faces(1) >= 0)
     if not common.any():
@@ -83,9 +112,7 @@ def difference(surface: Surface, other: Surface) -> Surface:
     rows = used_rows(laid.tri.npoints, faces)
     rows = rows[np.lexsort(laid.tri.points[rows].T[::-1])]
     with np.errstate(over="ignore", invalid="ignore"):
-        heights = (laid.heights(0) - laid.heights(1))[rows]
-    if not np.isfinite(heights).all():
-        raise InputError("a difference is beyond the largest double: scale the coordinates")
+        heights = _finite((laid.heights(0) - laid.heights(1))[rows])
     place = np.empty(laid.tri.npoints, dtype=np.int32)
     place[rows] = np.arange(len(rows), dtype=np.int32)
     is_own = np.zeros(laid.tri.npoints, dtype=np.bool_)

@@ -343,7 +343,7 @@ def cut_and_fill(
     if within is not None:
         fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
         return CutFillResult(cut, fill, area, cubic_metres_of(surface))
-    pair = _touching(surface.triangulation, other.triangulation)
+    pair = touching(surface.triangulation, other.triangulation)
     fill, cut, area = 0.0, 0.0, 0.0
     if pair is not None:
         fill, cut, area = kernel_surface(surface).between(kernel_surface(other), *pair)
@@ -497,7 +497,7 @@ def check_pair(surface: SurfaceData, other: SurfaceData) -> None:
     check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
 
 
-def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+def touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Return a face of each triangulation that touch; None if none do."""
     if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
         return None
