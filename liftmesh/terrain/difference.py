@@ -1,8 +1,9 @@
 """The difference of two surfaces: a surface over the overlay of their triangulations.
 
 Both are linear in each part that a face of one and a face of the other have in common, and so is
-their difference. So its faces triangulate these parts (`cutting.py`): its rows are those of both,
-and the crossings of their sides.
+their difference. So its faces triangulate these parts (`overlay_mesh.py`): its rows are those of
+both, and the crossings of their sides. Where rounding would fold them, they are constraints that
+are split (`cutting.py`).
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Floats, Integers
+from liftmesh._typing import Floats, Integers, Progress
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.errors import InputError
 from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, in_space
@@ -27,8 +29,10 @@ from liftmesh.terrain.surface import Surface
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
 
+_LAID = 0.9  # of the time
 
-def difference(surface: Surface, other: Surface) -> Surface:
+
+def difference(surface: Surface, other: Surface, *, progress: Progress | None = None) -> Surface:
     """Subtract the heights of another surface: a surface where both have faces.
 
     Parameters
@@ -38,6 +42,8 @@ def difference(surface: Surface, other: Surface) -> Surface:
     other : Surface
         What is subtracted from it, over the same plane, such as that before. The surfaces need
         not have the same points, nor cover the same area.
+    progress : callable, optional
+        As for `triangulate`.
 
     Returns
     -------
@@ -58,13 +64,15 @@ def difference(surface: Surface, other: Surface) -> Surface:
 
     See Also
     --------
-    Surface.cut_and_fill : The volumes alone, which takes a tenth of the time.
+    Surface.cut_and_fill : The volumes alone, which takes less than half of the time.
     Surface.height_above : Of points.
 
     Notes
     -----
     Which sides cross is decided exactly; a crossing is rounded once. Where both surfaces are
     exchanged, heights change their signs, and no other bit; neither does the order of the rows.
+    Where surfaces nearly coincide, as two that were rounded differently, crossings may come
+    together: then sides are split until none cross, which takes some twenty times as long.
 
     Examples
     --------
@@ -77,9 +85,12 @@ def difference(surface: Surface, other: Surface) -> Surface:
     """
     check_pair(surface, other)
     check_exact(surface.frame)
-    laid = overlay_mesh(surface, other, None)
+    check_progress(progress)
+    laid = overlay_mesh(surface, other, part_of(progress, 0.0, _LAID))
     if laid is None:
-        return _by_constraints(surface, other)
+        return _by_constraints(surface, other, part_of(progress, _LAID, 1.0))
+    if progress is not None:
+        progress(1.0)
     told = {"rows_at_crossings": laid.crossings, "displacement": laid.displacement}
     solved, faces = laid.triangulation, laid.triangulation.simplices
     if laid.mask is not None:
@@ -102,9 +113,12 @@ def _finite(heights: Floats) -> Floats:
     return heights
 
 
-def _by_constraints(surface: SurfaceData, other: SurfaceData) -> Surface:
+def _by_constraints(
+    surface: SurfaceData, other: SurfaceData, progress: Progress | None = None
+) -> Surface:
     """The same where both nearly coincide: their sides are split until none cross."""
-    laid = Overlay.of([Layer.of(one, _near(one, two)) for one, two in _both(surface, other)])
+    layers = [Layer.of(one, _near(one, two)) for one, two in _both(surface, other)]
+    laid = Overlay.of(layers, progress=progress)
     common = (laid.faces(0) >= 0) & (laid.faces(1) >= 0)
     if not common.any():
         raise InputError("the surfaces have no area in common")

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Floats, Integers, Mask, Progress, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Rows
 from liftmesh.base.arrays import distinct, pair_keys, pairs_of_keys
 from liftmesh.errors import CrossingError
 from liftmesh.planar.constrained import constrained_delaunay
@@ -164,7 +164,7 @@ class _Filler(NamedTuple):
         )
 
 
-def _places(ends: Rows, tails: Rows, heads: Rows) -> Integers:
+def _places(ends: Array, tails: Array, heads: Array) -> Integers:
     """Return which of some directed sides others are; -1 for none."""
     known, sought = pair_keys(*ends.T), pair_keys(tails, heads)
     order = np.argsort(known)

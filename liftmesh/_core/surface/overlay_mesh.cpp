@@ -24,9 +24,17 @@ class Overlaid {
           patience_(interrupt) {}
 
     // False if the interrupt came first, or the result is not sound.
-    bool run() { return name_corners() && place_rows() && triangulate() && link(); }
+    bool run() {
+        return advanced(name_corners(), 2) && advanced(place_rows(), 3) &&
+               advanced(triangulate(), 1) && link();
+    }
 
  private:
+    bool advanced(bool is_done, std::size_t tenths) {
+        interrupt_.advance(tenths);
+        return is_done;
+    }
+
     bool unsound() {
         found_.is_sound = false;
         return false;
@@ -34,6 +42,11 @@ class Overlaid {
 
     std::int32_t face_of(const Piece& piece, std::size_t surface) const {
         return surface == 0 ? piece.face : piece.other;
+    }
+
+    // Whether pieces of one face of a surface come before those of another one.
+    bool is_before(std::size_t surface, std::int32_t one, std::int32_t two) const {
+        return surface == 0 ? pieces_.before(one, two) : one < two;
     }
 
     // Which corner of a piece is the crossing of the same sides as in another one; `count` if none.
@@ -54,11 +67,12 @@ class Overlaid {
     }
 
     // A number for each corner: vertices of the first surface, then of the second, then crossings
-    // as they are first met, in the piece of the lesser of both faces at each side.
+    // as they are first met, in the piece of the earlier of both faces at each side.
     bool name_corners() {
         const std::size_t first = surfaces_[0].vertices(), all = first + surfaces_[1].vertices();
         names_ = allocate<std::int32_t>(pieces_.corners);
         is_used_.assign(all, 0);
+        crossings_.reserve(pieces_.pieces.size());
         for (const Piece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
             for (std::size_t i = 0; i < piece.count; ++i) {
@@ -84,7 +98,7 @@ class Overlaid {
         std::array<std::int32_t, 2> owner = from;
         for (std::size_t f : {0, 1}) {
             const std::int32_t beyond = surfaces_[f].shown_neighbor(from[f], sides[f]);
-            if (beyond >= 0) owner[f] = std::min(owner[f], beyond);
+            if (beyond >= 0 && is_before(f, beyond, from[f])) owner[f] = beyond;
         }
         std::int32_t& name = names_[piece.first + i];
         if (owner == from) {
@@ -281,7 +295,8 @@ class Overlaid {
             mark(own);
             return true;
         }
-        if (std::pair(beyond[0], beyond[1]) < std::pair(piece.face, piece.other)) return true;
+        const bool is_same = beyond[0] == piece.face;
+        if (is_before(is_same, beyond[is_same], face_of(piece, is_same))) return true;
         const Piece* const next = pieces_.find(beyond[0], beyond[1]);
         if (!next) return false;
         const std::size_t n = piece.count, m = next->count;
@@ -334,12 +349,14 @@ class Overlaid {
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
                   OverlayMesh& found, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
+    interrupt.expect(10);
     std::array<Swept, 2> surfaces;
     if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
     Pieces pieces;
     const bool is_done =
         find_pieces(surfaces, surfaces[0].named(face), surfaces[1].named(other), pieces, interrupt);
     if (!is_done) return false;
+    interrupt.advance(3);
     found.is_sound = pieces.is_sound;
     if (!found.is_sound) return true;
     return Overlaid(surfaces, pieces, found, interrupt).run() || !found.is_sound;

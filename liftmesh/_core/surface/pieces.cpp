@@ -107,6 +107,8 @@ class Collector {
  public:
     Collector(const std::array<Swept, 2>& surfaces, Pieces& found)
         : surfaces_(surfaces), found_(found) {
+        // About as many as of points at random; what is not used takes no memory.
+        found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
         for (std::size_t k : {0, 1}) found_.heights[k].assign(surfaces[k].vertices(), no_height);
     }
 
@@ -152,25 +154,19 @@ bool find_pieces(const std::array<Swept, 2>& surfaces, std::int32_t face, std::i
     Flood<Collector> flood(collector, surfaces[0].count(), surfaces[1].count(), patience);
     flood.run(face, other);
     if (patience.ends(0)) return false;
-    // The pieces of a face are together already.
-    found.starts.assign(surfaces[0].count() + 1, 0);
-    for (const Piece& each : found.pieces) ++found.starts[static_cast<std::size_t>(each.face)];
-    std::uint32_t place = 0;
-    for (std::uint32_t& each : found.starts) place += std::exchange(each, place);
-    std::vector<Piece> ordered(found.pieces.size());
-    for (std::size_t first = 0, last = 0; first < ordered.size(); first = last) {
+    found.starts.assign(surfaces[0].count(), Pieces::none);
+    Piece* const all = found.pieces.data();
+    for (std::size_t first = 0, last = 0; first < found.pieces.size(); first = last) {
         if (patience.ends()) return false;
-        const std::int32_t number = found.pieces[first].face;
-        while (last < ordered.size() && found.pieces[last].face == number) ++last;
-        Piece* const to = ordered.data() + found.starts[static_cast<std::size_t>(number)];
-        std::copy(found.pieces.data() + first, found.pieces.data() + last, to);
-        std::sort(to, to + (last - first),
+        const std::int32_t number = all[first].face;
+        while (last < found.pieces.size() && all[last].face == number) ++last;
+        found.starts[static_cast<std::size_t>(number)] = static_cast<std::uint32_t>(first);
+        std::sort(all + first, all + last,
                   [](const Piece& a, const Piece& b) { return a.other < b.other; });
-    }
-    found.pieces.swap(ordered);
-    for (Piece& each : found.pieces) {
-        each.first = static_cast<std::uint32_t>(found.corners);
-        found.corners += each.count;
+        for (std::size_t i = first; i < last; ++i) {
+            all[i].first = static_cast<std::uint32_t>(found.corners);
+            found.corners += all[i].count;
+        }
     }
     return true;
 }

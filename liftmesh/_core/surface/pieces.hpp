@@ -62,20 +62,27 @@ double height_over(const FacePair& pair, std::size_t face, std::size_t k);
 // On a side from its lexicographically lesser end, as near to it as a rounded place is.
 double height_along(const SurfaceCorner& tail, const SurfaceCorner& head, Point place);
 
-// All pieces of faces that are shown, by the first face, then by the second.
+// All pieces of faces that are shown: those of a first face together, by the second, and first
+// faces in the order in which the flood came to them.
 struct Pieces {
+    static constexpr std::uint32_t none = ~std::uint32_t{0};
+
     std::vector<Piece> pieces;
     std::size_t corners = 0;                     // of all
-    std::vector<std::uint32_t> starts;           // of each first face, and the end of the last
+    std::vector<std::uint32_t> starts;           // of each first face; `none` if it has none
     std::array<std::vector<double>, 2> heights;  // of the other surface at vertices; NaN for none
     bool is_sound = true;
 
     const Piece* find(std::int32_t face, std::int32_t other) const {
-        const std::size_t first = starts[static_cast<std::size_t>(face)],
-                          last = starts[static_cast<std::size_t>(face) + 1];
-        for (std::size_t i = first; i < last; ++i)
+        const std::size_t start = starts[static_cast<std::size_t>(face)];
+        for (std::size_t i = start; i < pieces.size() && pieces[i].face == face; ++i)
             if (pieces[i].other == other) return &pieces[i];
         return nullptr;
+    }
+
+    // Whether the pieces of one first face are before those of another one.
+    bool before(std::int32_t one, std::int32_t two) const {
+        return starts[static_cast<std::size_t>(one)] < starts[static_cast<std::size_t>(two)];
     }
 };
 
