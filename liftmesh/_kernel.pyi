@@ -154,6 +154,22 @@ def incircle(
     signs: NDArray[np.int8],
     canonical: bool,
 ) -> None: ...
+def orient3d(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
+    signs: NDArray[np.int8],
+) -> None: ...
+def insphere(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
+    e: NDArray[np.float64],
+    signs: NDArray[np.int8],
+    canonical: bool,
+) -> None: ...
 def lifted_side(
     a: NDArray[np.float64],
     b: NDArray[np.float64],

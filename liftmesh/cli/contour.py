@@ -131,13 +131,13 @@ def _of_bands(bands: Any) -> tuple[dict[str, Any], str]:
 
 def _heights(surface: Any, values: str | None) -> tuple[float, float]:
     """Return the least and the greatest height, or value, of a surface, or of one in tiles."""
-    from liftmesh.terrain.values import over_values
+    from liftmesh.terrain.values import over_known
     from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
 
     if isinstance(surface, TiledSurfaceData):
         _, _, low, _, _, high = box_of(surface)
         return low, high
     if values is not None:
-        surface = over_values(surface, values)
+        surface = over_known(surface, values)
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

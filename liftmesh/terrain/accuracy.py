@@ -234,6 +234,8 @@ def _check(surface: SurfaceData, residuals: Floats, *, are_checkpoints: bool) ->
         return
     if not are_checkpoints:
         raise InputError("no vertex has faces all around it: give checkpoints")
+    if not len(residuals):
+        raise InputError("there are no checkpoints: give some")
     left, low, right, high = (f"{each:.10g}" for each in bounds_of_faces(surface))
     raise InputError(
         f"none of the {counted(len(residuals), 'checkpoint')} is over a face: x is from {left} to "

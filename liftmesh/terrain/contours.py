@@ -21,13 +21,21 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
+from liftmesh.base.options import (
+    as_count,
+    as_number,
+    as_thousands,
+    as_threads,
+    counted,
+    refused,
+    shown,
+)
 from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.optional import load
 from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.terrain.values import Values, over_values
+from liftmesh.terrain.values import Values, over_known
 from liftmesh.vector.files import LINE_SUFFIXES, write_lines
 
 if TYPE_CHECKING:
@@ -117,7 +125,8 @@ class Contours(FrozenResult):
     crs: str | None = None
 
     def __repr__(self) -> str:
-        return f"<Contours: {len(self):,} lines at {len(np.unique(self.levels)):,} levels>"
+        levels = counted(len(np.unique(self.levels)), "level")
+        return f"<Contours: {counted(len(self), 'line')} at {levels}>"
 
     def __len__(self) -> int:
         return len(self.levels)
@@ -271,7 +280,8 @@ def contour_lines(
     levels : array_like of float, optional
         The heights.
     values : str or array_like of shape (n,), optional
-        Values of the vertices in place of heights, or the name of attributes.
+        Values of the vertices in place of heights, or the name of attributes. There are no lines
+        in faces with a corner whose value is NaN or infinite.
     interval : float, optional
         In place of levels: all multiples of it that the surface has, counted from
         `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
@@ -315,7 +325,7 @@ def contour_lines(
     [[1.0, 3.0], [1.0, 0.0]]
     """
     if values is not None:
-        surface = over_values(surface, values)
+        surface = over_known(surface, values)
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: _heights_of(relief, *limit)

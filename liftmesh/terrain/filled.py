@@ -41,7 +41,7 @@ from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.contours import Contours, check_name, contour_lines, wanted_levels
 from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.sampling import heights_at
-from liftmesh.terrain.values import Values, over_values
+from liftmesh.terrain.values import Values, over_known
 from liftmesh.vector.files import write_areas
 
 if TYPE_CHECKING:
@@ -245,7 +245,7 @@ def filled_contours(
     >>> slope.filled_contours(interval=2).areas
     array([4., 4., 4., 4.])
     """
-    surface = surface if values is None else over_values(surface, values)
+    surface = surface if values is None else over_known(surface, values)
     low, high = _range(surface)
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines, rim = contour_lines(surface, wanted, threads=threads), _rim(surface)
@@ -278,7 +278,7 @@ def _range(surface: SurfaceData) -> tuple[Fraction, Fraction]:
     if (face := np.flatnonzero(~np.isfinite(heights).all(axis=1))).size:
         rows = surface.faces[face[0]]
         row = rows[~np.isfinite(heights[face[0]])][0]
-        raise InputError(f"the height of vertex {row} is not finite: trim the faces around it")
+        raise InputError(f"the height of vertex {row} is not finite: the array was written since")
     return Fraction(heights.min()), Fraction(heights.max())
 
 

@@ -15,13 +15,12 @@ written to a stream.
 from __future__ import annotations
 
 import io
-import sqlite3
 import struct
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 from warnings import warn
 
 import numpy as np
@@ -31,6 +30,9 @@ from liftmesh.base.options import shown
 from liftmesh.crs.description import look_up
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.optional import load
+
+if TYPE_CHECKING:
+    import sqlite3
 
 MAGIC = b"SQLite format 3\0"
 
@@ -47,10 +49,11 @@ def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
     for each in map(path.with_name, (path.name + suffix for suffix in _WAITING)):
         if each.is_file() and each.stat().st_size:
             raise FormatError(f"{path}: changes wait in {each.name}: close what has the file open")
+    error_of_sqlite = load("sqlite3").Error
     try:
         with closing(_opened(path)) as connection:
             return _Package(connection, path).features()
-    except (sqlite3.Error, ValueError, struct.error, IndexError) as error:
+    except (error_of_sqlite, ValueError, struct.error, IndexError) as error:
         if isinstance(error, FormatError):
             raise
         raise FormatError(f"{path}: damaged, or no GeoPackage: {error}") from error
@@ -59,7 +62,7 @@ def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
 def _opened(path: Path) -> sqlite3.Connection:
     """Open a file as it is: neither changed nor locked, and without a journal."""
     uri = f"{path.absolute().as_uri()}?mode=ro&immutable=1"
-    connection = sqlite3.connect(uri, uri=True, isolation_level=None)
+    connection: sqlite3.Connection = load("sqlite3").connect(uri, uri=True, isolation_level=None)
     for each in ("trusted_schema = OFF", "cell_size_check = ON", "mmap_size = 0"):
         connection.execute(f"PRAGMA {each}")
     left = _STEPS_MORE + _STEPS_OF_A_BYTE * path.stat().st_size
@@ -169,12 +172,14 @@ class _Package:
 
     def _authorize(self, action: int, table: str | None, *rest: str | None) -> int:
         """Deny all but reading columns of tables that were looked at, and not through a view."""
+        codes = load("sqlite3")
         is_known = {
-            sqlite3.SQLITE_SELECT: True,
-            sqlite3.SQLITE_PRAGMA: table == _COLUMNS,
-            sqlite3.SQLITE_READ: str(table).lower() in self._allowed,
+            codes.SQLITE_SELECT: True,
+            codes.SQLITE_PRAGMA: table == _COLUMNS,
+            codes.SQLITE_READ: str(table).lower() in self._allowed,
         }.get(action, False)
-        return sqlite3.SQLITE_OK if is_known and rest[-1] is None else sqlite3.SQLITE_DENY
+        allowed: int = codes.SQLITE_OK if is_known and rest[-1] is None else codes.SQLITE_DENY
+        return allowed
 
 
 def _quoted(name: str) -> str:

@@ -112,7 +112,7 @@ WITHOUT_DATA = {
     "Format": "describes a format",
     "WriteResult": "tells what was written",
     "TilesetResult": "tells what was written",
-    "write_tileset": "simplify, profile and write, which are watched, do the work of each tile",
+    "write_tileset": "simplify, profile, sample and write, which are watched, do its work",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "dask.local_cluster": "starts workers",
     "dask.triangulate": "hands the tasks of tile_surface, which is watched, to workers",

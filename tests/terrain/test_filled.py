@@ -184,8 +184,10 @@ def test_what_cannot_be_filled(tmp_path: Path) -> None:
         surface.filled_contours()
     with pytest.raises(InputError, match="give finite heights"):
         surface.filled_contours([np.nan])
-    values = np.where(np.arange(len(surface.vertices)) == 7, np.nan, 1.0)
-    with pytest.raises(InputError, match="the height of vertex 7 is not finite: trim the faces"):
-        surface.filled_contours([0], values=values)
+    points = meadow(100)
+    written = liftmesh.triangulate(points)
+    points[7, 2] = np.nan
+    with pytest.raises(InputError, match="height of vertex 7 is not finite: the array was written"):
+        written.filled_contours([0])
     with pytest.raises(FormatError, match="GeoJSON or GeoPackage"):
         surface.filled_contours([0]).save(tmp_path / "bands.shp")

@@ -139,4 +139,5 @@ NB_MODULE(_kernel, m) {
     bindings::bind_cells(m);
     bindings::bind_constrained(m);
     bindings::bind_refinement(m);
+    bindings::bind_space(m);
 }
