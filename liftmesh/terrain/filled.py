@@ -38,11 +38,11 @@ from liftmesh.io.streams import at_home
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.boundary import mask_of
-from liftmesh.terrain.contours import Contours, check_name, contour_lines, wanted_levels
+from liftmesh.terrain.contours import Contours, contour_lines, wanted_levels
 from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.values import Values, over_known
-from liftmesh.vector.files import write_areas
+from liftmesh.vector.files import check_written, write_areas
 
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
@@ -146,7 +146,7 @@ class FilledContours(FrozenResult):
         Parameters
         ----------
         path : path
-            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+            Where to write, as GeoJSON, GeoPackage or shapefile; written whole or not at all.
 
         Returns
         -------
@@ -156,11 +156,11 @@ class FilledContours(FrozenResult):
         Raises
         ------
         FormatError
-            The name does not end in .geojson, .json or .gpkg.
+            The name does not end in .geojson, .json, .gpkg or .shp.
         InputError
-            The coordinate system is unknown to GeoPackage.
+            The coordinate system is unknown to GeoPackage or shapefiles.
         MissingDependencyError
-            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
+            GeoPackage and shapefiles need geopandas: ``pip install 'liftmesh[shapes]'``.
         OSError
             The file cannot be written.
 
@@ -176,7 +176,7 @@ class FilledContours(FrozenResult):
         'geojson'
         """
         target = Path(at_home(path))
-        check_name(target)
+        check_written(target, "bands")
         columns = {"lower": self.lower, "upper": self.upper}
         return write_areas(target, self.to_shapely(), columns, self.crs, "bands")
 

@@ -91,7 +91,7 @@ class Surface(SurfaceData):
         normals: ArrayLike | EllipsisType | None = ...,
         attributes: Mapping[str, ArrayLike] | EllipsisType = ...,
         metadata: Mapping[str, Any] | EllipsisType = ...,
-        crs: str | EllipsisType | None = ...,
+        crs: Any = ...,
         color_depth: int | None = None,
     ) -> Surface:
         """Make a changed copy; what is not given stays.
