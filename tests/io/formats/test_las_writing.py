@@ -462,14 +462,12 @@ def test_chunks_that_end_in_an_error_leave_the_old_file(
     path.write_bytes(b"old")
 
     def chunks() -> Iterator[Cloud]:
-        yield cloud
-        yield cloud
+        yield from [cloud, cloud]
         raise error
 
     with pytest.raises(type(error)):
         write_chunks(path, chunks())
-    assert [each.name for each in tmp_path.iterdir()] == [path.name]
-    assert path.read_bytes() == b"old"
+    assert {each: each.read_bytes() for each in tmp_path.iterdir()} == {path: b"old"}
 
 
 class _Full(io.BytesIO):
