@@ -195,7 +195,7 @@ def accuracy_of(
     See Also
     --------
     Surface.height_above : The heights of points above a surface.
-    Surface.raster : With the quantity "longest_edge", where the surface is a guess.
+    Surface.raster : With the quantity "longest-edge", where the surface is a guess.
 
     Notes
     -----

@@ -186,12 +186,21 @@ def _numbers(starts: Array) -> Integers:
 
 
 def _areas(filled: FilledContours) -> Floats:
-    rings = _numbers(filled.rings)
-    x, y = (filled.points - filled.points[filled.rings[:-1]][rings]).T
+    rings, exponent = _numbers(filled.rings), _exponent(filled.points)
+    points = np.ldexp(filled.points, -exponent)
+    x, y = (points - points[filled.rings[:-1]][rings]).T
     halves = np.zeros(len(x))
     halves[1:] = (x[:-1] * y[1:] - x[1:] * y[:-1]) / 2
     begins = filled.rings[filled.polygons[filled.bands]]
-    return np.array([math.fsum(halves[a:b]) for a, b in pairwise(begins.tolist())])
+    scaled = [math.fsum(halves[a:b]) for a, b in pairwise(begins.tolist())]
+    with np.errstate(over="ignore"):  # to infinity
+        areas: Floats = np.ldexp(scaled, 2 * exponent)
+    return areas
+
+
+def _exponent(points: Floats) -> int:
+    """Return the power of two by which coordinates are divided, so that squares are doubles."""
+    return int(np.frexp(np.abs(points).max(initial=0))[1])
 
 
 def filled_contours(
@@ -254,8 +263,7 @@ def filled_contours(
     low, high = _range(surface)
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines, rim = contour_lines(surface, wanted, threads=threads), _rim(surface)
-    # Squares of coordinates are not to leave the doubles in GEOS.
-    exponent = int(np.frexp(np.abs(rim[..., :2]).max())[1])
+    exponent = _exponent(rim[..., :2])  # for GEOS
     lines = replace(lines, points=np.ldexp(lines.points, -exponent))
     rim[..., :2] = np.ldexp(rim[..., :2], -exponent)
     rest = part_of(progress, _LINES, 1.0)

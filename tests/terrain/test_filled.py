@@ -184,6 +184,13 @@ def test_files(tmp_path: Path, suffix: str) -> None:
         assert len(json.loads((tmp_path / "bands.geojson").read_text())["features"]) == len(found)
 
 
+@pytest.mark.parametrize("scale", [2.0**510, 2.0**1020, 2.0**-500])
+def test_areas_at_any_scale(scale: float) -> None:
+    hill = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 8]]) - [2, 2, 0]
+    found = liftmesh.triangulate(hill * [scale, scale, 1]).filled_contours([4]).areas
+    assert found.tolist() == [12 * scale * scale, 4 * scale * scale]
+
+
 def test_what_cannot_be_filled(tmp_path: Path) -> None:
     surface = liftmesh.triangulate(meadow(100))
     with pytest.raises(InputError, match="either levels or interval"):
