@@ -86,7 +86,8 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
         Rows nearer to the cloth than this, in metres, are ground; 0.5 unless given.
     tin_cell : float, optional
         Side of the cells of a grid, in metres, the lowest row of each of which is ground to begin
-        with: more than the largest building has; 40 unless given.
+        with: more than the largest building has; 40 unless given. It is halved until these rows
+        are not on a line.
     tin_distance : float, optional
         Rows that join the triangulation are not farther from the facet below or above them, in
         metres; 1.4 unless given.
