@@ -62,7 +62,12 @@ from .planar.refinement import refine as refine
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
-from .predicates import incircle as incircle, orient2d as orient2d
+from .predicates import (
+    incircle as incircle,
+    insphere as insphere,
+    orient2d as orient2d,
+    orient3d as orient3d,
+)
 from .raster.raster import Raster as Raster
 from .space.lower_hull import lower_hull as lower_hull
 from .terrain.accuracy import Accuracy as Accuracy
@@ -81,9 +86,9 @@ from .terrain.simplification import simplify as simplify
 from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
-from .terrain.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
+from .tiles.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 
 __version__: str

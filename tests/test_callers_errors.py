@@ -125,6 +125,8 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "lower_hull": (liftmesh.lower_hull, liftmesh.lower_hull, {"cloud": ROWS}),
     "orient2d": (liftmesh.orient2d, liftmesh.orient2d, dict.fromkeys("abc", PLANAR)),
     "incircle": (liftmesh.incircle, liftmesh.incircle, dict.fromkeys("abcd", PLANAR)),
+    "orient3d": (liftmesh.orient3d, liftmesh.orient3d, dict.fromkeys("abcd", ROWS)),
+    "insphere": (liftmesh.insphere, liftmesh.insphere, dict.fromkeys("abcde", ROWS)),
     "compare": (liftmesh.compare, liftmesh.compare, {"cloud": ROWS}),
     "classify_ground": (liftmesh.classify_ground, liftmesh.classify_ground, {"cloud": ROWS}),
     "merge": (liftmesh.merge, liftmesh.merge, {"clouds": [ROWS, ROWS]}),

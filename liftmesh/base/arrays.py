@@ -134,13 +134,22 @@ def as_rows3(points: ArrayLike) -> Floats:
 
 def as_pairs(points: ArrayLike) -> Floats:
     """Convert planar points of any leading shape to a contiguous (..., 2) array of float64."""
+    return _as_tuples(points, 2, "planar points")
+
+
+def as_triples(points: ArrayLike) -> Floats:
+    """The same for points in space and (..., 3)."""
+    return _as_tuples(points, 3, "points in space")
+
+
+def _as_tuples(points: ArrayLike, width: int, what: str) -> Floats:
     array = unmasked(_as_array(points))
-    array = array[:, :2] if are_geometries(points) else array
-    if array.ndim == 0 or array.shape[-1] != 2:
-        transposed = array.ndim == 2 and array.shape[0] == 2 and array.size > 0
+    array = array[:, :width] if are_geometries(points) else array
+    if array.ndim == 0 or array.shape[-1] != width:
+        transposed = array.ndim == 2 and array.shape[0] == width and array.size > 0
         hint = ": these are columns; give the transpose" if transposed else ""
-        raise InputError(f"planar points need the shape (..., 2), not {array.shape}{hint}")
-    flat = as_floats(array.reshape(-1, 2))
+        raise InputError(f"{what} need the shape (..., {width}), not {array.shape}{hint}")
+    flat = as_floats(array.reshape(-1, width))
     return np.ascontiguousarray(widened(flat)).reshape(array.shape)
 
 
@@ -312,6 +321,18 @@ def distinct(values: Array) -> Array:
     ascending = np.sort(values, axis=None)
     found: Array = ascending[starts_of_runs(ascending[:, None])]
     return found
+
+
+def lower_to(least: Array, rows: Array, values: Array) -> None:
+    """Lower numbers to the values of their rows: minimum.at may end a process short of memory."""
+    for _ in range(3):  # passes, after which few are left
+        is_less = values < least[rows]
+        rows, values = rows[is_less], values[is_less]
+        least[rows] = values  # the last one of a row
+    order = np.argsort(values)[::-1]
+    rows, values = rows[order], values[order]
+    is_less = values < least[rows]
+    least[rows[is_less]] = values[is_less]
 
 
 def read_only(array: Array) -> Array:

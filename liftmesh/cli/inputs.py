@@ -112,6 +112,9 @@ def _selection(
         str | None,
         option("NAME", "LandXML: the surface to read, or CgPoints.", panel="Input"),
     ] = None,
+    layer: Annotated[
+        str | None, option("NAME", "GeoPackage: the layer to read, of several.", panel="Input")
+    ] = None,
     src_crs: Annotated[
         str | None,
         option(
@@ -140,7 +143,11 @@ def _selection(
         with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(
-        dst_crs=dst_crs, src_crs=src_crs, band=band, landxml_surface=landxml_surface
+        dst_crs=dst_crs,
+        src_crs=src_crs,
+        band=band,
+        landxml_surface=landxml_surface,
+        layer=layer,
     )
 
 

@@ -322,6 +322,8 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
 def spatial_functions() -> Iterator[tuple[Any, ...]]:
     """The same of what works in space."""
     yield "lower_hull", SPATIAL, on_points(liftmesh.lower_hull)
+    yield "orient3d", SPATIAL, predicate(liftmesh.orient3d, 4), TERRAIN
+    yield "insphere", SPATIAL, predicate(liftmesh.insphere, 5), TERRAIN
     yield (
         "lower_hull by lf",
         SPATIAL,

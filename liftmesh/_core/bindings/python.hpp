@@ -281,6 +281,7 @@ void bind_apollonius(nb::module_& m);
 void bind_cells(nb::module_& m);
 void bind_constrained(nb::module_& m);
 void bind_refinement(nb::module_& m);
+void bind_space(nb::module_& m);
 void bind_dynamic(nb::module_& m);
 void bind_lifted(nb::module_& m);
 void bind_surface(nb::module_& m);

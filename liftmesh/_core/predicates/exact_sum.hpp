@@ -91,7 +91,7 @@ class ExactSum {
 
  private:
     static constexpr int widest = 2098;  // the bits of every finite double
-    // For the limbs of a term beyond its highest bit, and the carries of up to 128 terms.
+    // For the limbs of a term beyond its highest bit, and the carries of up to 512 terms.
     static constexpr int spare = 6;
 
     template <int N>

@@ -17,7 +17,12 @@ namespace liftmesh {
 struct SpacePoint {
     double x, y, z;
     Point planar() const { return {x, y}; }
+    bool operator==(const SpacePoint&) const = default;
 };
+
+inline bool before_xyz(const SpacePoint& a, const SpacePoint& b) {
+    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+}
 
 // Both are exact for all finite doubles; called where the filter below is inconclusive.
 int orient3d_exact(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d);

@@ -98,6 +98,14 @@ Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
     }
 }
 
+// Of factors of different widths.
+template <int N, int M>
+    requires(N != M)
+Wide<N + M> operator*(const Wide<N>& a, const Wide<M>& b) {
+    const Wide<N + M> product = unsigned_product(magnitude(a), magnitude(b));
+    return a.negative() != b.negative() ? Wide<N + M>{} - product : product;
+}
+
 // The sign of a b - c d, from the products of magnitudes.
 inline int sign_of_difference(Int128 a, Int128 b, Int128 c, Int128 d) {
     const auto product = [](Int128 p, Int128 q) {
