@@ -178,7 +178,11 @@ def _file(
     ] = None,
     input_up: Annotated[
         Up | None,
-        flag("GLB, glTF, OBJ: the axis that is up, in place of what the file says.", panel="Input"),
+        flag(
+            "GLB, glTF, OBJ: the axis that is up, in place of what the file says; without either "
+            "it is y in glTF, z in OBJ.",
+            panel="Input",
+        ),
     ] = None,
 ) -> dict[str, Any]:
     return options.given(format=input_format, max_bytes=max_bytes, up=input_up)

@@ -241,7 +241,7 @@ class Features:
     def _add_patch(self, rings: Sequence[Sequence[Sequence[float]]]) -> None:
         """Take a polygon of a surface, which ends at its first corner."""
         if len(rings) != 1:
-            self.others["patch with a hole" if rings else "empty patch"] += 1
+            self.others["holed polygon" if rings else "empty polygon"] += 1
             return
         (ring,) = rings
         corners = ring[:-1] if len(ring) > 1 and ring[0] == ring[-1] else ring

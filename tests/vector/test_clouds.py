@@ -184,7 +184,7 @@ def test_strips_fans_and_rings_of_a_multipatch() -> None:
     assert corners[3:5].tolist() == [[[5, 5], [6, 5], [6, 6]], [[5, 5], [6, 6], [5, 6]]]
     assert (liftmesh.orient2d(*corners[:3].transpose(1, 0, 2)) == -1).all()
     assert len(corners) == 7
-    assert found.metadata["not_read"] == ("1 patch with a hole",)
+    assert found.metadata["not_read"] == ("1 holed polygon",)
 
 
 @given(

@@ -220,6 +220,16 @@ FORMATS = (
         entries=("markers",),
     ),
     Format(
+        name="ugrid",
+        suffixes=(".nc",),
+        read=None,
+        write=_code("io.formats.ugrid", "write_ugrid"),
+        description="UGRID 1.0 in NetCDF, meshes of ocean and flood models: faces and values",
+        keeps=("points", "faces", "attributes", "crs", "float64"),
+        needs=("faces", "finite"),
+        loses=_code("io.formats.ugrid", "dropped_parts"),
+    ),
+    Format(
         name="pcd",
         suffixes=(".pcd",),
         read=_code("io.formats.pcd", "read_pcd"),
