@@ -146,7 +146,7 @@ BOMBS = {
     ),
     "a block in itself": (nested(2, 1, "0\nINSERT\n2\nB0\n10\n0\n20\n0\n"), "hold each other"),
     "a curve without end": (
-        nested(1, 1, "0\nCIRCLE\n10\n0\n20\n0\n40\n1e308\n"),
+        nested(1, 1, A_LINE, "0\nCIRCLE\n10\n0\n20\n0\n40\n1e308\n"),
         "a CIRCLE is beyond 1e.100, or not finite",
     ),
 }
