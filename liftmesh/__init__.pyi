@@ -89,9 +89,9 @@ from .terrain.simplification import simplify as simplify
 from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
-from .terrain.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
+from .tiles.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 
 __version__: str

@@ -102,6 +102,13 @@ def distances(edges_and_points: NDArray[np.float64], found: NDArray[np.float64])
 def label_regions(
     neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]
 ) -> NDArray[np.int32]: ...
+def canonical_order(
+    points: NDArray[np.floating[Any]] | None,
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    bits: NDArray[np.uint8] | None,
+    rows: int,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
     skip_non_finite: bool,
@@ -479,6 +486,24 @@ class Relief:
         self, levels: NDArray[np.float64], threads: int, shared: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int32], NDArray[np.uint8]]: ...
     def between(self, other: Relief, face: int, touching: int) -> tuple[float, float, float]: ...
+    def overlay(
+        self,
+        other: Relief,
+        face: int,
+        touching: int,
+        progress: Callable[[float], None] | None,
+    ) -> (
+        tuple[
+            NDArray[np.float64],
+            NDArray[np.float64],
+            NDArray[np.int32],
+            NDArray[np.int32],
+            NDArray[np.uint8],
+            int,
+            float,
+        ]
+        | None
+    ): ...
     def between_within(
         self,
         other: Relief,

@@ -192,12 +192,66 @@ make_environment() {
     fi
     rm -f "$folder/installed"
     if ((${#building[@]} > 0)); then
-        run_quietly "Installing ${building[*]} into $folder" \
-            "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "${building[@]}"
+        run_quietly "Installing ${building[*]} into $folder" pip_install "$folder" "${building[@]}"
+        build_beside "$folder" "$@"
+    else
+        run_quietly "Building liftmesh, installing it and its dependencies into $folder" pip_install "$folder" "$@"
     fi
-    run_quietly "Building liftmesh, installing it and its dependencies into $folder" \
-        "$folder/bin/python" -m pip install --disable-pip-version-check --no-input "$@"
     printf '%s' "$state" >"$folder/installed"
+}
+
+pip_install() {
+    "$1/bin/python" -m pip install --disable-pip-version-check --no-input "${@:2}"
+}
+
+# build_beside FOLDER REQUIREMENT...: builds liftmesh while the dependencies of the tests are downloaded and unpacked,
+# which takes one processor at most.
+build_beside() {
+    local folder=$1 built process wanted
+    built=$(mktemp) wanted=$(mktemp)
+    pip_install "$folder" --no-deps "${@:2}" >"$built" 2>&1 &
+    process=$!
+    dependencies "$folder/bin/python" >"$wanted"
+    run_quietly "Installing the dependencies of the tests, and building liftmesh, into $folder" \
+        pip_install "$folder" --requirement "$wanted"
+    run_quietly "Waiting for the build" finished "$process" "$built"
+    rm -f "$built" "$wanted"
+}
+
+# finished PROCESS LOG: waits for a process of this script, and prints its log.
+finished() {
+    local code=0
+    wait "$1" || code=$?
+    cat "$2"
+    return "$code"
+}
+
+# Prints what liftmesh and its tests need, a requirement a line.
+dependencies() {
+    "$1" - <<'PYTHON'
+import re
+
+try:
+    import tomllib
+except ModuleNotFoundError:
+    import tomli as tomllib  # came with scikit-build-core
+
+with open("pyproject.toml", "rb") as file:
+    project = tomllib.load(file)["project"]
+
+
+def needed(extra):
+    for each in project["optional-dependencies"][extra]:
+        own = re.fullmatch(r"liftmesh\[(.+)\]", each)
+        if own is None:
+            yield each
+        else:
+            for name in own[1].split(","):
+                yield from needed(name)
+
+
+print(*project["dependencies"], *needed("test"), sep="\n")
+PYTHON
 }
 
 fingerprint() {

@@ -32,13 +32,6 @@ wheel() (
     environment/bin/python "$checker" ./*.whl "$terrain"
 )
 
-wheel_is_done() {
-    local code=0
-    wait "$wheel_process" || code=$?
-    cat "$wheel_log"
-    return "$code"
-}
-
 # Prints a new folder in memory, for the files of tests, which wait for the disk some ten thousand times. Prints nothing
 # if memory or room for files in it is short (the tests need less than a gigabyte), or programs cannot be started there.
 folder_in_memory() {
@@ -88,7 +81,7 @@ check "ruff: format" .venv-test/bin/ruff format --check .
 check "clang-format" format_cpp
 check "mypy" .venv-test/bin/mypy
 check "import-linter" .venv-test/bin/lint-imports
-check "the wheel, outside the repository" wheel_is_done
+check "the wheel, outside the repository" finished "$wheel_process" "$wheel_log"
 check "pytest" tests
 say
 say "All checks passed in $SECONDS s."

@@ -323,6 +323,18 @@ def distinct(values: Array) -> Array:
     return found
 
 
+def lower_to(least: Array, rows: Array, values: Array) -> None:
+    """Lower numbers to the values of their rows: minimum.at may end a process short of memory."""
+    for _ in range(3):  # passes, after which few are left
+        is_less = values < least[rows]
+        rows, values = rows[is_less], values[is_less]
+        least[rows] = values  # the last one of a row
+    order = np.argsort(values)[::-1]
+    rows, values = rows[order], values[order]
+    is_less = values < least[rows]
+    least[rows[is_less]] = values[is_less]
+
+
 def read_only(array: Array) -> Array:
     """Return a view that cannot be written to, of an array that remains as it is."""
     view: Array = array.view()

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liftmesh._typing import Array, Floats, Indices, Integers, Rows
-from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only, starts_of_runs
 from liftmesh.base.frozen import cached_property, check_numbers, check_starts
 from liftmesh.cells.domain import Domain, following_corners
 from liftmesh.cells.rings import DomainCorners, Rings, parts_of
@@ -119,7 +119,8 @@ class ClippedCells:
         halved = int(np.abs(self.corners).max(initial=0) > _HALF_LARGEST)
         offset = np.ldexp(self.corners, -halved) - np.ldexp(origin, -halved)[cell]
         extent = np.zeros(rows)
-        np.maximum.at(extent, cell, np.abs(offset).max(axis=1))
+        begins = np.flatnonzero(starts_of_runs(cell[:, None]))
+        extent[cell[begins]] = np.maximum.reduceat(np.abs(offset).max(axis=1), begins)
         scale = np.frexp(extent)[1]
         x, y = np.ldexp(offset, -scale[cell, None]).T
         following = following_corners(self.ring_corners)

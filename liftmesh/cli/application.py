@@ -24,8 +24,8 @@ HELP = (
 DEBUG = "--debug with any command prints the traceback of an error."
 COMMANDS = (
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "height",
-    "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "voronoi",
-    "constrain", "refine", "paper",
+    "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
+    "voronoi", "constrain", "refine", "paper",
 )  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 VARIABLE = "_LIFTMESH_COMPLETE"

@@ -1,4 +1,4 @@
-"""``liftmesh contour``: lines of equal height as GeoJSON or GeoPackage."""
+"""``liftmesh contour``: lines of equal height as GeoJSON, GeoPackage, shapefile or DXF."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from liftmesh.cli.options import argument, flag, number, numbers, option, positi
 from liftmesh.cli.wording import spelled
 from liftmesh.errors import Option
 
-SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
+SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage, DXF)."
 HELP = (
     "Every line is closed or ends at the border; what is above is on its left. Properties of a "
-    "line are its height, whether it is closed, and whether it is an index contour. With --filled, "
-    "OUT has polygons between the levels instead, with the properties lower and upper. IN may also "
-    "be a folder of liftmesh tile --surface."
+    "line are its height, whether it is closed, and whether it is an index contour; DXF has these "
+    "in a layer of their own. With --filled, OUT has polygons between the levels instead, with the "
+    "properties lower and upper. IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh contour tin.ply lines.geojson --interval 1",
     "liftmesh contour tin.ply shore.gpkg --levels -2,0 --trim-polygon parish.gpkg",
+    "liftmesh contour tin.ply lines.dxf --interval 1 --index-every 5",
     "liftmesh contour tin.ply depths.gpkg --levels -20,-10,-5,0 --filled",
     "liftmesh contour survey.csv lines.geojson --interval 0.5 --min-length 10 --max-edge 20",
 ]
@@ -31,7 +32,7 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, argument("OUT", "GeoJSON or GeoPackage file.")],
+    target: Annotated[Path, argument("OUT", "GeoJSON, GeoPackage, shapefile, or lines as DXF.")],
     interval: Annotated[
         float | None, option("HEIGHT", "Lines at all multiples of this height.", positive)
     ] = None,
@@ -58,10 +59,11 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, find its contours, write them, and say how many there are."""
-    from liftmesh.terrain.contours import check_name, length_of
+    from liftmesh.terrain.contours import length_of
+    from liftmesh.vector.files import check_written
 
     outputs.check_stdout()
-    check_name(target)
+    check_written(target, "bands" if filled else "contours", may_be_drawing=not filled)
     of_interval = options.given(contour_base=contour_base, index_every=index_every)
     heights = options.given(levels=levels, interval=interval)
     _check_heights(heights, of_interval)
@@ -131,13 +133,13 @@ def _of_bands(bands: Any) -> tuple[dict[str, Any], str]:
 
 def _heights(surface: Any, values: str | None) -> tuple[float, float]:
     """Return the least and the greatest height, or value, of a surface, or of one in tiles."""
-    from liftmesh.terrain.values import over_values
+    from liftmesh.terrain.values import over_known
     from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
 
     if isinstance(surface, TiledSurfaceData):
         _, _, low, _, _, high = box_of(surface)
         return low, high
     if values is not None:
-        surface = over_values(surface, values)
+        surface = over_known(surface, values)
     heights = surface.frame.heights(surface.vertices)[surface.faces]
     return float(heights.min()), float(heights.max())

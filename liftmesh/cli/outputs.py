@@ -46,6 +46,7 @@ _OVERWRITE = options.parameter(
 
 def guards(
     *outputs: str,  # parameters that are files to write: all others that name a file are inputs
+    inside: str = "",  # a file, if these are folders
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
 
@@ -55,6 +56,7 @@ def guards(
         @wraps(run)
         def command(*, overwrite: bool = False, **given: Any) -> Any:
             targets = [given[each] for each in outputs if given.get(each) is not None]
+            targets = [each / inside for each in targets] if inside else targets
             check_lost(targets, _inputs(given, outputs), overwrite=overwrite)
             return run(**given)
 

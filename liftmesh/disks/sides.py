@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Floats, Indices, Integers, Rows
-from liftmesh.base.arrays import pair_keys, pairs_of_keys
+from liftmesh.base.arrays import lower_to, pair_keys, pairs_of_keys
 from liftmesh.base.options import shown
 from liftmesh.disks.arcs import Arcs, Box, TooManyPointsError
 from liftmesh.errors import InputError
@@ -169,8 +169,8 @@ def _first_of(count: int, one: Rows, other: Rows) -> Indices:
     while True:
         least = np.minimum(first[one], first[other])
         named = first.copy()
-        np.minimum.at(named, one, least)
-        np.minimum.at(named, other, least)
+        lower_to(named, one, least)
+        lower_to(named, other, least)
         named = named[named]
         if np.array_equal(named, first):
             return first

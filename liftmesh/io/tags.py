@@ -146,8 +146,6 @@ def _components(count: int, tails: Integers, heads: Integers) -> Integers:
 def _numbered(points: Floats, lines: Rows) -> Integers:
     """Number connected lines in the order of their least points."""
     labels = _components(len(points), *lines.T)
-    rank = np.empty(len(points), np.intp)
-    rank[np.lexsort((points[:, 1], points[:, 0]))] = np.arange(len(points))
-    least = np.full(len(points), len(points))
-    np.minimum.at(least, labels, rank)
+    order, least = np.lexsort((points[:, 1], points[:, 0])), np.empty(len(points), np.intp)
+    least[labels[order[::-1]]] = np.arange(len(points))[::-1]  # the last one counts
     return np.unique(least[labels[lines[:, 0]]], return_inverse=True)[1]

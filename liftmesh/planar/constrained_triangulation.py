@@ -343,7 +343,9 @@ def with_rows(
 
 
 def with_sides(tri: ConstrainedTriangulation, sides: Mask) -> ConstrainedTriangulation:
-    """Make the same triangles with some sides of them as further input edges."""
+    """Make the same triangles with some sides of them, if any, as further input edges."""
+    if not sides.any():
+        return tri
     simplices, neighbors = tri._whole  # noqa: SLF001 - of this module
     face, k = np.nonzero(sides)
     ends = ends_of(simplices, face, k)

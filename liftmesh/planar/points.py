@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Mask, Reals, Rows
-from liftmesh.base.arrays import as_coordinates
+from liftmesh.base.arrays import as_coordinates, lower_to
 from liftmesh.base.options import as_threads
 
 
@@ -87,7 +87,7 @@ def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
         a, b, c = points[corners].reshape(-1, 3).T
         ab, bc, ca = np.abs(a - b), np.abs(b - c), np.abs(c - a)
         at_corners = np.stack([np.minimum(ab, ca), np.minimum(ab, bc), np.minimum(bc, ca)], axis=1)
-        np.minimum.at(shortest, corners, at_corners.reshape(-1))
+        lower_to(shortest, corners, at_corners.reshape(-1))
     return shortest
 
 

@@ -366,13 +366,15 @@ def _parts(
     tri: ConstrainedTriangulation, simplices: Rows, neighbors: Rows, marks: Bits, divided: Rows
 ) -> Pieces:
     """Describe the parts of pieces, each with the input edges of its piece."""
-    marked = np.flatnonzero(marks)
-    is_part = marks[marked, None] >> np.arange(3, dtype=np.uint8) & 1 > 0
-    face, k = np.nonzero(is_part & (neighbors[marked] < marked[:, None]))  # of both sides the later
-    keys = np.sort(pair_keys(*ends_of(simplices, marked[face], k).T))
+    numbers = np.arange(len(marks), dtype=np.int32)
+    faces = [  # of both sides the later
+        np.flatnonzero((marks & (1 << k) > 0) & (neighbors[:, k] < numbers)) for k in range(3)
+    ]
+    k = np.repeat(np.arange(3), [*map(len, faces)])
+    keys = np.sort(pair_keys(*ends_of(simplices, np.concatenate(faces), k).T))
     ends = np.stack(pairs_of_keys(keys), axis=1).astype(np.int32)
     of_row = np.concatenate([np.full(tri.npoints, -1, dtype=np.int32), divided])
-    piece = of_row[ends].max(axis=1)  # a row that was added is on one piece at most
+    piece = np.maximum(*of_row[ends.T])  # a row that was added is on one piece at most
     is_whole = piece < 0
     piece[is_whole] = np.searchsorted(pair_keys(*tri.constraints.T), keys[is_whole])
     pieces = pieces_of(tri, ends, *members_of(piece, *tri.constraint_inputs))

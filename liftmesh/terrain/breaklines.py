@@ -337,7 +337,7 @@ def extended(
     values = {flag: np.zeros(len(cloud), dtype=np.uint8), **cloud.attributes}
     nearest = np.empty(0, dtype=np.int64)
     if len(rows) and (len(values) > 1 or cloud.colors is not None or cloud.normals is not None):
-        nearest = _nearest(frame.planar(cloud.points), frame.planar(rows))
+        nearest = nearest_rows(frame.planar(cloud.points), frame.planar(rows))
 
     def longer(array: Array) -> Array:
         return np.concatenate([array, array[nearest]])
@@ -364,7 +364,7 @@ def check_flag(attributes: Mapping[str, Array], flag: str) -> None:
         )
 
 
-def _nearest(points: Floats, places: Floats) -> Integers:
+def nearest_rows(points: Floats, places: Floats) -> Integers:
     """Return the nearest of some points to each place."""
     from scipy.spatial import KDTree  # noqa: PLC0415 - slow to import
 

@@ -21,14 +21,21 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_decimal, as_reals
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import as_count, as_number, as_thousands, as_threads, refused, shown
+from liftmesh.base.options import (
+    as_count,
+    as_number,
+    as_thousands,
+    as_threads,
+    counted,
+    refused,
+    shown,
+)
 from liftmesh.errors import InputError, Option
-from liftmesh.io.streams import at_home, check_suffix
-from liftmesh.optional import load
+from liftmesh.io.streams import at_home
 from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
-from liftmesh.terrain.values import Values, over_values
-from liftmesh.vector.files import LINE_SUFFIXES, write_lines
+from liftmesh.terrain.values import Values, over_known
+from liftmesh.vector.files import check_written, write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -117,7 +124,8 @@ class Contours(FrozenResult):
     crs: str | None = None
 
     def __repr__(self) -> str:
-        return f"<Contours: {len(self):,} lines at {len(np.unique(self.levels)):,} levels>"
+        levels = counted(len(np.unique(self.levels)), "level")
+        return f"<Contours: {counted(len(self), 'line')} at {levels}>"
 
     def __len__(self) -> int:
         return len(self.levels)
@@ -199,7 +207,7 @@ class Contours(FrozenResult):
         Parameters
         ----------
         path : path
-            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+            Where to write, as GeoJSON, GeoPackage, shapefile or DXF; written whole or not at all.
 
         Returns
         -------
@@ -209,11 +217,11 @@ class Contours(FrozenResult):
         Raises
         ------
         FormatError
-            The name does not end in .geojson, .json or .gpkg.
+            The name does not end in .geojson, .json, .gpkg, .shp or .dxf.
         InputError
-            The coordinate system is unknown to GeoPackage.
+            The coordinate system is unknown to GeoPackage or shapefiles.
         MissingDependencyError
-            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
+            GeoPackage and shapefiles need geopandas: ``pip install 'liftmesh[shapes]'``.
         OSError
             The file cannot be written.
 
@@ -224,7 +232,9 @@ class Contours(FrozenResult):
         Notes
         -----
         In GeoJSON the coordinate system stands in the member ``crs``, as GDAL writes and reads it:
-        as its number, or as WKT if that does not name one. GeoPackage has a layer "contours".
+        as its number, or as WKT if that does not name one. GeoPackage has a layer "contours". DXF
+        has polylines at their heights, in the layers "contours" and "contours-index", and no
+        system.
 
         Examples
         --------
@@ -234,7 +244,7 @@ class Contours(FrozenResult):
         'geojson'
         """
         target = Path(at_home(path))
-        check_name(target)
+        check_written(target, "contours", may_be_drawing=True)
         columns = {"height": self.levels, "index": self.is_index, "closed": self.closed}
         return write_lines(target, self.points, self.starts, columns, self.crs, "contours")
 
@@ -242,13 +252,6 @@ class Contours(FrozenResult):
 def length_of(length: Any) -> float:
     """Convert the least length that lines are to have."""
     return as_number("length", length, "a number, not below zero", lambda least: least >= 0)
-
-
-def check_name(path: Path) -> None:
-    """Raise if contours cannot be written to a file of this name."""
-    check_suffix(path, LINE_SUFFIXES, "contours are written as GeoJSON or GeoPackage (.gpkg)")
-    if path.suffix.lower() == ".gpkg":
-        load("geopandas", extra="shapes")
 
 
 def contour_lines(
@@ -271,7 +274,8 @@ def contour_lines(
     levels : array_like of float, optional
         The heights.
     values : str or array_like of shape (n,), optional
-        Values of the vertices in place of heights, or the name of attributes.
+        Values of the vertices in place of heights, or the name of attributes. There are no lines
+        in faces with a corner whose value is NaN or infinite.
     interval : float, optional
         In place of levels: all multiples of it that the surface has, counted from
         `contour_base`. They are decimal: those of 0.1 are 0.1, 0.2, 0.3.
@@ -315,7 +319,7 @@ def contour_lines(
     [[1.0, 3.0], [1.0, 0.0]]
     """
     if values is not None:
-        surface = over_values(surface, values)
+        surface = over_known(surface, values)
     limit, relief = as_threads(threads, len(surface.faces)), kernel_surface(surface)
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: _heights_of(relief, *limit)

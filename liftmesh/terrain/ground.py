@@ -47,6 +47,10 @@ _MOST_NODES = 20_000_000  # of the cloth: CSF takes about 200 bytes for each
 _NODES_OF_CELL, _ROWS_OF_CELL = 5, 5
 _MOST_BARE = 0.1  # share of cells; large roofs leave some
 _MARGIN = 8  # nodes beyond the rows, on both sides together
+_DEFAULTS: dict[str, dict[str, float]] = {  # of the options of each algorithm
+    "csf": {"cloth_resolution": 0.5, "cloth_rigidness": 2, "cloth_threshold": 0.5},
+    "tin": {"tin_cell": 40.0, "tin_distance": 1.4, "tin_angle": 15.0, "tin_threshold": 0.25},
+}
 _NOISE_CELL, _FEW = 5.0, 4  # metres; the first number of rows that are not too few
 
 
@@ -54,13 +58,13 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     cloud: object,
     *,
     algorithm: GroundAlgorithm = "csf",
-    cloth_resolution: float = 0.5,
-    cloth_rigidness: int = 2,
-    cloth_threshold: float = 0.5,
-    tin_cell: float = 40.0,
-    tin_distance: float = 1.4,
-    tin_angle: float = 15.0,
-    tin_threshold: float = 0.25,
+    cloth_resolution: float | None = None,
+    cloth_rigidness: int | None = None,
+    cloth_threshold: float | None = None,
+    tin_cell: float | None = None,
+    tin_distance: float | None = None,
+    tin_angle: float | None = None,
+    tin_threshold: float | None = None,
     noise_depth: float | None = None,
 ) -> Cloud:
     """Find the ground among the rows of a cloud, by a cloth or by a triangulation that grows.
@@ -74,24 +78,25 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
         Anything that `triangulate` takes.
     algorithm : {"csf", "tin"}, default "csf"
         The cloth simulation filter, or progressive densification of a triangulation (TIN).
-    cloth_resolution : float, default 0.5
-        Distance between the nodes of the cloth, in metres.
-    cloth_rigidness : {1, 2, 3}, default 2
-        Of the cloth: 1 for steep slopes, 3 for flat terrain.
-    cloth_threshold : float, default 0.5
-        Rows nearer to the cloth than this, in metres, are ground.
-    tin_cell : float, default 40
+    cloth_resolution : float, optional
+        Distance between the nodes of the cloth, in metres; 0.5 unless given.
+    cloth_rigidness : {1, 2, 3}, optional
+        Of the cloth: 1 for steep slopes, 2 unless given, 3 for flat terrain.
+    cloth_threshold : float, optional
+        Rows nearer to the cloth than this, in metres, are ground; 0.5 unless given.
+    tin_cell : float, optional
         Side of the cells of a grid, in metres, the lowest row of each of which is ground to begin
-        with: more than the largest building has.
-    tin_distance : float, default 1.4
+        with: more than the largest building has; 40 unless given. It is halved until these rows
+        are not on a line.
+    tin_distance : float, optional
         Rows that join the triangulation are not farther from the facet below or above them, in
-        metres.
-    tin_angle : float, default 15
+        metres; 1.4 unless given.
+    tin_angle : float, optional
         The lines from such a row to the corners of the facet make no larger angles with it, in
-        degrees: more for broken terrain, less where vegetation is low.
-    tin_threshold : float, default 0.25
+        degrees: more for broken terrain, less where vegetation is low; 15 unless given.
+    tin_threshold : float, optional
         Rows that are in the end not higher above the triangulation, nor lower, in metres, are
-        ground.
+        ground; 0.25 unless given.
     noise_depth : float, optional
         Rows become low noise, class 7, and take no part, if among the rows in their square of 5 m
         and the eight around at most two others are less than this, in metres, above them.
@@ -109,8 +114,8 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     Raises
     ------
     InputError
-        Coordinates are degrees or geocentric, an option is invalid, or the cloth would have more
-        than 20,000,000 nodes.
+        Coordinates are degrees or geocentric, an option is invalid or of the other algorithm, or
+        the cloth would have more than 20,000,000 nodes.
     MissingDependencyError
         The package cloth-simulation-filter is not installed.
     FormatError, UnsupportedTypeError
@@ -154,17 +159,14 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     [400, 400]
     """
     check_option("algorithm", algorithm, GroundAlgorithm)
-    given: dict[str, Any] = {
-        "csf": {
-            "cloth_resolution": cloth_resolution, "cloth_rigidness": cloth_rigidness,
-            "cloth_threshold": cloth_threshold,
-        },
-        "tin": {
-            "tin_cell": tin_cell, "tin_distance": tin_distance, "tin_angle": tin_angle,
-            "tin_threshold": tin_threshold,
-        },
-    }[algorithm]  # fmt: skip
-    _check(**given, **({} if noise_depth is None else {"noise_depth": noise_depth}))
+    given = {
+        "cloth_resolution": cloth_resolution, "cloth_rigidness": cloth_rigidness,
+        "cloth_threshold": cloth_threshold, "tin_cell": tin_cell, "tin_distance": tin_distance,
+        "tin_angle": tin_angle, "tin_threshold": tin_threshold,
+    }  # fmt: skip
+    options: dict[str, Any] = _options(algorithm, given)
+    if noise_depth is not None:
+        as_positive("noise_depth", noise_depth, "a positive number of metres")
     source = read_cloud(cloud)
     metres, is_known, is_known_of_z = _metres(source)
     rows = np.flatnonzero(_takes_part(source))
@@ -172,12 +174,12 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     points -= points.min(axis=0) if len(points) else 0.0
     is_noise = _low_noise(points, noise_depth)
     noise, rows, points = rows[is_noise], rows[~is_noise], points[~is_noise]
-    is_ground = _cloth_ground(points, **given) if algorithm == "csf" else _tin(points, **given)
+    is_ground = _cloth_ground(points, **options) if algorithm == "csf" else _tin(points, **options)
     ground = rows[is_ground]
-    cells, bare = _bare_cells(points, is_ground, _side(given))
+    cells, bare = _bare_cells(points, is_ground, _side(options))
     told = {} if noise_depth is None else {"noise_depth": noise_depth, "noise": len(noise)}
     counts = {
-        "rows": len(source), "ground": len(ground), "algorithm": algorithm, **given, **told,
+        "rows": len(source), "ground": len(ground), "algorithm": algorithm, **options, **told,
         "unit_known": is_known, "z_unit_known": is_known_of_z, "cells": cells, "bare_cells": bare,
     }  # fmt: skip
     if warning := bare_warning(counts):
@@ -189,17 +191,30 @@ def classify_ground(  # noqa: PLR0913 - options are keywords
     )
 
 
-def _check(**given: float) -> None:
-    """Check the options of an algorithm."""
+def _options(algorithm: str, given: dict[str, float | None]) -> dict[str, float]:
+    """Return the options of an algorithm: those given are its own, and valid."""
+    chosen = dict(_DEFAULTS[algorithm])
     for name, value in given.items():
-        if name == "cloth_rigidness":
-            if as_count(name, value, 1) > 3:
-                raise refused(name, value, "give 1, 2 or 3")
-        elif name == "tin_angle":
-            if not as_positive(name, value, "a positive number of degrees") < 90:
-                raise refused(name, value, "give less than 90 degrees")
-        else:
-            as_positive(name, value, "a positive number of metres")
+        if value is None:
+            continue
+        if name not in chosen:
+            (other,) = _DEFAULTS.keys() - {algorithm}
+            raise refused(name, value, f"it belongs to {Option('algorithm', other)}")
+        _check(name, value)
+        chosen[name] = value
+    return chosen
+
+
+def _check(name: str, value: float) -> None:
+    """Check an option of an algorithm."""
+    if name == "cloth_rigidness":
+        if as_count(name, value, 1) > 3:
+            raise refused(name, value, "give 1, 2 or 3")
+    elif name == "tin_angle":
+        if not as_positive(name, value, "a positive number of degrees") < 90:
+            raise refused(name, value, "give less than 90 degrees")
+    else:
+        as_positive(name, value, "a positive number of metres")
 
 
 def _tin(

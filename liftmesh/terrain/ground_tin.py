@@ -6,6 +6,10 @@ sees it under small angles from the facet's corners. So the surface grows up fro
 become smaller, down to a spacing of 1 m; what then lies near the surface is ground, too. Beyond the
 hull of the ground, its facets go on as they are up to slopes of 45 degrees, and level if steeper.
 
+Axelsson also takes rows whose mirror image beyond the nearest corner is near enough. That finds the
+edges of terraces (of 14 % of the ground that are lost, all but 2.5), and a fourth of all roofs,
+trees and shrubs on steep slopes with them, where a larger angle takes a twelfth: it is left out.
+
 Every choice is made by coordinates, so the order of the rows does not matter.
 
 Source: P. Axelsson, DEM generation from laser scanner data using adaptive TIN models, International

@@ -18,6 +18,11 @@ most 1. A part of it that is less than some two and a half times as wide as its 
 plot in a wood, has up to 96 %, and is told unless it is spared as a volume: returns of crowns and
 of the ground below are neighbours there, too.
 
+Closed shapes that are thinner than a tenth of their width pass, as rough ground does. Where there
+are faces, these tell more: those of a height field cover no place twice. A mesh whose faces have
+more than one and a quarter of the area of the hull, seen from above, is none: closed shapes have up
+to twice as much, whatever the order of their corners.
+
 Rows are chosen by a hash of x and y, so it does not matter in which order they are, and all rows at
 a position are chosen or none (D. E. Knuth, The Art of Computer Programming, volume 3, 6.4).
 """
@@ -25,15 +30,18 @@ a position are chosen or none (D. E. Knuth, The Art of Computer Programming, vol
 from __future__ import annotations
 
 import warnings
+from contextlib import suppress
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Rows
-from liftmesh.base.arrays import starts_of_runs
+from liftmesh._typing import Floats, Integers, Rows
+from liftmesh.base.arrays import lower_to
 from liftmesh.crs.description import parse_crs
-from liftmesh.errors import DataWarning, DegenerateInputError
+from liftmesh.errors import DataWarning, DegenerateInputError, FormatError
+from liftmesh.io.columns import checked_faces
 from liftmesh.planar.delaunay import delaunay
+from liftmesh.terrain.measures import planar_areas
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
@@ -43,11 +51,24 @@ _OF_WIDTH, _OF_RANGE, _MOST = 0.1, 0.25, 0.5
 _NEAR, _FAR, _OF_SURFACES = 4, 16, (1.4, 2.2)  # neighbours, and dimensions
 _ASKED = 8  # every so many rows
 _FACTOR = np.uint64(0x9E3779B97F4A7C15)  # 2^64 by the golden ratio
-_PIECE, _AT_ONCE = 1 << 12, 4
+_PIECE, _AT_ONCE = 1 << 11, 2
+_COVERED = 1.25
+_REMEDY = (
+    "A surface has one height at each position: take a part that is seen from one side, as the "
+    "ground, give another plane, or use a program for closed meshes"
+)
 
 
-def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
+def warn_if_folded(surface: SurfaceData, faces: Rows | None, stacklevel: int) -> None:
     """Warn of a cloud that is no height field; in degrees, no height can be compared."""
+    if faces is not None and (cover := _cover(surface, faces)) > _COVERED:
+        warnings.warn(
+            f"the cloud is no height field: seen from above, its faces have {cover:.2g} times the "
+            f"area of its hull, so they overlap, as in closed objects. {_REMEDY}",
+            DataWarning,
+            stacklevel=stacklevel,
+        )
+        return
     system = parse_crs(surface.crs)
     if system is not None and system.kind == "geographic":
         return
@@ -58,12 +79,24 @@ def warn_if_folded(surface: SurfaceData, stacklevel: int) -> None:
         warnings.warn(
             f"the cloud is no height field: at {100 * share:.0f} % of {count:,} rows the heights "
             "of neighbours differ by more than a tenth of its width, as in scans of closed "
-            "objects, rooms or walls, or of a few trees. A surface has one height at each "
-            "position: take a part that is seen from one side, as the ground, give another plane, "
-            "or use a program for closed meshes",
+            f"objects, rooms or walls, or of a few trees. {_REMEDY}",
             DataWarning,
             stacklevel=stacklevel,
         )
+
+
+def _cover(surface: SurfaceData, faces: Rows) -> float:
+    """Return the area of faces in the plane as a multiple of that of the hull."""
+    points, hull = surface.triangulation.points, surface.triangulation.convex_hull
+    exponent = int(np.frexp(np.abs(points[hull]).max())[1])
+    fan = np.stack([np.full(len(hull) - 2, hull[0]), hull[1:-1], hull[2:]], axis=1)
+    areas = []
+    with suppress(FormatError), np.errstate(invalid="ignore"):
+        faces = checked_faces(faces, len(points), "the mesh")
+        for some in (fan, *(faces[k : k + _PIECE] for k in range(0, len(faces), _PIECE))):
+            corners = np.ldexp(points[some].astype(np.float64), -exponent)
+            areas.append(np.nansum(planar_areas(corners)))
+    return float(sum(areas[1:]) / areas[0]) if areas else 0.0
 
 
 def folded_share(planar: Floats, heights: Floats) -> tuple[float, int]:
@@ -124,17 +157,11 @@ def _between(simplices: Rows, duplicates: Rows, z: Floats) -> Floats:
     names[row] = kept
     around = []
     for heights in (z, -z):
-        least = _least(heights, names, heights)
+        least = heights.copy()
+        lower_to(least, names, heights)
         of_faces = least[simplices].min(axis=1)
-        around.append(_least(least, simplices.ravel(), np.repeat(of_faces, 3)))
+        for corner in simplices.T:
+            lower_to(least, corner, of_faces)
+        around.append(least)
     between: Floats = (-around[1] - around[0])[names]
     return between
-
-
-def _least(start: Floats, rows: Array, values: Floats) -> Floats:
-    """Return the least of what each row starts with, and of its values."""
-    order = np.argsort(rows, kind="stable")  # minimum.at ends the process if memory is short
-    begins = np.flatnonzero(starts_of_runs(rows[order][:, None]))
-    result, which = start.copy(), rows[order[begins]]
-    result[which] = np.minimum(result[which], np.minimum.reduceat(values[order], begins))
-    return np.asarray(result)

@@ -215,9 +215,9 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     -----
     DataWarning
         The coordinate system has degrees, or units that differ; the cloud is no height field, as
-        `liftmesh.terrain.height_field` decides of a thousand rows or more; with weights or radii,
-        values named ``hidden`` are replaced; all lines of an option lie beyond all points; or the
-        cloud has edges, which are not used.
+        `liftmesh.terrain.height_field` decides of a thousand rows or more, or of faces; with
+        weights or radii, values named ``hidden`` are replaced; all lines of an option lie beyond
+        all points; or the cloud has edges, which are not used.
 
     See Also
     --------
@@ -285,7 +285,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
         from liftmesh.terrain.breaklines import with_lines  # noqa: PLC0415 - as above
 
         surface = with_lines(lines, lifting, algorithm, frame, run.surface)
-    warn_if_folded(surface, stacklevel=4)
+    warn_if_folded(surface, source.faces, stacklevel=4)
     stages.end()
     return surface
 

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_numbers
 from liftmesh.errors import InputError, Option
+from liftmesh.terrain.boundary import mask_of, masked
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, plane_system
 
@@ -52,8 +53,9 @@ def _named(surface: SurfaceData) -> dict[str, Array]:
 
 
 def _names(surface: SurfaceData, *, one_each: bool) -> str:
-    """Name the values, or those with one number for each vertex, in a message."""
-    usable = (key for key, each in _named(surface).items() if each.ndim == 1 or not one_each)
+    """Name the values that are numbers, or those with one for each vertex, in a message."""
+    numbers = {key: each for key, each in _named(surface).items() if each.dtype.kind in "biuf"}
+    usable = (key for key, each in numbers.items() if each.ndim == 1 or not one_each)
     return ", ".join(map(repr, sorted(usable))) or "none at all"
 
 
@@ -78,3 +80,13 @@ def over_values(surface: AnySurface, values: Values) -> AnySurface:
         frame=resolve_plane("xy", planar),
         crs=plane_system(surface),
     )
+
+
+def over_known(surface: AnySurface, values: Values) -> AnySurface:
+    """Make that surface of the faces whose corners all have a value."""
+    over = over_values(surface, values)
+    is_none = ~np.isfinite(over.vertices[:, 2])
+    left_out = mask_of(over) | is_none[over.triangulation.simplices].any(axis=1)
+    if left_out.all():
+        raise InputError(f"{Option('values')} are not finite at a corner of each face: {_REMEDY}")
+    return masked(over, left_out) if is_none.any() else over

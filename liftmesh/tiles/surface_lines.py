@@ -16,7 +16,8 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Integers
+from liftmesh._typing import Floats, Integers, Progress
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.terrain.contours import Contours, wanted_levels
 from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.filled import FilledContours, fill
@@ -55,12 +56,14 @@ def filled_contours(
     levels: ArrayLike | None,
     interval: float | None,
     contour_base: float,
+    progress: Progress | None = None,
 ) -> FilledContours:
     """Compute the parts of the plane between levels, from the lines and the hull."""
+    check_progress(progress)
     low, high = map(Fraction, box_of(tiled)[2::3])
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines = contour_lines(tiled, wanted, None, contour_base, 1)
-    return fill(lines, _rim(tiled), wanted, (low, high))
+    return fill(lines, _rim(tiled), wanted, (low, high), part_of(progress, 0.5, 1.0))
 
 
 def _rim(tiled: TiledSurfaceData) -> Floats:

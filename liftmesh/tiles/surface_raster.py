@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -38,6 +39,7 @@ from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.rasters import RasterOptions, RasterPlan
 from liftmesh.terrain.report import bare_report
 from liftmesh.terrain.surface import Surface
+from liftmesh.tiles.schema import cloud_from
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
 
 Bounds: TypeAlias = tuple[float, float, float, float]
@@ -89,7 +91,7 @@ def save_raster(
         plan.kind,
         windows.values(progress),
         plan.layout.transform,
-        written_system(tiled.crs, plan.quantity),
+        written_system(tiled.crs, plan.named),
         unit=plan.unit,
         cog=is_cog,
         compress=compress,
@@ -192,7 +194,8 @@ class _Windows:
         if plan.quantity == "height":
             values[...] = np.nan
             if surface is not None:
-                values[...] = surface.sample(centres, plan.interpolation, threads=plan.threads)
+                found = surface.sample(centres, plan.interpolation, threads=plan.threads)
+                values[...] = plan.less(centres, found)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
@@ -211,9 +214,14 @@ def _halves(down: range, across: range, axis: int) -> list[Window]:
 
 
 def part_of(
-    tiled: TiledSurfaceData, near: Iterator[tuple[Any, Rows]], most: int, threads: int | None
+    tiled: TiledSurfaceData,
+    near: Iterator[tuple[Any, Rows]],
+    most: int,
+    threads: int | None,
+    *,
+    with_values: bool = False,
 ) -> Surface | int:
-    """Make a surface of some faces."""
+    """Make a surface of some faces; the values of their corners are left out unless wanted."""
     held: list[Rows] = []
     corners: list[Any] = []
     count = 0
@@ -231,12 +239,16 @@ def part_of(
     begins = np.cumsum([0, *(len(each) for each in corners)])
     parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
     try:
-        return _surface(points, np.concatenate(parts), tiled.crs, threads)
+        found = _surface(points, np.concatenate(parts), tiled.crs, threads)
     except InputError as error:  # a folder whose manifest was made to fit
         raise FormatError(
             f"{tiled.folder}: the shards hold no faces of a triangulation ({error}): tile the "
             "source again"
         ) from error
+    if not with_values:
+        return found
+    cloud = cloud_from(np.concatenate(corners)[first], tiled.schema)
+    return replace(found, colors=cloud.colors, normals=cloud.normals, attributes=cloud.attributes)
 
 
 def touching(tiled: TiledSurfaceData, box: Bounds) -> Iterator[tuple[Any, Rows]]:

@@ -13,6 +13,7 @@ from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.options import Interpolation, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import (
+    surface_clip,
     surface_heights,
     surface_lines,
     surface_raster,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.rasters import RasterOptions
     from liftmesh.terrain.report import Report
+    from liftmesh.terrain.surface import Surface
 
 
 class Tiled(TiledData):
@@ -515,35 +517,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Floats:
         """Interpolate heights at points, reading the faces around them.
 
+        Returns (...) float64: those of `Surface.sample`, bit for bit; errors also of `iter_blocks`.
+        In full: `liftmesh.terrain.sampling.heights_at`.
+
         Parameters
         ----------
-        points, interpolation, threads
-            As for `Surface.sample`; "c1" needs a surface in memory.
-
-        Returns
-        -------
-        (...) ndarray of float64
-            The values of `Surface.sample`, bit for bit.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.sample`.
-        FormatError, OSError
-            As for `iter_blocks`.
-
-        See Also
-        --------
-        raster : At the centres of pixels.
-        height_above : Heights of points above the surface.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [4, 0, 9], [0, 4, 1]], tempfile.mkdtemp())
-        >>> tiled.sample([[1, 1], [2, 2], [9, 9]])
-        array([ 5.,  5., nan])
+        points, interpolation, threads : as for `Surface.sample`; "c1" needs a surface in memory
         """
         return surface_heights.heights_at(self, points, interpolation, threads)
 
@@ -556,34 +535,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Floats:
         """Compute how high the points of a cloud are above the faces.
 
+        Returns (n,) float64: those of `Surface.height_above`, bit for bit; errors also of `sample`.
+        In full: `liftmesh.terrain.sampling.heights_above`.
+
         Parameters
         ----------
-        cloud : Cloud, array_like of shape (n, 3), path or object
-            As for `Surface.height_above`.
-        interpolation, threads
-            As for `sample`.
-
-        Returns
-        -------
-        (n,) ndarray of float64
-            The values of `Surface.height_above`, bit for bit.
-
-        Raises
-        ------
-        InputError, FormatError, UnsupportedTypeError, OSError
-            As for `Surface.height_above` and `sample`.
-
-        See Also
-        --------
-        sample : The heights of the ground.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> tiled = liftmesh.tile_surface([[0, 0, 5], [4, 0, 9], [0, 4, 1]], tempfile.mkdtemp())
-        >>> tiled.height_above([[1, 1, 12], [2, 1, 6], [9, 9, 9]])
-        array([ 7.,  0., nan])
+        cloud, interpolation, threads : as for `Surface.height_above`, and for `sample`
         """
         return surface_heights.heights_above(self, cloud, interpolation, threads)
 
@@ -596,8 +553,6 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Raster:
         """Compute a raster in memory, reading the faces window by window.
 
-        The values are those of `Surface.raster`, bit for bit.
-
         Parameters
         ----------
         resolution, progress, **options
@@ -606,7 +561,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         Returns
         -------
         Raster
-            The values; NaN where no face contains the centre of a pixel.
+            The values of `Surface.raster`, bit for bit.
 
         Raises
         ------
@@ -692,36 +647,13 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Contours:
         """Compute lines of equal height, reading one shard after the other.
 
-        The lines are those of `Surface.contours`, point for point and in the same order.
+        Returns Contours, held in memory: those of `Surface.contours`, point for point and in the
+        same order; errors also of `iter_blocks`.
+        In full: `liftmesh.terrain.contours.contour_lines`.
 
         Parameters
         ----------
-        levels, interval, contour_base, index_every
-            As for `Surface.contours`.
-
-        Returns
-        -------
-        Contours
-            The lines, which are held in memory, by ascending level.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.contours`.
-        FormatError, OSError
-            As for `iter_blocks`.
-
-        See Also
-        --------
-        Surface.contours : The same for a surface in memory.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> slope = liftmesh.tile_surface([[0, 0, 0], [4, 0, 8], [0, 4, 0]], tempfile.mkdtemp())
-        >>> slope.contours([2])[0].points.tolist()
-        [[1.0, 3.0], [1.0, 0.0]]
+        levels, interval, contour_base, index_every : as for `Surface.contours`
         """
         return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
 
@@ -731,6 +663,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         *,
         interval: float | None = None,
         contour_base: float = 0.0,
+        progress: Progress | None = None,
     ) -> FilledContours:
         """Compute the parts of the plane between levels, with the bits of one surface.
 
@@ -739,9 +672,48 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, contour_base : as for `Surface.contours`
+        levels, interval, contour_base, progress : as for `Surface.contours`, and `raster`
         """
-        return surface_lines.filled_contours(self, levels, interval, contour_base)
+        return surface_lines.filled_contours(self, levels, interval, contour_base, progress)
+
+    def clip(
+        self, polygon: object, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Surface:
+        """Cut the faces along a polygon, and make a surface in memory of what is inside.
+
+        Parameters
+        ----------
+        polygon : object
+            As for `Surface.clip`. The shards that touch its box are read.
+        threads, progress
+            As for `triangulate`.
+
+        Returns
+        -------
+        Surface
+            The vertices and faces of `Surface.clip`, bit for bit.
+
+        Raises
+        ------
+        InputError, MissingDependencyError
+            As for `Surface.clip`.
+        FormatError, OSError
+            As for `iter_blocks`; a file of a polygon cannot be read.
+
+        See Also
+        --------
+        Surface.clip : The same for a surface in memory, and what is outside.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
+        >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
+        >>> tiled.clip([[1, 1], [3, 1], [3, 3], [1, 3]]).bounds
+        (1.0, 1.0, 3.0, 3.0)
+        """
+        return surface_clip.clipped(self, polygon, threads, progress)
 
 
 def open_tiled(folder: str | os.PathLike[str]) -> Tiled:

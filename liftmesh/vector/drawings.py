@@ -1,4 +1,4 @@
-"""Lines of drawings: DXF by ezdxf, and the ``l`` elements of OBJ.
+"""Lines of drawings: DXF by ezdxf, and the ``l`` elements of OBJ; contours are written as DXF.
 
 Straight parts keep every bit. Curves become chords that are about a thousandth of the curve's size
 off at most. What closes itself ends at its first corner. Texts, hatches and the like are left out.
@@ -6,10 +6,12 @@ off at most. What closes itself ends at its first corner. Texts, hatches and the
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
+from liftmesh._typing import Array, Floats
 from liftmesh.base.interruption import preserve_signals
 from liftmesh.errors import FormatError
 from liftmesh.optional import load
@@ -42,6 +44,24 @@ def _corners(ezdxf: Any, entity: Any) -> list[tuple[float, ...]]:
     if path.has_curves:
         distance = _CHORD * (ezdxf.path.bbox([path], fast=True).size.magnitude or 1.0)
     return [tuple(each) for each in path.flattening(distance, _CHORDS)]
+
+
+def write_dxf_lines(
+    stream: BinaryIO, points: Floats, starts: Array, columns: Mapping[str, Array], layer: str
+) -> None:
+    """Write lines at heights as polylines of R12; index lines are in a layer of their own."""
+    stream.write(b"0\nSECTION\n2\nENTITIES\n")
+    parts = (points[begin:end].tolist() for begin, end in pairwise(starts.tolist()))
+    rows = zip(*(columns[each].tolist() for each in ("height", "closed", "index")), strict=True)
+    for line, (height, is_closed, is_index) in zip(parts, rows, strict=True):
+        own = f"{layer}-index" if is_index else layer
+        corners = line[:-1] if is_closed else line
+        head = f"0\nPOLYLINE\n8\n{own}\n66\n1\n10\n0.0\n20\n0.0\n30\n{height!r}\n"
+        body = "".join(
+            f"0\nVERTEX\n8\n{own}\n10\n{x!r}\n20\n{y!r}\n30\n{height!r}\n" for x, y in corners
+        )
+        stream.write(f"{head}70\n{int(is_closed)}\n{body}0\nSEQEND\n8\n{own}\n".encode())
+    stream.write(b"0\nENDSEC\n0\nEOF\n")
 
 
 def read_obj_lines(path: Path, data: bytes) -> dict[str, Any]:

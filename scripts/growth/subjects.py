@@ -25,6 +25,7 @@ from growth.files.lidar import LAS
 from growth.files.ply import PLY
 from growth.files.points import DXF, ELE, GZIP, MESH2D, NODE, PCD, POLY, PTS, XYZN, XYZRGB
 from growth.files.raster import RASTER
+from growth.files.shapes import GEOJSON, GEOPACKAGE, SHAPEFILE
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.files.xml import LANDXML
@@ -62,6 +63,9 @@ FILES: dict[str, Families] = {
     "landxml": LANDXML,
     "2dm": MESH2D,
     "dxf": DXF,
+    "geojson": GEOJSON,
+    "geopackage": GEOPACKAGE,
+    "shapefile": SHAPEFILE,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -112,7 +116,7 @@ WITHOUT_DATA = {
     "Format": "describes a format",
     "WriteResult": "tells what was written",
     "TilesetResult": "tells what was written",
-    "write_tileset": "simplify, profile and write, which are watched, do the work of each tile",
+    "write_tileset": "simplify, profile, sample and write, which are watched, do its work",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "dask.local_cluster": "starts workers",
     "dask.triangulate": "hands the tasks of tile_surface, which is watched, to workers",

@@ -6,12 +6,28 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError, UnsupportedTypeError
-from liftmesh.base.arrays import as_floats, is_readable, no_array, of_one_array, unmasked, used_rows
+from liftmesh.base.arrays import (
+    as_floats,
+    is_readable,
+    lower_to,
+    no_array,
+    of_one_array,
+    unmasked,
+    used_rows,
+)
 from liftmesh.base.cloud import is_crs
 
 
 def test_used_rows_are_corners_of_triangles() -> None:
     assert used_rows(5, np.array([[4, 0, 1], [4, 1, 0]])).tolist() == [0, 1, 4]
+
+
+@pytest.mark.parametrize("values", [np.arange(50.0), np.arange(50.0)[::-1], np.arange(50) % 7])
+def test_numbers_are_lowered_to_the_least_of_their_values(values: np.ndarray) -> None:
+    rows, least, expected = np.arange(50) % 3, np.full(4, 5.0), np.full(4, 5.0)
+    np.minimum.at(expected, rows, values)
+    lower_to(least, rows, values)
+    np.testing.assert_array_equal(least, expected)
 
 
 def test_rows_with_strides_in_whole_items_are_read_in_place() -> None:

@@ -26,8 +26,8 @@ from liftmesh.cli.terminal import bytes_text
 
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "height", "profile",
-    "accuracy", "raster", "contour", "volume", "difference", "clip", "solid", "voronoi",
-    "constrain", "refine", "paper",
+    "accuracy", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
+    "voronoi", "constrain", "refine", "paper",
 ]  # fmt: skip
 
 

@@ -331,7 +331,7 @@ def test_a_terminal_shows_a_bar_and_the_table_on_one_line(tmp_path):
     assert re.search(row, told, re.MULTILINE)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_figures_are_drawn_beside_the_tables(tmp_path, monkeypatch):
     monkeypatch.setattr("liftmesh.paper.figures.DOTS_PER_INCH", 20)  # which takes less time
     done = paper(tmp_path, "--n", 20, "--n", 30, "--seeds", 1)

@@ -55,36 +55,36 @@ def build(target: Path, contraction: list[str], *sources: Path) -> Path:
     return target
 
 
-class TestTheProbe:
-    SOURCES = (PROGRAMS / "probe.cpp", CORE / "base/floating_point.cpp")
+PARTS = ("caller", "kernel")  # a header is compiled into both: neither answers for the other
 
-    def says(self, program: Path) -> list[str]:
-        done = subprocess.run([program], capture_output=True, text=True, check=True)
-        return done.stdout.splitlines()
 
-    def test_it_says_nothing_of_a_build_with_the_projects_options(self, tmp_path):
-        program = build(tmp_path / "probe", options(), *self.SOURCES)
-        assert self.says(program) == ["rounds as written"]
-        assert fused(program) == 0
-
-    def test_it_tells_a_build_that_may_fuse_and_the_remedy(self, tmp_path):
-        program = build(tmp_path / "probe", [FUSING], *self.SOURCES)
-        found, refusal = self.says(program)
-        assert found == "contracts"
-        assert "-ffp-contract=off" in refusal
-        assert fused(program) > 0
-
-    @pytest.mark.parametrize("fuses", ["caller", "kernel"])
-    def test_it_asks_the_caller_and_the_kernel_each_for_itself(self, fuses, tmp_path):
-        """A header is compiled into both: neither answers for the other."""
-        of_caller, of_kernel = (
-            [FUSING] if fuses == part else options() for part in ("caller", "kernel")
+@pytest.fixture(scope="module")
+def objects(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, bool], Path]:
+    """Both parts of the probe, compiled with the project's options and so that they may fuse."""
+    folder = tmp_path_factory.mktemp("probe")
+    sources = (PROGRAMS / "probe.cpp", CORE / "base/floating_point.cpp")
+    return {
+        (part, fuses): build(
+            folder / f"{part}-{fuses}.o", [*([FUSING] if fuses else options()), "-c"], source
         )
-        caller = build(tmp_path / "caller.o", [*of_caller, "-c"], self.SOURCES[0])
-        kernel = build(tmp_path / "kernel.o", [*of_kernel, "-c"], self.SOURCES[1])
-        found, *refusal = self.says(build(tmp_path / "probe", options(), caller, kernel))
-        assert found == ("contracts" if fuses == "caller" else "rounds as written")
-        assert len(refusal) == (fuses == "kernel")
+        for part, source in zip(PARTS, sources, strict=True)
+        for fuses in (False, True)
+    }
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fusing", [(), PARTS, *((part,) for part in PARTS)])
+def test_the_probe_asks_the_caller_and_the_kernel_each_for_itself(
+    fusing: tuple[str, ...], objects: dict[tuple[str, bool], Path], tmp_path: Path
+) -> None:
+    parts = [objects[part, part in fusing] for part in PARTS]
+    program = build(tmp_path / "probe", options(), *parts)
+    done = subprocess.run([program], capture_output=True, text=True, check=True)
+    found, *refusal = done.stdout.splitlines()
+    assert found == ("contracts" if "caller" in fusing else "rounds as written")
+    assert len(refusal) == ("kernel" in fusing)
+    assert all("-ffp-contract=off" in line for line in refusal)
+    assert (fused(program) > 0) == bool(fusing)
 
 
 class TestTheKernelHere:
@@ -130,7 +130,7 @@ def hard_questions() -> NDArray[np.float64]:
     return np.concatenate((nearly_cocircular((800, 4, 2), rng), lattice + 0.1, line))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_fused_filter_computes_other_numbers_and_still_keeps_its_bounds(tmp_path) -> None:
     asked = hard_questions()
     answers = []

@@ -287,7 +287,7 @@ def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", ["", "--compress none", "--cog", "--cog --compress none"])
+@pytest.mark.parametrize("options", ["", "--cog --compress none"])
 def test_no_room_for_a_raster_of_tiles(options: str, tmp_path: Path) -> None:
     """What does not fit as GDAL closes the file is told to nobody: the file is read again."""
     rng = np.random.default_rng(6)

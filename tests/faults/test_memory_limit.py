@@ -179,7 +179,7 @@ COMMAND_LINE = """
 @pytest.mark.parametrize(
     ("words", "imported", "most", "limits"),
     [
-        ("triangulate cloud.npy --overwrite mesh.ply", 0, 40 * MEGA, 8),
+        ("triangulate cloud.npy --overwrite mesh.ply", 0, 32 * MEGA, 8),
         ("triangulate cloud.npy --overwrite mesh.ply", 1, 4 * MEGA, 10),
         ("verify mesh.obj --overwrite --certificate mesh.json", 1, 8 * MEGA, 8),
     ],

@@ -22,14 +22,14 @@ def slivers(count: int) -> NDArray[np.float64]:
 
 
 def test_transforms_of_slivers_are_none_where_scipys_are_none() -> None:
-    corners = slivers(20_000)
-    names = np.arange(60_000, dtype=np.int32).reshape(-1, 3)
+    corners = slivers(4000)
+    names = np.arange(12_000, dtype=np.int32).reshape(-1, 3)
     theirs = scipy.spatial._qhull._get_barycentric_transforms(
         corners.reshape(-1, 2), names, np.finfo(float).eps
     )
     ours = barycentric_transforms(corners.reshape(-1, 2), names)
     missing, expected = np.isnan(ours).any(axis=(1, 2)), np.isnan(theirs).any(axis=(1, 2))
-    assert 2000 < expected.sum() < 18_000
+    assert 400 < expected.sum() < 3600
     assert not (expected & ~missing).any()
     assert (missing & ~expected).sum() < 0.01 * expected.sum()
     assert np.isnan(ours[missing]).all()

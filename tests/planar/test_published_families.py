@@ -145,7 +145,7 @@ def test_a_million_points_on_a_circle() -> None:
     assert_exact(circle(1_000_000, np.random.default_rng(10)))
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_six_million_points_of_a_grid_in_the_unit_box() -> None:
     """abellgithub/delaunator-cpp #19: 3017 x 2018, each range divided by its greatest value."""
     columns, lines = 3017, 2018

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
@@ -124,3 +125,23 @@ def test_what_is_very_small_beside_the_domain_is_measured(options: Any, large: l
     with pytest.warns(liftmesh.DataWarning, match="stayed larger than asked for"):
         result = liftmesh.refine(tri, min_angle=None, **options)
     assert (result.too_large.tolist(), result.capped) == (large, False)
+
+
+def test_the_shortest_side_tells_causes_where_squares_are_lost() -> None:
+    """Each triangle for which an input angle is blamed stands over two edges."""
+    points = [[-1.7404329748619824e187, 0.0], [0.0, 2e-115], [0.0, 1e-104]]
+    with pytest.warns(liftmesh.DataWarning, match="no more may be"):
+        result = refine(points, min_angle=20, size=1e41, max_points=500)
+    tri, free = result.triangulation, result.steiner[result.steiner_edges < 0].tolist()
+    assert set(result.causes) == {"input angle", "cap"}
+    for corners in tri.simplices[result.below[result.causes == "input angle"]].tolist():
+        pairs = [(corners[k - 2], corners[k - 1]) for k in range(3)]
+        shortest = min(pairs, key=lambda ends: distance2(*tri.points[list(ends)].tolist()))
+        assert not set(shortest) & set(free)
+
+
+def distance2(one: list[float], other: list[float]) -> Fraction:
+    return sum(
+        ((Fraction(a) - Fraction(b)) ** 2 for a, b in zip(one, other, strict=True)),
+        start=Fraction(0),
+    )

@@ -37,7 +37,7 @@ def options(*cases: str) -> Namespace:
     return Namespace(cases=cases, quick=True, rounds=1, limit=60)
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_a_table_is_printed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -20,6 +20,7 @@ def test_all_programs_give_the_same_heights() -> None:
         np.testing.assert_allclose(find(asked), surface.sample(asked), atol=1e-9)
 
 
+@pytest.mark.campaign
 def test_a_small_run_has_a_row_for_each(tmp_path, capsys) -> None:
     words = ["--n", "500", "--points", "100", "--pixels", "400", "--levels", "5", "--rounds", "1"]
     found = tmp_path / "found.json"

@@ -94,7 +94,7 @@ def test_checkpoints_of_a_file(tmp_path: Path) -> None:
         ([[1, 1, np.nan]], NonFiniteError, "row 0 is not finite"),
         ([[1, 1, 9], [np.inf, 1, 9]], NonFiniteError, "row 1 is not finite"),
         ([[999, 1, 9]], InputError, "none of the 1 checkpoint is over a face: x is from 0 to 64"),
-        (np.empty((0, 3)), InputError, "none of the 0 checkpoints"),
+        (np.empty((0, 3)), InputError, "there are no checkpoints: give some"),
         (liftmesh.Cloud(np.ones((1, 3)), crs="EPSG:28992"), InputError, "transform one of them"),
     ],
 )

@@ -147,6 +147,8 @@ def test_rows_that_are_not_finite_have_no_ground() -> None:
         ({"algorithm": "tin", "tin_cell": 0}, "tin_cell is 0: give a positive number of metres"),
         ({"algorithm": "tin", "tin_angle": 90}, "tin_angle is 90: give less than 90 degrees"),
         ({"algorithm": "tin", "tin_distance": np.nan}, "tin_distance is nan"),
+        ({"tin_angle": 9.0}, "tin_angle is 9.0: it belongs to algorithm='tin'"),
+        ({"algorithm": "tin", "cloth_rigidness": 1}, "it belongs to algorithm='csf'"),
         ({"noise_depth": -1}, "noise_depth is -1: give a positive number of metres"),
         ({"cloth_resolution": 0.001}, "60 by 60 m, for which the cloth has 3.6e[+]09 nodes"),
     ],

@@ -64,6 +64,30 @@ def test_closed_shapes_are_told(kind: str) -> None:
     )
 
 
+@pytest.mark.parametrize("scale", [1.0, 2.0**900, 2.0**-1000])
+def test_thin_closed_meshes_are_told_by_their_faces(scale: float) -> None:
+    plate, ball = MAKE.box([10, 8, 0.01]), MAKE.icosphere(3)
+    for mesh, times in ((plate, "2"), (ball, r"1\.[89]\d?|2")):
+        points = np.asarray(mesh.vertices) * (scale, scale, 1)
+        faces = np.where(np.arange(len(mesh.faces))[:, None] % 2, mesh.faces, mesh.faces[:, ::-1])
+        cloud = liftmesh.Cloud(points, faces=faces)
+        with pytest.warns(liftmesh.DataWarning, match=f"its faces have ({times}) times the area"):
+            liftmesh.triangulate(cloud, on_duplicate="highest")
+
+
+def test_meshes_of_height_fields_are_not() -> None:
+    surface = liftmesh.triangulate(terrain("roofs"))
+    twice = np.concatenate([surface.faces, surface.faces[:5_000]])
+    wrong = np.array([[0, 1, len(surface.vertices)]])
+    rows = surface.vertices.copy()
+    rows[:9] = np.nan
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for faces in (surface.faces, twice, wrong, wrong[:0]):
+            liftmesh.triangulate(liftmesh.Cloud(surface.vertices, faces=faces))
+        liftmesh.triangulate(liftmesh.Cloud(rows, faces=surface.faces), nonfinite="skip")
+
+
 @pytest.mark.parametrize("kind", ["ground", "trees", "roofs", "noise"])
 def test_terrain_is_not(kind: str) -> None:
     points = terrain(kind)

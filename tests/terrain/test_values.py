@@ -14,6 +14,7 @@ from surfaces import family_surface
 
 import liftmesh
 from liftmesh import InputError
+from liftmesh.terrain.boundary import masked
 from liftmesh.terrain.hull_places import HullPlaces
 
 
@@ -91,6 +92,25 @@ def test_values_that_are_none() -> None:
     found = surface.sample(queries, values=values, extrapolate="nearest")
     np.testing.assert_array_equal(np.isnan(found), (surface.faces == 7).any(axis=1))
     assert not np.isnan(surface.sample([-1, -1], values=values, extrapolate="nearest"))
+
+
+@pytest.mark.parametrize("none", [np.nan, np.inf, -np.inf])
+def test_contours_end_at_faces_with_a_corner_without_a_value(none: float) -> None:
+    surface = surface_of()
+    values = surface.vertices[:, 2].copy()
+    values[7] = none
+    without = masked(surface, (surface.triangulation.simplices == 7).any(axis=1))
+    for smooth in (None, 0.05):
+        found, expected = (
+            each.contours(interval=0.2, smooth=smooth, **given)
+            for each, given in ((surface, {"values": values}), (without, {}))
+        )
+        np.testing.assert_array_equal(found.points, expected.points)
+    bands = surface.filled_contours(interval=0.2, values=values)
+    assert bands.areas.sum() == pytest.approx(without.area(planar=True))
+    np.testing.assert_array_equal(bands.points, without.filled_contours(interval=0.2).points)
+    with pytest.raises(InputError, match=r"^values are not finite at a corner of each face: give"):
+        surface.contours([1], values=np.full(500, none))
 
 
 @pytest.mark.parametrize(

@@ -325,3 +325,72 @@ def test_commands_that_are_refused(words: Any, message: str, tmp_path: Path) -> 
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert {path.name for path in tmp_path.iterdir()} == {"out", "flat", "none", "a.npy"}
+
+
+@pytest.fixture(scope="module")
+def others(
+    both: tuple[TiledSurface, Surface], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[TiledSurface, Surface]:
+    low, high = both[1].triangulation.min_bound, both[1].triangulation.max_bound
+    points = np.random.default_rng(9).random((700, 3))
+    points[:, :2] = low + (high - low) * (points[:, :2] * 0.8 + 0.3)
+    tiled = liftmesh.tile_surface(points, tmp_path_factory.mktemp("others"), tile_rows=100)
+    return tiled, liftmesh.triangulate(points)
+
+
+@pytest.mark.parametrize("wanted", LAYOUTS[:3], ids=str)
+def test_rasters_of_differences_are_those_of_one_call(
+    both: tuple[TiledSurface, Surface],
+    others: tuple[TiledSurface, Surface],
+    wanted: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(surface_raster, "_SIDE", 24)
+    monkeypatch.setattr(surface_raster, "_FACES", 40)
+    expected = both[1].raster(**wanted, minus=others[1])
+    assert expected.quantity == "difference"
+    places = expected.centers()
+    apart = both[1].sample(places) - others[1].sample(places)
+    np.testing.assert_array_equal(expected.values, apart.astype(expected.values.dtype))
+    for surface in both:
+        for other in others:
+            found = surface.raster(**wanted, minus=other)
+            assert found.values.tobytes() == expected.values.tobytes()
+    written = both[0].save_raster(tmp_path / "change.tif", **wanted, minus=others[0])
+    with rasterio.open(written.path) as file:
+        np.testing.assert_array_equal(file.read(1), expected.values.astype(np.float32))
+
+
+def test_what_cannot_be_subtracted(both: tuple[TiledSurface, Surface]) -> None:
+    for surface in both:
+        with pytest.raises(InputError, match="minus is 3: triangulate it, open its tiles, or"):
+            surface.raster(1, minus=3)
+        with pytest.raises(InputError, match="of slope nothing is subtracted: leave out minus"):
+            surface.raster(1, minus=surface, quantity="slope")
+    walls = liftmesh.triangulate(CLOUDS["terrain"][:50], plane="xz")
+    with pytest.raises(InputError, match="over different planes"):
+        both[0].raster(1, minus=walls)
+
+
+def test_parts_are_clipped_as_of_one_call(both: tuple[TiledSurface, Surface]) -> None:
+    tiled, surface = both
+    low, high = surface.triangulation.min_bound, surface.triangulation.max_bound
+    for corners in ([[0.2, 0.3], [0.7, 0.25], [0.5, 0.8]], [[0.4, -1], [2, 0.5], [0.45, 0.6]]):
+        ring = low + (high - low) * corners
+        heard: list[float] = []
+        found, expected = tiled.clip(ring, progress=heard.append), surface.clip(ring)
+        assert found.vertices.tobytes() == expected.vertices.tobytes()
+        assert found.faces.tobytes() == expected.faces.tobytes()
+        assert found.attributes.keys() == expected.attributes.keys()
+        assert heard[-1] == 1
+    with pytest.raises(InputError, match="no face is left"):
+        tiled.clip(np.add(high, [[1, 1], [2, 1], [2, 2]]))
+
+
+def test_progress_of_filled_contours(both: tuple[TiledSurface, Surface]) -> None:
+    for surface in both:
+        heard: list[float] = []
+        surface.filled_contours([0.0], progress=heard.append)
+        assert heard == sorted(heard)
+        assert heard[-1] == 1

@@ -114,6 +114,7 @@ class Constraints {
     bool insert(Insertion& insertion) {
         constexpr std::size_t many = 16, least = 256;
         memberships_.reserve(placed_.size());
+        if (!mark_those_there(insertion)) return false;
         std::size_t done = 0, met = 0;
         for (; done < placed_.size() && met <= many * (done + least); ++done) {
             met += insert(placed_[done], insertion);
@@ -128,6 +129,21 @@ class Constraints {
                 if (patience_.ends()) return false;
             }
         }
+        return true;
+    }
+
+    // Edges that triangles have already come first: they change nothing, and what crosses many of
+    // them is known as such before it takes these triangles away.
+    bool mark_those_there(Insertion& insertion) {
+        std::size_t left = 0;
+        for (const Placed& each : placed_) {
+            if (patience_.ends()) return false;
+            if (insertion.mark_if_there(each.a, each.b))
+                memberships_.push_back({piece({each.a, each.b}), each.edge});
+            else
+                placed_[left++] = each;
+        }
+        placed_.resize(left);
         return true;
     }
 

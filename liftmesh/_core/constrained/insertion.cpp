@@ -95,6 +95,19 @@ Span Insertion::find_span(Vertex& a, Vertex& b) {
     }
 }
 
+bool Insertion::mark_if_there(Vertex a, Vertex b) {
+    Turn one(*this, a, b), other(*this, b, a);
+    Edge found = 0;
+    for (bool from_b = false;; from_b = !from_b) {
+        const Way way = from_b ? other.step(found) : one.step(found);
+        if (way == Way::unknown) continue;
+        if (way == Way::across || head(found) != (from_b ? a : b)) return false;
+        mark(found);
+        mark(twin(found));
+        return true;
+    }
+}
+
 Span Insertion::insert_span(Vertex& a, Vertex& b) {
     const Span span = find_span(a, b);
     if (is_there_) {

@@ -37,6 +37,9 @@ class Insertion {
         while (a != b) found(insert_span(a, b), crossed_);
     }
 
+    // Marks an edge that is one of the mesh.
+    bool mark_if_there(Vertex a, Vertex b);
+
     // The same for an edge in the finished triangulation, which is not changed; visit(triangle) is
     // called for each triangle whose inside a span meets.
     template <class Found>

@@ -8,8 +8,14 @@ class Carver {
  public:
     Carver(const Marked& mesh, const std::int32_t* simplices, const Bounds& bounds)
         : mesh_(mesh), simplices_(simplices), bounds_(bounds), places_(mesh.count) {
-        has_winding_ = std::any_of(bounds.winding, bounds.winding + 2 * bounds.pieces.size(),
+        if (!bounds.pieces.empty()) starts_.assign(bounds.pieces.back().first + std::size_t{2}, 0);
+        for (const Piece& each : bounds.pieces) ++starts_[each.first + std::size_t{1}];
+        std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+        const std::size_t count = bounds.pieces.size();
+        has_winding_ = std::any_of(bounds.winding, bounds.winding + 2 * count,
                                    [](std::int32_t winding) { return winding != 0; });
+        all_bound_ = !has_winding_ &&
+                     std::find(bounds.bounds, bounds.bounds + count, 0) == bounds.bounds + count;
     }
 
     void cut(Carving carving, std::vector<std::uint8_t>& kept) {
@@ -54,16 +60,22 @@ class Carver {
     struct Side {
         bool bounds = false;
         Winding winding;
+
+        Side outward() const { return {bounds, {-winding.outer, -winding.holes}}; }
     };
 
     Side side(std::size_t t, unsigned k) const {
         if (!mesh_.is_marked(t, k)) return {};
+        if (all_bound_) return {true, {}};
         const auto tail = static_cast<Row>(simplices_[3 * t + (k + 1) % 3]);
         const auto head = static_cast<Row>(simplices_[3 * t + (k + 2) % 3]);
         const Piece piece{std::min(tail, head), std::max(tail, head)};
-        const auto at = std::lower_bound(bounds_.pieces.begin(), bounds_.pieces.end(), piece);
-        if (at == bounds_.pieces.end() || *at != piece) return {};
-        const auto i = static_cast<std::size_t>(at - bounds_.pieces.begin());
+        if (piece.first + std::size_t{1} >= starts_.size()) return {};
+        const std::uint32_t begin = starts_[piece.first], end = starts_[piece.first + 1];
+        const auto those = bounds_.pieces.subspan(begin, end - begin);
+        const auto at = std::lower_bound(those.begin(), those.end(), piece);
+        if (at == those.end() || *at != piece) return {};
+        const std::size_t i = begin + static_cast<std::size_t>(at - those.begin());
         const std::int32_t sign = tail < head ? 1 : -1;
         const std::int32_t* const its = &bounds_.winding[2 * i];
         return {bounds_.bounds[i] != 0, {sign * its[0], sign * its[1]}};
@@ -73,7 +85,7 @@ class Carver {
     void find_places() {
         for (std::size_t t = 0; t < mesh_.count; ++t)
             for (unsigned k = 0; k < 3; ++k)
-                if (mesh_.neighbor(t, k) < 0) enter(t, k, {0, {}});
+                if (mesh_.neighbor(t, k) < 0) enter(t, side(t, k), {0, {}});
         for (; !level_.empty() || !later_.empty(); std::swap(level_, later_)) {
             while (!level_.empty()) {
                 const auto [t, place] = level_.back();
@@ -89,14 +101,10 @@ class Carver {
         const std::int32_t other = mesh_.neighbor(t, k);
         if (other < 0) return;
         const auto next = static_cast<std::size_t>(other);
-        if (places_[next].depth != unknown) return;
-        unsigned back = 0;
-        while (mesh_.neighbor(next, back) != static_cast<std::int32_t>(t)) ++back;
-        enter(next, back, places_[t]);
+        if (places_[next].depth == unknown) enter(next, side(t, k).outward(), places_[t]);
     }
 
-    void enter(std::size_t t, unsigned k, const Place& from) {
-        const Side crossed = side(t, k);
+    void enter(std::size_t t, const Side& crossed, const Place& from) {
         const Place place{from.depth + crossed.bounds,
                           {from.winding.outer + crossed.winding.outer,
                            from.winding.holes + crossed.winding.holes}};
@@ -111,7 +119,8 @@ class Carver {
     const Marked& mesh_;
     const std::int32_t* simplices_;
     const Bounds& bounds_;
-    bool has_winding_;
+    bool has_winding_, all_bound_;
+    std::vector<std::uint32_t> starts_;  // of pieces by their first row
     std::vector<Place> places_;
     std::vector<Step> level_, later_;  // of this depth, and of the next
 };

@@ -10,6 +10,9 @@ struct Vector {
     double x, y;
 };
 
+inline Vector operator-(Vector a, Vector b) {
+    return {a.x - b.x, a.y - b.y};
+}
 inline double dot(Vector a, Vector b) {
     return a.x * b.x + a.y * b.y;
 }
@@ -60,11 +63,9 @@ class Measures {
         second_ = std::ldexp(1.0, -exponent - -exponent / 2);
     }
 
-    int exponent() const { return std::ilogb(first_) + std::ilogb(second_); }
     double scaled(double length) const { return length * first_ * second_; }
-    Vector between(Point from, Point to) const {
-        return {scaled(to.x) - scaled(from.x), scaled(to.y) - scaled(from.y)};
-    }
+    Vector scaled(Point p) const { return {scaled(p.x), scaled(p.y)}; }
+    Vector between(Point from, Point to) const { return scaled(to) - scaled(from); }
     Point moved(Point from, Vector by) const {
         return {from.x + by.x / first_ / second_, from.y + by.y / first_ / second_};
     }

@@ -160,6 +160,9 @@ Refined Refinement::result() {
     constexpr std::size_t at_once = std::size_t{1} << 16;
     std::vector<std::uint32_t> number(wanted_.lengths ? region_.size() : 0);  // of slots
     unmeasured_.clear();
+    found.regions.reserve(found.marks.size());
+    found.causes.reserve(found.marks.size());
+    found.is_large.reserve(found.marks.size());
     const auto list_too_long = [&] {
         for (const Waiting& each : too_long(true))
             found.is_large[number[slot_of(triangle_of(each.base))]] = true;
@@ -174,10 +177,12 @@ Refined Refinement::result() {
             const Shape its = shape(t);
             is_large = is_listed_for_area(its.base);
             if (wanted_.lengths) unmeasured_.push_back({its.base2, its.base, stamp_[slot_of(t)]});
-            if (its.is_sharp || its.base2 < least2)
-                cause = is_between_constraints(its.base) ? Cause::between_constraints
-                        : is_capped_                     ? Cause::cap
-                                                         : Cause::precision;
+            const bool is_lost = its.base2 < least2;
+            if (its.is_sharp || is_lost)
+                cause = is_between_constraints(is_lost ? surely_shortest(t) : its.base)
+                            ? Cause::between_constraints
+                        : is_capped_ ? Cause::cap
+                                     : Cause::precision;
         }
         found.causes.push_back(cause);
         found.is_large.push_back(is_large);

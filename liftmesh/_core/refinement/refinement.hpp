@@ -67,13 +67,15 @@ class Refinement {
     void prefetch() const;
 
     Vector side_of(Edge e) const { return between(slots().tail(e), slots().head(e)); }
+    Edge shortest(TriangleId t, const std::array<double, 3>& length2) const;
     Shape shape(TriangleId t) const;
     std::optional<Waiting> need(TriangleId t);
     void look_at(TriangleId t);
     void push(std::vector<Waiting> all);
     std::vector<Waiting> too_long(bool at_end = false);
     bool has_large_area(TriangleId t, const Shape& its);
-    std::pair<std::array<Vector, 3>, int> sides_near_one(Edge base) const;
+    std::pair<std::array<Vector, 3>, int> sides_near_one(Edge first) const;
+    Edge surely_shortest(TriangleId t) const;
     bool is_listed_for_area(Edge base);
     bool is_listed_for_length(Edge base, double length) const;
     bool is_between_constraints(Edge base) const;

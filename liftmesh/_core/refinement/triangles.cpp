@@ -4,24 +4,32 @@
 
 namespace liftmesh::refinement {
 
-Shape Refinement::shape(TriangleId t) const {
-    Vector side[3];
-    double length2[3];
-    for (unsigned k = 0; k < 3; ++k) {
-        side[k] = side_of(edge(t, k));
-        length2[k] = square(side[k]);
-    }
+// Of sides opposite to the corners of a triangle, the shortest one; of several the first by apex.
+Edge Refinement::shortest(TriangleId t, const std::array<double, 3>& length2) const {
     const auto apex = [&](unsigned k) { return at(slots().vertex(t, k)); };
     unsigned base = 0;
     for (unsigned k = 1; k < 3; ++k)
         if (length2[k] < length2[base] ||
             (length2[k] == length2[base] && before_xy(apex(k), apex(base))))
             base = k;
+    return edge(t, base);
+}
+
+Shape Refinement::shape(TriangleId t) const {
+    std::array<Vector, 3> corners, side;  // sides are opposite to the corners
+    std::array<double, 3> length2;
+    for (unsigned k = 0; k < 3; ++k) corners[k] = measures_.scaled(at(slots().vertex(t, k)));
+    for (unsigned k = 0; k < 3; ++k) {
+        side[k] = corners[(k + 2) % 3] - corners[(k + 1) % 3];
+        length2[k] = square(side[k]);
+    }
+    const Edge shortest_one = shortest(t, length2);
+    const unsigned base = shortest_one - t;
     const Vector onward = side[(base + 1) % 3], back = side[(base + 2) % 3];
     const Corner corner(onward, {-back.x, -back.y});
     const double area = cross(onward, back);
-    return {edge(t, base), length2[base],           *std::max_element(length2, length2 + 3),
-            area,          corner.dot() / 2 / area, corner.is_less(sharp_)};
+    return {shortest_one, length2[base],           std::max({length2[0], length2[1], length2[2]}),
+            area,         corner.dot() / 2 / area, corner.is_less(sharp_)};
 }
 
 // Whether the triangle over a base cannot be helped: its ends are as far from the corner of the two
@@ -69,15 +77,34 @@ bool Refinement::has_large_area(TriangleId t, const Shape& its) {
     return !largest_.empty() && its.twice_area / 2 > largest_[static_cast<std::size_t>(region(t))];
 }
 
-// The sides of a triangle times a power of two, which makes them about one, and its exponent. What
-// is very small beside the domain is not split, as its squares are lost; but by these it is listed.
-std::pair<std::array<Vector, 3>, int> Refinement::sides_near_one(Edge base) const {
-    std::array<Vector, 3> side = {side_of(base), side_of(next(base)), side_of(previous(base))};
-    double most = std::numeric_limits<double>::min();
-    for (const Vector each : side) most = std::max({most, std::abs(each.x), std::abs(each.y)});
-    const int exponent = -std::ilogb(most);
-    for (Vector& each : side) each = {std::ldexp(each.x, exponent), std::ldexp(each.y, exponent)};
-    return {side, measures_.exponent() + exponent};
+// The sides of a triangle, from that of an edge on, times a power of two, which makes them about
+// one, and its exponent. What is very small beside the domain is not split, as its squares are
+// lost; but by these it is listed.
+std::pair<std::array<Vector, 3>, int> Refinement::sides_near_one(Edge first) const {
+    const auto scale = [](auto& vectors) {
+        double most = std::numeric_limits<double>::min();
+        for (const auto& each : vectors)
+            most = std::max({most, std::abs(each.x), std::abs(each.y)});
+        const int exponent = -std::ilogb(most);
+        for (auto& each : vectors)
+            each = {std::ldexp(each.x, exponent), std::ldexp(each.y, exponent)};
+        return exponent;
+    };
+    std::array corner{at(slots().tail(first)), at(slots().head(first)), at(slots().apex(first))};
+    int exponent = scale(corner);
+    std::array<Vector, 3> side;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Point from = corner[k], to = corner[(k + 1) % 3];
+        side[k] = {to.x - from.x, to.y - from.y};
+    }
+    exponent += scale(side);
+    return {side, exponent};
+}
+
+// Also of a triangle whose squares are lost.
+Edge Refinement::surely_shortest(TriangleId t) const {
+    const auto side = sides_near_one(edge(t, 0)).first;
+    return shortest(t, {square(side[0]), square(side[1]), square(side[2])});
 }
 
 bool Refinement::is_listed_for_area(Edge base) {
