@@ -1,23 +1,42 @@
 #include "sorting/triangle_order.hpp"
 
+#include "sorting/hilbert.hpp"
 #include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
+namespace {
+
+struct Ranked {
+    Point at;
+    Row row;
+    std::uint32_t place;  // on the curve
+};
+
+}  // namespace
+
 bool rank_rows(const Input& points, const std::int32_t* simplices, std::size_t count,
-               std::vector<std::int32_t>& ranks, Interrupt& interrupt) {
+               std::vector<std::int32_t>& ranks, Interrupt& interrupt, RowOrder order) {
     ranks.assign(points.rows, -1);
     for (std::size_t i = 0; i < 3 * count; ++i) ranks[static_cast<std::size_t>(simplices[i])] = 0;
-    std::vector<Site> used;
+    std::vector<Ranked> used;
+    Bounds box = Bounds::nothing();
     for (std::size_t row = 0; row < points.rows; ++row) {
         if (ranks[row] != 0) continue;
-        const Point place = points[row];  // that someone has written meanwhile
-        used.push_back({is_finite(place) ? place : Point{}, static_cast<Row>(row)});
+        const Point read = points[row], at = is_finite(read) ? read : Point{};  // written meanwhile
+        used.push_back({at, static_cast<Row>(row), 0});
+        box.add(pair(at));
     }
-    const auto is_less = [](const Site& a, const Site& b) { return before_xy(a.point, b.point); };
+    if (order == RowOrder::curve) {
+        const HilbertCurve curve(box);
+        for (Ranked& each : used) each.place = curve(each.at);
+    }
+    const auto is_less = [](const Ranked& a, const Ranked& b) {
+        return a.place != b.place ? a.place < b.place : before_xy(a.at, b.at);
+    };
     if (!patient_sort(used, is_less, interrupt)) return false;
     std::int32_t next = 0;
-    for (const Site& each : used) ranks[each.row] = next++;
+    for (const Ranked& each : used) ranks[each.row] = next++;
     return true;
 }
 

@@ -9,10 +9,14 @@
 
 namespace liftmesh {
 
-// Where each row comes among those that triangles have, by x, then y; -1 for others. False if the
-// interrupt came first.
+// By x, then y; or along a Hilbert curve first.
+enum class RowOrder : std::uint8_t { canonical, curve };
+
+// Where each row comes among those that triangles have; -1 for others. False if the interrupt came
+// first.
 bool rank_rows(const Input& points, const std::int32_t* simplices, std::size_t count,
-               std::vector<std::int32_t>& ranks, Interrupt& interrupt);
+               std::vector<std::int32_t>& ranks, Interrupt& interrupt,
+               RowOrder order = RowOrder::canonical);
 
 // Triangles, and for each side the triangle beyond; of each, flags of its sides in the lowest three
 // bits, and others above; null if there are none.

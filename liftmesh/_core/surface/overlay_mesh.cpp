@@ -15,7 +15,7 @@ using Side = std::uint32_t;
 
 class Overlaid {
  public:
-    Overlaid(const std::array<Swept, 2>& surfaces, const Pieces& pieces, OverlayMesh& found,
+    Overlaid(const std::array<LocalSurface, 2>& surfaces, const Pieces& pieces, OverlayMesh& found,
              Interrupt& interrupt)
         : surfaces_(surfaces),
           pieces_(pieces),
@@ -103,9 +103,9 @@ class Overlaid {
         std::int32_t& name = names_[piece.first + i];
         if (owner == from) {
             name = static_cast<std::int32_t>(before + crossings_.size());
-            crossings_.push_back(
-                {end_of(piece, 0, sides[0], false), end_of(piece, 0, sides[0], true),
-                 end_of(piece, 1, sides[1], false), end_of(piece, 1, sides[1], true)});
+            const auto [p, q] = ends_of(piece, 0, sides[0]);
+            const auto [r, t] = ends_of(piece, 1, sides[1]);
+            crossings_.push_back({p, q, r, t});
             return before + crossings_.size() < most_numbers;
         }
         const Piece* const known = pieces_.find(owner[0], owner[1]);
@@ -116,20 +116,20 @@ class Overlaid {
         return true;
     }
 
-    // The lesser or greater end of a side.
-    std::int32_t end_of(const Piece& piece, std::size_t surface, std::size_t side,
-                        bool greater) const {
-        const std::int32_t face = face_of(piece, surface);
-        const auto [least, greatest] =
-            std::minmax({surfaces_[surface].vertex(face, tail_of(side)),
-                         surfaces_[surface].vertex(face, head_of(side))});
-        return greater ? greatest : least;
+    // The lesser and the greater end of a side.
+    std::pair<std::int32_t, std::int32_t> ends_of(const Piece& piece, std::size_t surface,
+                                                  std::size_t side) const {
+        const LocalSurface& of = surfaces_[surface];
+        const std::int32_t face = face_of(piece, surface), tail = of.vertex(face, tail_of(side)),
+                           head = of.vertex(face, head_of(side));
+        if (before_xy(of.corner(head).at, of.corner(tail).at)) return {head, tail};
+        return {tail, head};
     }
 
     // Two sides, from the lesser end of each.
     struct Crossing {
         std::array<std::int32_t, 4> ends;
-        const SurfaceCorner& end(const std::array<Swept, 2>& surfaces, std::size_t i) const {
+        const SurfaceCorner& end(const std::array<LocalSurface, 2>& surfaces, std::size_t i) const {
             return surfaces[i / 2].corner(ends[i]);
         }
     };
@@ -138,16 +138,19 @@ class Overlaid {
         const std::size_t first = surfaces_[0].vertices(), all = is_used_.size();
         std::vector<Site> sites;
         sites.reserve(all + crossings_.size());
+        places_ = allocate<Point>(all + crossings_.size());
         for (std::size_t name = 0; name < all; ++name) {
             if (!is_used_[name]) continue;
             const Point place = vertex(name, first).at;
             if (!is_finite(place)) return unsound();
+            places_[name] = place;
             sites.push_back({place, static_cast<Row>(name)});
         }
         for (std::size_t i = 0; i < crossings_.size(); ++i) {
             if (patience_.ends()) return false;
             const Point place = place_of(crossings_[i]);
             if (!is_finite(place)) return unsound();
+            places_[all + i] = place;
             sites.push_back({place, static_cast<Row>(all + i)});
         }
         const auto is_less = [](const Site& a, const Site& b) {
@@ -230,8 +233,7 @@ class Overlaid {
         for (const Piece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
             const std::size_t n = piece.count;
-            std::int32_t* const rows = names_.get() + piece.first;
-            for (std::size_t i = 0; i < n; ++i) rows[i] = rows_[static_cast<std::size_t>(rows[i])];
+            const std::int32_t* const rows = names_.get() + piece.first;
             for (std::size_t i = 0; i < n; ++i)
                 if (orient2d(at(rows[i]), at(rows[(i + 1) % n]), at(rows[(i + 2) % n])) <= 0)
                     return unsound();
@@ -276,6 +278,8 @@ class Overlaid {
             for (std::size_t i = 0; i < piece.count; ++i)
                 if (!link_side(piece, i)) return unsound();
         }
+        for (std::size_t i = 0; i < 3 * found_.triangles; ++i)
+            found_.simplices[i] = rows_[static_cast<std::size_t>(found_.simplices[i])];
         const std::int32_t* const all = found_.neighbors.get();
         return std::find(all, all + 3 * found_.triangles, unlinked) == all + 3 * found_.triangles ||
                unsound();
@@ -325,17 +329,18 @@ class Overlaid {
     bool is_inside(std::int32_t a, std::int32_t b, std::int32_t c, std::int32_t d) const {
         return incircle_canonical(at(a), at(b), at(c), at(d), guard_);
     }
-    Point at(std::int32_t row) const { return found_.points[static_cast<std::size_t>(row)]; }
+    Point at(std::int32_t name) const { return places_[static_cast<std::size_t>(name)]; }
 
     static constexpr std::size_t most_numbers = 0x7fffffff;
     static constexpr std::int32_t unlinked = -2;
 
-    const std::array<Swept, 2>& surfaces_;
+    const std::array<LocalSurface, 2>& surfaces_;
     const Pieces& pieces_;
     OverlayMesh& found_;
     Interrupt& interrupt_;
     Patience patience_;
-    Buffer<std::int32_t> names_;  // of the corners of all pieces; later their rows
+    Buffer<std::int32_t> names_;  // of the corners of all pieces
+    Buffer<Point> places_;        // of each name
     Buffer<Side> sides_;          // from each corner on
     std::vector<std::uint8_t> is_used_;
     std::vector<Crossing> crossings_;
@@ -350,7 +355,7 @@ bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, 
                   OverlayMesh& found, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     interrupt.expect(10);
-    std::array<Swept, 2> surfaces;
+    std::array<LocalSurface, 2> surfaces;
     if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
     Pieces pieces;
     const bool is_done =

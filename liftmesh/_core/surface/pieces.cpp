@@ -105,7 +105,7 @@ namespace {
 
 class Collector {
  public:
-    Collector(const std::array<Swept, 2>& surfaces, Pieces& found)
+    Collector(const std::array<LocalSurface, 2>& surfaces, Pieces& found)
         : surfaces_(surfaces), found_(found) {
         // About as many as of points at random; what is not used takes no memory.
         found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
@@ -141,13 +141,13 @@ class Collector {
         if (std::isnan(height)) height = height_over(pair, of, corner.k());
     }
 
-    const std::array<Swept, 2>& surfaces_;
+    const std::array<LocalSurface, 2>& surfaces_;
     Pieces& found_;
 };
 
 }  // namespace
 
-bool find_pieces(const std::array<Swept, 2>& surfaces, std::int32_t face, std::int32_t other,
+bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
                  Pieces& found, Interrupt& interrupt) {
     Patience patience(interrupt);
     Collector collector(surfaces, found);

@@ -7,7 +7,7 @@
 // it: no vertex of either surface, and no crossing, is inside of a side of a piece.
 #pragma once
 
-#include "surface/swept.hpp"
+#include "surface/local_surface.hpp"
 
 namespace liftmesh {
 
@@ -87,7 +87,7 @@ struct Pieces {
 };
 
 // From two faces that touch. False if the interrupt came first.
-bool find_pieces(const std::array<Swept, 2>& surfaces, std::int32_t face, std::int32_t other,
+bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
                  Pieces& found, Interrupt& interrupt);
 
 }  // namespace liftmesh

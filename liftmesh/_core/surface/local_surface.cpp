@@ -1,11 +1,12 @@
-#include "surface/swept.hpp"
+#include "surface/local_surface.hpp"
 
 namespace liftmesh {
 
-bool Swept::read(const Relief& relief, Interrupt& interrupt) {
+bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
     const Triangulated& mesh = relief.mesh();
     std::vector<std::int32_t> ranks;
-    if (!rank_rows(mesh.points, mesh.simplices, mesh.count, ranks, interrupt)) return false;
+    if (!rank_rows(mesh.points, mesh.simplices, mesh.count, ranks, interrupt, RowOrder::curve))
+        return false;
     const std::size_t used =
         ranks.size() - static_cast<std::size_t>(std::count(ranks.begin(), ranks.end(), -1));
     const Triangles given{mesh.simplices, mesh.neighbors, nullptr, mesh.count};
@@ -24,7 +25,7 @@ bool Swept::read(const Relief& relief, Interrupt& interrupt) {
     return true;
 }
 
-Face Swept::face(std::int32_t face) const {
+Face LocalSurface::face(std::int32_t face) const {
     const SurfaceCorner &a = corner(vertex(face, 0)), &b = corner(vertex(face, 1)),
                         &c = corner(vertex(face, 2));
     return {{a, b, c}, 0, 0};

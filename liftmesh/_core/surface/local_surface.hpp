@@ -1,5 +1,5 @@
-// A surface in the canonical order of its triangles (sorting/triangle_order.hpp), with vertices by
-// x, then y: copies, which nobody else changes.
+// A surface with vertices along a Hilbert curve, and triangles by their first ones on it:
+// neighbours in the plane are near in memory. All are copies, which nobody else changes.
 #pragma once
 
 #include "sorting/triangle_order.hpp"
@@ -7,7 +7,7 @@
 
 namespace liftmesh {
 
-class Swept {
+class LocalSurface {
  public:
     // False if the interrupt came first.
     bool read(const Relief& relief, Interrupt& interrupt);
