@@ -203,6 +203,13 @@ class TestOneResult:
         scaled = liftmesh.tetrahedralize(np.ldexp(points, exponent))
         np.testing.assert_array_equal(scaled.simplices, tetra.simplices)
 
+    def test_steps_of_denormals_beside_huge_numbers(self) -> None:
+        """Where squares of distances underflow, nothing may be taken for exact."""
+        rng = np.random.default_rng(6)
+        points = rng.integers(0, 4, (40, 3)) * 2.0**-1074
+        points = np.vstack((points, rng.normal(size=(3, 3)) * [[1e147], [1e-120], [1e94]]))
+        assert_whole(liftmesh.tetrahedralize(points))
+
 
 class TestRows:
     def test_duplicates_keep_the_lowest_row(self) -> None:

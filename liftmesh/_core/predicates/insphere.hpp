@@ -30,8 +30,9 @@ struct Trust {
     static constexpr int least_exponent = -131;
 
     Guard guard = Guard::anywhere();
-    // Differences, and squares of distances, up to which nothing is rounded.
-    double exact_volume = 0, exact_square = 0;
+    // Differences, and squares of distances, up to which nothing is rounded. A square may be 0 by
+    // underflow.
+    double exact_volume = 0, exact_square = -1;
     double to_integers = 0;  // makes all coordinates integers below 2^61, if not zero
 
     // `unit` divides all coordinates, of which none is larger than `largest`.
