@@ -654,7 +654,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, contour_base, index_every : as for `Surface.contours`
+        levels, interval, contour_base, index_every, smooth : as for `Surface.contours`
         """
         return surface_lines.contour_lines(
             self, levels, interval, contour_base, index_every, smooth
