@@ -88,6 +88,10 @@ from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
+from .tiles.globe import (
+    QuantizedMeshResult as QuantizedMeshResult,
+    write_quantized_mesh as write_quantized_mesh,
+)
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
 from .tiles.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 

@@ -140,6 +140,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.write_tileset,
         {"surface": SQUARE, "folder": "tileset", "max_error": 0.5, "levels": 1},
     ),
+    "write_quantized_mesh": (
+        liftmesh.write_quantized_mesh,
+        liftmesh.write_quantized_mesh,
+        {"surface": SQUARE, "folder": "globe", "max_error": 0.5, "zoom": 1},
+    ),
     "as_cloud": (liftmesh.as_cloud, liftmesh.as_cloud, {"source": ROWS}),
     "read": (liftmesh.read, liftmesh.read, {"source": TEXT, "format": "xyz"}),
     "read_chunks": (chunks, liftmesh.read_chunks, {"source": TEXT, "format": "xyz"}),

@@ -116,6 +116,8 @@ WITHOUT_DATA = {
     "Format": "describes a format",
     "WriteResult": "tells what was written",
     "TilesetResult": "tells what was written",
+    "QuantizedMeshResult": "tells what was written",
+    "write_quantized_mesh": "does what write_tileset does, and packs what it has made",
     "write_tileset": "simplify, profile, sample and write, which are watched, do its work",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "dask.local_cluster": "starts workers",
