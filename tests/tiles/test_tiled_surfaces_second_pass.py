@@ -376,6 +376,10 @@ def test_what_cannot_be_subtracted(both: tuple[TiledSurface, Surface]) -> None:
             surface.raster(1, minus=3)
         with pytest.raises(InputError, match="of slope nothing is subtracted: leave out minus"):
             surface.raster(1, minus=surface, quantity="slope")
+        with pytest.raises(InputError, match="give minus or values, not both"):
+            both[1].raster(1, minus=surface, values="height")
+    with pytest.raises(InputError, match="no surface in memory: take a raster with the option"):
+        liftmesh.difference(*both[::-1])
     walls = liftmesh.triangulate(CLOUDS["terrain"][:50], plane="xz")
     with pytest.raises(InputError, match="over different planes"):
         both[0].raster(1, minus=walls)
