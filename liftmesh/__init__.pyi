@@ -69,7 +69,10 @@ from .predicates import (
     orient3d as orient3d,
 )
 from .raster.raster import Raster as Raster
+from .space.convex_hull import ConvexHull as ConvexHull, convex_hull as convex_hull
 from .space.lower_hull import lower_hull as lower_hull
+from .space.tetrahedra import tetrahedralize as tetrahedralize
+from .space.tetrahedralization import Tetrahedralization as Tetrahedralization
 from .terrain.accuracy import Accuracy as Accuracy
 from .terrain.clipping import paste as paste
 from .terrain.contours import Contour as Contour, Contours as Contours

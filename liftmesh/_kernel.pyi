@@ -154,6 +154,38 @@ def incircle(
     signs: NDArray[np.int8],
     canonical: bool,
 ) -> None: ...
+def tetrahedralize(
+    rows: NDArray[np.float64],
+    skip_non_finite: bool,
+    secret: int,
+    progress: Callable[[float], None] | None,
+) -> tuple[
+    str,
+    int,
+    int,
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def verify_tetrahedra(
+    rows: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    skip_non_finite: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
+
+class SpaceLocator:
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        simplices: NDArray[np.int32],
+        neighbors: NDArray[np.int32],
+    ) -> None: ...
+    def find(self, queries: NDArray[np.float64], found: NDArray[np.int32]) -> None: ...
+
 def orient3d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],

@@ -127,6 +127,8 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "incircle": (liftmesh.incircle, liftmesh.incircle, dict.fromkeys("abcd", PLANAR)),
     "orient3d": (liftmesh.orient3d, liftmesh.orient3d, dict.fromkeys("abcd", ROWS)),
     "insphere": (liftmesh.insphere, liftmesh.insphere, dict.fromkeys("abcde", ROWS)),
+    "tetrahedralize": (liftmesh.tetrahedralize, liftmesh.tetrahedralize, {"cloud": ROWS}),
+    "convex_hull": (liftmesh.convex_hull, liftmesh.convex_hull, {"cloud": ROWS}),
     "compare": (liftmesh.compare, liftmesh.compare, {"cloud": ROWS}),
     "classify_ground": (liftmesh.classify_ground, liftmesh.classify_ground, {"cloud": ROWS}),
     "merge": (liftmesh.merge, liftmesh.merge, {"clouds": [ROWS, ROWS]}),

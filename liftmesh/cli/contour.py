@@ -69,8 +69,6 @@ def run(
     _check_heights(heights, of_interval)
     if filled:
         _check_no_lines(min_length=min_length or None, smooth=smooth, index_every=index_every)
-    if smooth is not None and source.is_dir():
-        raise click.BadParameter("--smooth is of surfaces in one file, and IN is a folder of tiles")
     wanted = {**heights, **of_interval, **options.given(smooth=smooth)}
     with options.as_usage():
         least = length_of(min_length)

@@ -146,7 +146,7 @@ class FilledContours(FrozenResult):
         Parameters
         ----------
         path : path
-            Where to write, as GeoJSON, GeoPackage or shapefile; written whole or not at all.
+            As for `Contours.save`.
 
         Returns
         -------
@@ -155,14 +155,8 @@ class FilledContours(FrozenResult):
 
         Raises
         ------
-        FormatError
-            The name does not end in .geojson, .json, .gpkg or .shp.
-        InputError
-            The coordinate system is unknown to GeoPackage or shapefiles.
-        MissingDependencyError
-            GeoPackage and shapefiles need geopandas: ``pip install 'liftmesh[shapes]'``.
-        OSError
-            The file cannot be written.
+        FormatError, InputError, MissingDependencyError, OSError
+            As for `Contours.save`.
 
         See Also
         --------

@@ -483,8 +483,10 @@ def check_pair(surface: SurfaceData, other: SurfaceData) -> None:
     """Raise for what are no surfaces, or not over one plane in one system."""
     for each in (surface, other):
         if not hasattr(each, "triangulation") or not hasattr(each, "frame"):
-            kind = type(each).__name__
-            raise InputError(f"a {kind} is no surface: triangulate it, or as_surface")
+            remedy = "triangulate it, or as_surface"
+            if hasattr(each, "iter_meshes"):  # in tiles
+                remedy = "take a raster with the option minus, or clip a part of it"
+            raise InputError(f"a {type(each).__name__} is no surface in memory: {remedy}")
     check_planes(surface, other)
     files = ("the file of this surface", surface), ("the file of the other surface", other)
     check_grounds((name, Provenance(each.metadata).selection) for name, each in files)

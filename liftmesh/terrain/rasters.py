@@ -162,6 +162,8 @@ def rasterize(
     if values is not None:
         if options.get("quantity", "height") != "height":
             raise InputError(f"give {Option('quantity')} or {Option('values')}, not both")
+        if options.get("minus") is not None:
+            raise InputError(f"give {Option('minus')} or {Option('values')}, not both")
         over = over_values(surface, values)
         made = rasterize(over, resolution, gradients=gradients, **options)
         return replace(made, quantity=values if isinstance(values, str) else "values", unit=None)

@@ -644,6 +644,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         interval: float | None = None,
         contour_base: float = 0.0,
         index_every: int = 5,
+        smooth: float | None = None,
     ) -> Contours:
         """Compute lines of equal height, reading one shard after the other.
 
@@ -653,9 +654,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, contour_base, index_every : as for `Surface.contours`
+        levels, interval, contour_base, index_every, smooth : as for `Surface.contours`
         """
-        return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
+        return surface_lines.contour_lines(
+            self, levels, interval, contour_base, index_every, smooth
+        )
 
     def filled_contours(
         self,

@@ -17,6 +17,8 @@ from liftmesh.errors import FormatError
 from liftmesh.optional import load
 
 _KINDS = {"LINE", "LWPOLYLINE", "POLYLINE", "CIRCLE", "ARC", "ELLIPSE", "SPLINE"}
+_BYTES_OF_ENTITY, _ENTITIES_MORE = 4, 20_000  # that blocks may expand to
+_LARGEST = 1e100  # coordinates of a curve: beyond them, its chords are sought for ever
 _CHORD, _CHORDS = 1e-3, 16  # of the size of a curve; at least so many for each part of it
 
 
@@ -27,21 +29,49 @@ def read_dxf(path: Path) -> dict[str, Any]:
     try:
         with preserve_signals():
             drawing = ezdxf.readfile(path)
+            most = path.stat().st_size // _BYTES_OF_ENTITY + _ENTITIES_MORE
+            if (count := _entities(drawing, drawing.modelspace(), {})) > most:
+                raise FormatError(
+                    f"{path}: its blocks expand to {count:,} entities, more than {most:,}: explode "
+                    "those that you need, and save them to a file of their own"
+                )
             found = ezdxf.disassemble.recursive_decompose(drawing.modelspace())
             lines = [_corners(ezdxf, each) for each in found if each.dxftype() in _KINDS]
     except OSError as error:
         if error.errno is not None:
             raise
         raise FormatError(f"{path}: no DXF: {error}") from error
+    except RecursionError as error:
+        raise FormatError(f"{path}: its blocks hold each other, or are too deep") from error
     except (ezdxf.DXFError, ValueError, TypeError, LookupError, ArithmeticError) as error:
+        if isinstance(error, FormatError):
+            raise
         raise FormatError(f"{path}: damaged, or no DXF: {error}") from error
     return _tree(lines)
+
+
+def _entities(drawing: Any, layout: Any, known: dict[str, int]) -> int:
+    """Count the entities of a layout, those of blocks as often as they are inserted."""
+    count = 0
+    for each in layout:
+        is_insert = each.dxftype() == "INSERT"
+        held = "name" if is_insert else "geometry"
+        name = str(each.dxf.get(held)) if each.dxf.hasattr(held) else ""
+        if name in drawing.blocks:
+            key = name.lower()
+            if key not in known:
+                known[key] = _entities(drawing, drawing.blocks.get(name), known)
+            count += (each.mcount if is_insert else 1) * known[key]
+        count += 1
+    return count
 
 
 def _corners(ezdxf: Any, entity: Any) -> list[tuple[float, ...]]:
     path = ezdxf.path.make_path(entity)
     distance = 1.0
     if path.has_curves:
+        if not all(abs(each) < _LARGEST for place in path.control_vertices() for each in place):
+            raise ValueError(f"a {entity.dxftype()} is beyond {_LARGEST:.0e}, or not finite")
         distance = _CHORD * (ezdxf.path.bbox([path], fast=True).size.magnitude or 1.0)
     return [tuple(each) for each in path.flattening(distance, _CHORDS)]
 

@@ -106,13 +106,13 @@ def _in_memory(stream: BinaryIO, stack: ExitStack) -> sqlite3.Connection:
     data = bytearray(stream.read())
     data[_JOURNAL] = b"\1\1"
     connection: sqlite3.Connection = load("sqlite3").connect(":memory:", isolation_level=None)
-    if hasattr(connection, "deserialize"):
-        connection.deserialize(data)
-        return connection
-    connection.close()  # pragma: no cover - Python 3.10, as what follows
-    file = Path(stack.enter_context(load("tempfile").TemporaryDirectory()), "content")
-    file.write_bytes(data)
-    return _connected(str(file))
+    if not hasattr(connection, "deserialize"):  # pragma: no cover - Python 3.10
+        connection.close()
+        file = Path(stack.enter_context(load("tempfile").TemporaryDirectory()), "content")
+        file.write_bytes(data)
+        return _connected(str(file))
+    connection.deserialize(data)
+    return connection
 
 
 def _configure(connection: sqlite3.Connection, size: int) -> None:

@@ -138,6 +138,8 @@ WITHOUT_DATA = {
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
+    "ConvexHull": "a result, made by convex_hull; its methods are watched",
+    "Tetrahedralization": "a result, made by tetrahedralize; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",
     "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",

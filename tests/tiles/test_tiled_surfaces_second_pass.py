@@ -184,6 +184,9 @@ def test_a_file_holds_the_values_of_one_call(
         {"interval": 0.1, "contour_base": 0.05, "index_every": 2},
         {"levels": [0.5, 0, -0.3]},
         {"levels": [99]},
+        {"interval": 0.3, "smooth": 0.1},
+        {"levels": [0.5, 0, -0.3], "smooth": 0.14},
+        {"levels": [99], "smooth": 3},
     ],
 )
 def test_contours_are_the_lines_of_one_call(
@@ -196,7 +199,10 @@ def test_contours_are_the_lines_of_one_call(
         assert one.dtype == other.dtype, name
         assert one.tobytes() == other.tobytes(), name
     assert found.crs == expected.crs
-    assert len(found) > 0 or wanted == {"levels": [99]}
+    assert len(found) > 0 or wanted["levels"] == [99]
+    if "smooth" in wanted and len(found):
+        plain = tiled.contours(**{key: each for key, each in wanted.items() if key != "smooth"})
+        assert not np.array_equal(found.points, plain.points)
 
 
 @pytest.mark.parametrize(
@@ -251,6 +257,7 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, to: t.save_raster(to / "b" / "a.tif", 1), FileNotFoundError, "does not exist"),
         (lambda t, _: t.contours(), InputError, "give either levels or interval"),
         (lambda t, _: t.contours(interval=0), InputError, "interval is 0"),
+        (lambda t, _: t.contours(interval=1, smooth=1), InputError, "smooth is 1.0|smooth=1.0"),
     ],
 )
 def test_what_is_refused(call: Any, error: type[Exception], message: str, tmp_path: Path) -> None:
@@ -296,8 +303,9 @@ def test_the_commands(tmp_path: Path) -> None:
             file.read(1).tobytes() == surface.raster(0.5, interpolation="sibson").values.tobytes()
         )
         assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
-    command("contour", "out", "a.geojson", "--interval", "0.25", cwd=tmp_path)
-    surface.contours(interval=0.25).save(tmp_path / "b.geojson")
+    words = ("--interval", "0.25", "--smooth", "0.1")
+    assert command("contour", "out", "a.geojson", *words, cwd=tmp_path).returncode == 0
+    surface.contours(interval=0.25, smooth=0.1).save(tmp_path / "b.geojson")
     written = [(tmp_path / name).read_bytes() for name in ("a.geojson", "b.geojson")]
     assert written[0] == written[1]
 
@@ -368,6 +376,10 @@ def test_what_cannot_be_subtracted(both: tuple[TiledSurface, Surface]) -> None:
             surface.raster(1, minus=3)
         with pytest.raises(InputError, match="of slope nothing is subtracted: leave out minus"):
             surface.raster(1, minus=surface, quantity="slope")
+        with pytest.raises(InputError, match="give minus or values, not both"):
+            both[1].raster(1, minus=surface, values="height")
+    with pytest.raises(InputError, match="no surface in memory: take a raster with the option"):
+        liftmesh.difference(*both[::-1])
     walls = liftmesh.triangulate(CLOUDS["terrain"][:50], plane="xz")
     with pytest.raises(InputError, match="over different planes"):
         both[0].raster(1, minus=walls)

@@ -160,12 +160,13 @@ def test_patches_of_any_size_and_points_beside_them() -> None:
     found = liftmesh.read(io.BytesIO(by_hand.geopackage(shapes)), format="gpkg")
     assert found.points[:2].tolist() == [[9, 9, 9], [0, 0, 1]]
     assert found.faces.tolist() == [[2, 3, 4], [2, 4, 5]]
-    flat = by_hand.surface([square[:3]])
+    flat = by_hand.surface([square[:3]])[9:]  # a triangle by itself
     with pytest.raises(FormatError, match="patch 0 has 2 corners"):
         liftmesh.read(
             io.BytesIO(by_hand.geopackage([by_hand.surface([square[:2]])])), format="gpkg"
         )
-    assert len(liftmesh.read(io.BytesIO(by_hand.geopackage([flat])), format="gpkg")) == 3
+    found = liftmesh.read(io.BytesIO(by_hand.geopackage([flat], srs=7)), format="gpkg")
+    assert (len(found), found.crs) == (3, None)
 
 
 def test_strips_fans_and_rings_of_a_multipatch() -> None:
@@ -249,10 +250,17 @@ def test_streams_and_compressed_files(tmp_path: Path) -> None:
         (b"x,y,z\n", "shp", "no shapefile"),
         (by_hand.shp(31, [b"abc"]), "shp", "no shapefile"),
         (by_hand.shp(11, [None]), "shp", "there is no Point"),
+        (by_hand.shp(9, [bytes(40)]), "shp", "shapes of type 9 are unknown"),
+        (
+            by_hand.shp(31, [bytes(32) + b"\1\0\0\0" * 4 + bytes(40)]),
+            "shp",
+            "do not begin one after",
+        ),
+        (by_hand.shp(31, [by_hand.shp_patches([(2, ROWS[:2])])]), "shp", "patch 0 has 2 corners"),
         (by_hand.geopackage([by_hand.point(np.inf, 1, 2)]), "gpkg", "point 0 is"),
         (by_hand.geopackage([by_hand.point(1, 2, 3)], layers=()), "gpkg", "no layer of features"),
     ],
-    ids=range(15),
+    ids=range(18),
 )
 def test_what_is_none_is_one_error(data: bytes, kind: str, said: str) -> None:
     with pytest.raises(FormatError, match=said) as caught:

@@ -39,7 +39,8 @@ def geojson(chance: Chance) -> Case:
     if chance.one_in(4):
         return Case("geojson", json.dumps(tree).encode(), in_order(points), others=is_more)
     for _ in range(chance.choice((1, 1, 2, 4))):
-        lie(tree, chance)
+        if tree:
+            lie(tree, chance)
     return Case("geojson", json.dumps(tree).encode())
 
 
