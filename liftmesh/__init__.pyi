@@ -69,7 +69,10 @@ from .predicates import (
     orient3d as orient3d,
 )
 from .raster.raster import Raster as Raster
+from .space.convex_hull import ConvexHull as ConvexHull, convex_hull as convex_hull
 from .space.lower_hull import lower_hull as lower_hull
+from .space.tetrahedra import tetrahedralize as tetrahedralize
+from .space.tetrahedralization import Tetrahedralization as Tetrahedralization
 from .terrain.accuracy import Accuracy as Accuracy
 from .terrain.clipping import paste as paste
 from .terrain.contours import Contour as Contour, Contours as Contours
@@ -88,6 +91,10 @@ from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
 from .terrain.triangulate import triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
+from .tiles.globe import (
+    QuantizedMeshResult as QuantizedMeshResult,
+    write_quantized_mesh as write_quantized_mesh,
+)
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
 from .tiles.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
 

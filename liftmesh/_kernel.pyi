@@ -102,6 +102,13 @@ def distances(edges_and_points: NDArray[np.float64], found: NDArray[np.float64])
 def label_regions(
     neighbors: NDArray[np.int32], constrained: NDArray[np.uint8]
 ) -> NDArray[np.int32]: ...
+def canonical_order(
+    points: NDArray[np.floating[Any]] | None,
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    bits: NDArray[np.uint8] | None,
+    rows: int,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
     skip_non_finite: bool,
@@ -147,6 +154,38 @@ def incircle(
     signs: NDArray[np.int8],
     canonical: bool,
 ) -> None: ...
+def tetrahedralize(
+    rows: NDArray[np.float64],
+    skip_non_finite: bool,
+    secret: int,
+    progress: Callable[[float], None] | None,
+) -> tuple[
+    str,
+    int,
+    int,
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def verify_tetrahedra(
+    rows: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    skip_non_finite: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
+
+class SpaceLocator:
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        simplices: NDArray[np.int32],
+        neighbors: NDArray[np.int32],
+    ) -> None: ...
+    def find(self, queries: NDArray[np.float64], found: NDArray[np.int32]) -> None: ...
+
 def orient3d(
     a: NDArray[np.float64],
     b: NDArray[np.float64],
@@ -447,6 +486,24 @@ class Relief:
         self, levels: NDArray[np.float64], threads: int, shared: bool
     ) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int32], NDArray[np.uint8]]: ...
     def between(self, other: Relief, face: int, touching: int) -> tuple[float, float, float]: ...
+    def overlay(
+        self,
+        other: Relief,
+        face: int,
+        touching: int,
+        progress: Callable[[float], None] | None,
+    ) -> (
+        tuple[
+            NDArray[np.float64],
+            NDArray[np.float64],
+            NDArray[np.int32],
+            NDArray[np.int32],
+            NDArray[np.uint8],
+            int,
+            float,
+        ]
+        | None
+    ): ...
     def between_within(
         self,
         other: Relief,

@@ -82,12 +82,14 @@ def _loaded(kind: type[FrozenResult], *values: Any) -> FrozenResult:
     return result
 
 
-def check_copied(rows: int, simplices: Rows, neighbors: Rows, *others: Rows) -> None:
+def check_copied(
+    rows: int, simplices: Rows, neighbors: Rows, *others: Rows, corners: int = 3
+) -> None:
     """Refuse a damaged pickle of triangles, whose numbers the kernel would follow anywhere."""
     check_numbers(0, rows, simplices)
     check_numbers(-1, len(simplices), neighbors)
     check_numbers(0, rows, *others)
-    if not simplices.shape == neighbors.shape == (len(simplices), 3):
+    if not simplices.shape == neighbors.shape == (len(simplices), corners):
         raise InputError(
             f"the copy is damaged: simplices are {simplices.shape} and neighbors "
             f"{neighbors.shape}; compute it again"

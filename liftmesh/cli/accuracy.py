@@ -5,12 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Any, TypeAlias
 
-import click
-
 from liftmesh.base.options import Interpolation
 from liftmesh.cli import inputs, notes, options, outputs, sample, surfaces, terminal
 from liftmesh.cli.options import argument, flag, option
-from liftmesh.errors import InputError
+from liftmesh.errors import FormatError, InputError
 
 SHORT_HELP = "Compare a mesh or cloud with checkpoints, or each vertex with the others."
 HELP = (
@@ -38,7 +36,7 @@ def run(
         Path | None, argument("[OUT]", "Cloud file of the points with their errors.")
     ] = None,
     at: Annotated[
-        Path | None, option("FILE", "Checkpoints x, y, z: a cloud of any format.")
+        Path | None, option("FILE", "Checkpoints x, y, z: a cloud of any format, or GeoJSON.")
     ] = None,
     *,
     points: Points,
@@ -78,8 +76,16 @@ def _checkpoints(
     at: Path, points: surfaces.Places, source: Path, surface: Any, reading: surfaces.SurfaceOptions
 ) -> Any:
     """Read the checkpoints, which have to have heights."""
+    from liftmesh.io.metadata import Provenance
+
     if points.are_shapes(at):
-        raise click.BadParameter(f"--at {at}: shapes have no heights: give a table, or a cloud")
+        cloud = points.read_shapes(at, surface.crs)
+        if Provenance(cloud.metadata).is_flat:
+            raise FormatError(
+                f"{at}: the points have no heights: give them in space, or name the column that "
+                "has them, as --at-columns z=H"
+            )
+        return cloud
     limit = reading.rows.get("max_bytes")
     return points.read(at, source, surface.crs, limit, flat=False)
 

@@ -1,4 +1,4 @@
-"""``liftmesh contour``: lines of equal height as GeoJSON or GeoPackage."""
+"""``liftmesh contour``: lines of equal height as GeoJSON, GeoPackage, shapefile or DXF."""
 
 from __future__ import annotations
 
@@ -13,16 +13,17 @@ from liftmesh.cli.options import argument, flag, number, numbers, option, positi
 from liftmesh.cli.wording import spelled
 from liftmesh.errors import Option
 
-SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage)."
+SHORT_HELP = "Write lines of equal height over a mesh or cloud (GeoJSON, GeoPackage, DXF)."
 HELP = (
     "Every line is closed or ends at the border; what is above is on its left. Properties of a "
-    "line are its height, whether it is closed, and whether it is an index contour. With --filled, "
-    "OUT has polygons between the levels instead, with the properties lower and upper. IN may also "
-    "be a folder of liftmesh tile --surface."
+    "line are its height, whether it is closed, and whether it is an index contour; DXF has these "
+    "in a layer of their own. With --filled, OUT has polygons between the levels instead, with the "
+    "properties lower and upper. IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh contour tin.ply lines.geojson --interval 1",
     "liftmesh contour tin.ply shore.gpkg --levels -2,0 --trim-polygon parish.gpkg",
+    "liftmesh contour tin.ply lines.dxf --interval 1 --index-every 5",
     "liftmesh contour tin.ply depths.gpkg --levels -20,-10,-5,0 --filled",
     "liftmesh contour survey.csv lines.geojson --interval 0.5 --min-length 10 --max-edge 20",
 ]
@@ -31,7 +32,7 @@ EXAMPLES = [
 @outputs.guards("target")
 def run(
     source: surfaces.Source,
-    target: Annotated[Path, argument("OUT", "GeoJSON or GeoPackage file.")],
+    target: Annotated[Path, argument("OUT", "GeoJSON, GeoPackage, shapefile, or lines as DXF.")],
     interval: Annotated[
         float | None, option("HEIGHT", "Lines at all multiples of this height.", positive)
     ] = None,
@@ -58,17 +59,16 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface, find its contours, write them, and say how many there are."""
-    from liftmesh.terrain.contours import check_name, length_of
+    from liftmesh.terrain.contours import length_of
+    from liftmesh.vector.files import check_written
 
     outputs.check_stdout()
-    check_name(target)
+    check_written(target, "bands" if filled else "contours", may_be_drawing=not filled)
     of_interval = options.given(contour_base=contour_base, index_every=index_every)
     heights = options.given(levels=levels, interval=interval)
     _check_heights(heights, of_interval)
     if filled:
         _check_no_lines(min_length=min_length or None, smooth=smooth, index_every=index_every)
-    if smooth is not None and source.is_dir():
-        raise click.BadParameter("--smooth is of surfaces in one file, and IN is a folder of tiles")
     wanted = {**heights, **of_interval, **options.given(smooth=smooth)}
     with options.as_usage():
         least = length_of(min_length)

@@ -44,8 +44,8 @@ def run(
     target.check()
     before, after = surfaces.read(source, reading), surfaces.read(other, reading)
     surfaces.check_grounds({source: before, other: after})
-    with terminal.stage("laying the surfaces over each other"):
-        change = liftmesh.difference(after, before)
+    with terminal.share_bar("laying the surfaces over each other", 0) as progress:
+        change = liftmesh.difference(after, before, progress=progress)
     written = target.write(change)
     rows_of = {**notes.provenance(before), "after": notes.provenance(after)}
     with outputs.report_after(target.path):

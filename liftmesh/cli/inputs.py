@@ -112,6 +112,9 @@ def _selection(
         str | None,
         option("NAME", "LandXML: the surface to read, or CgPoints.", panel="Input"),
     ] = None,
+    layer: Annotated[
+        str | None, option("NAME", "GeoPackage: the layer to read, of several.", panel="Input")
+    ] = None,
     src_crs: Annotated[
         str | None,
         option(
@@ -140,7 +143,11 @@ def _selection(
         with options.as_usage():
             validate_selection(**conditions)
     return conditions | options.given(
-        dst_crs=dst_crs, src_crs=src_crs, band=band, landxml_surface=landxml_surface
+        dst_crs=dst_crs,
+        src_crs=src_crs,
+        band=band,
+        landxml_surface=landxml_surface,
+        layer=layer,
     )
 
 
@@ -171,7 +178,11 @@ def _file(
     ] = None,
     input_up: Annotated[
         Up | None,
-        flag("GLB, glTF, OBJ: the axis that is up, in place of what the file says.", panel="Input"),
+        flag(
+            "GLB, glTF, OBJ: the axis that is up, in place of what the file says; without either "
+            "it is y in glTF, z in OBJ.",
+            panel="Input",
+        ),
     ] = None,
 ) -> dict[str, Any]:
     return options.given(format=input_format, max_bytes=max_bytes, up=input_up)

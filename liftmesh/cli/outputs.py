@@ -46,7 +46,7 @@ _OVERWRITE = options.parameter(
 
 def guards(
     *outputs: str,  # parameters that are files to write: all others that name a file are inputs
-    inside: str = "",  # a file, if these are folders
+    inside: Sequence[str] = ("",),  # files, if these are folders
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
     """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
 
@@ -56,7 +56,7 @@ def guards(
         @wraps(run)
         def command(*, overwrite: bool = False, **given: Any) -> Any:
             targets = [given[each] for each in outputs if given.get(each) is not None]
-            targets = [each / inside for each in targets] if inside else targets
+            targets = [each / name for each in targets for name in inside]
             check_lost(targets, _inputs(given, outputs), overwrite=overwrite)
             return run(**given)
 

@@ -125,7 +125,7 @@ def _pair(word: str) -> list[float] | None:
 
 def _check_shapes(target: Path) -> None:
     """Raise before the work starts if a file of lines cannot be written."""
-    if target.suffix.lower() == ".gpkg":
+    if target.suffix.lower() in (".gpkg", ".shp"):
         from liftmesh.optional import load
 
         load("geopandas", extra="shapes")

@@ -15,6 +15,7 @@ from liftmesh.errors import InputError
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
     from liftmesh.terrain.surface import Surface
+    from liftmesh.tiles.tiled import TiledSurface
 
 Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
 _ANGLES = ("slope", "hillshade")
@@ -28,6 +29,7 @@ HELP = (
 EXAMPLES = [
     "liftmesh raster tin.ply dtm.tif --resolution 0.5 --crs EPSG:7415",
     "liftmesh raster tiles/ dtm.tif --resolution 0.5",
+    "liftmesh raster after.laz change.tif --resolution 0.5 --minus before.laz",
     "liftmesh raster scan.laz intensity.tif --resolution 1 --values intensity",
     "liftmesh raster dem.tif landscape.png --size 1009",
     "liftmesh raster survey.csv shade.tif --resolution 2 --quantity hillshade --max-edge 20",
@@ -69,6 +71,10 @@ def run(
         ),
     ] = None,
     values: surfaces.Values = None,
+    minus: Annotated[
+        Path | None,
+        option("FILE", "Subtract the heights of this surface, or folder of tiles: cut and fill."),
+    ] = None,
     z_factor: Annotated[
         float | None,
         option(
@@ -110,6 +116,7 @@ def run(
         "interpolation": interpolation,
         "fill": fill,
         "z_factor": z_factor,
+        "minus": None if minus is None else _subtracted(minus, reading),
     }
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
@@ -119,7 +126,8 @@ def run(
         with terminal.share_bar(f"writing {target.name}") as progress:
             tiled.save_raster(target, steps, cog=cog, compress=packing, progress=progress, **wanted)
         with load("rasterio", extra="terrain").open(target) as file:
-            _say(target, quantity, file.shape, (file.transform, tiled.crs), {}, as_json=json)
+            said = quantity if minus is None else "difference"
+            _say(target, said, file.shape, (file.transform, tiled.crs), {}, as_json=json)
         return
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
@@ -139,6 +147,14 @@ def run(
         counts |= dict(zip(("scale", "offset"), written.scaling, strict=True))
     place = raster.transform, raster.crs
     _say(target, raster.quantity, raster.values.shape, place, counts, as_json=json)
+
+
+def _subtracted(path: Path, reading: surfaces.SurfaceOptions) -> Surface | TiledSurface:
+    """Read a surface, or open its tiles."""
+    if path.is_dir():
+        return surfaces.open_tiles(path, surfaces.SurfaceOptions({}, "xy", "error", None, {}))
+    path.open("rb").close()
+    return surfaces.read(path, reading)
 
 
 def _checked(

@@ -71,13 +71,7 @@ def _asked(
     """Read the points, which have to be in the system of the surface."""
     if is_stream(at) or not points.are_shapes(at):
         return points.read(at, source, own, max_bytes, flat=None)
-    from liftmesh.vector.files import points_of
-
-    with terminal.stage(f"reading {at.name}"):
-        asked = points_of(at, own)
-    if not_read := notes.parts_not_read(asked):
-        terminal.note(f"{at}: not read: {notes.listed(not_read)}")
-    return asked
+    return points.read_shapes(at, own, flat=None)
 
 
 def _sampled(

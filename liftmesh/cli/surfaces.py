@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, get_args
 import click
 
 from liftmesh.base.options import NonFinite, counted, shown
-from liftmesh.cli import inputs, options, terminal
+from liftmesh.cli import inputs, notes, options, terminal
 from liftmesh.cli.options import argument, flag, option, positive
 from liftmesh.cli.wording import spelled
 from liftmesh.errors import FormatError, InputError, Message, Option
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
     from liftmesh.tiles.tiled import TiledSurface
 
-SHAPES = {".geojson", ".json", ".gpkg"}
+SHAPES = {".geojson", ".json", ".gpkg", ".shp"}
 _LEFT_OUT = "flat"  # of places: where they are, not how high
 _FACES = 1 << 20  # at once
 _LONG = 20  # times the median of all sides
@@ -248,6 +248,17 @@ class Places:
             raise InputError(
                 f"{path} is in {there}, {source} in {here}: transform the points first"
             )
+        return cloud
+
+    def read_shapes(self, path: Path, crs: str | None, *, flat: bool | None = False) -> Cloud:
+        """Read points of a file of shapes over a surface of this system; say what is not read."""
+        from liftmesh.vector.clouds import points_of
+
+        own = {key: each for key, each in self.table.items() if key in ("columns", "nodata")}
+        with terminal.stage(f"reading {path.name}"):
+            cloud = points_of(path, crs, **{"flat": flat, **own})
+        if not_read := notes.parts_not_read(cloud):
+            terminal.note(f"{path}: not read: {notes.listed(not_read)}")
         return cloud
 
 

@@ -18,6 +18,8 @@ import gc
 import json
 import math
 import re
+from collections.abc import Callable
+from typing import Any
 
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.text_tables import shortened
@@ -37,12 +39,15 @@ _STRINGS = re.compile(rb'"([^"]*)"([ \t\r\n]*:)?')
 _LONG = 1000  # shorter strings may be keys, and their number matters
 
 
-def parsed(text: bytes | str) -> object:
-    """Parse a text; raise ValueError or RecursionError if it is not JSON."""
+def parsed(text: bytes | str, take: Callable[[dict[str, Any]], object] | None = None) -> object:
+    """Parse a text; raise ValueError or RecursionError if it is not JSON.
+
+    Each object is replaced by what `take` returns of it, as soon as it is complete.
+    """
     was_enabled = gc.isenabled()
     gc.disable()
     try:
-        return json.loads(text)
+        return json.loads(text, object_hook=take)
     finally:
         if was_enabled:
             gc.enable()

@@ -47,7 +47,7 @@ class ObjectOptions(TypedDict, total=False):
 
 
 class FormatOptions(ObjectOptions, total=False):
-    """Options of single formats: tables as text, rasters, LandXML, and models."""
+    """Options of single formats: tables as text, rasters, LandXML, shapes, and models."""
 
     delimiter: str | None
     decimal: str | None
@@ -57,6 +57,7 @@ class FormatOptions(ObjectOptions, total=False):
     encoding: str | None
     band: int
     landxml_surface: str | None
+    layer: str | None
     up: Up | None
     origin: Sequence[float] | None
 

@@ -82,6 +82,7 @@ def read(  # noqa: PLR0913 - options are keywords
     source : str, path, or binary stream
         PLY, OBJ, XYZ/CSV/TXT/ASC/TSV, NPY, NPZ, STL, OFF, GLB, glTF, PCD, PTS, XYZRGB, XYZN, E57,
         LandXML, DXF, 2DM, .node, .poly, .ele (with the .node file beside it), LAS, LAZ and COPC,
+        points and TIN of GeoJSON, GeoPackage and shapefiles (.shp, with what is beside it),
         GeoTIFF and ASCII grids (.agr, or ``format="raster"``), or a format of a plugin; those of
         text also compressed with gzip, as ``points.csv.gz``. ``~`` at the beginning of a path is
         the home folder.
@@ -93,7 +94,8 @@ def read(  # noqa: PLR0913 - options are keywords
         NPZ file, the arrays; by default 256 MiB or 1,100 times their compressed bytes, which none
         exceeds. Of PLY and text, each column, property and element counts 2,000 bytes;
         by default 20,000,000, for 10,000 of them. Of a file compressed with gzip, the text; by
-        default 256 MiB or 20 times the file. Other formats do not expand.
+        default 256 MiB or 20 times the file. Of GeoJSON, what its text describes; by default 16 MiB
+        or 18 times the text. Other formats do not expand.
     color_depth : int, optional
         Bits per channel that the numbers of integer colours mean: 8, 16, 32 or 64. By default the
         values of the whole file decide, and ``Cloud.color_depth`` says what: LAS keeps colours in
@@ -144,9 +146,10 @@ def read(  # noqa: PLR0913 - options are keywords
 
         Rasters take ``band``, from 1, and ``nodata``: a number, besides what the file says.
         LandXML takes ``landxml_surface``: the name of one of several, or ``"CgPoints"`` for the
-        points of the survey. GLB, glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place
-        of their zero, in place of what the file says; without it y is up in glTF, as its standard
-        says, and z in OBJ.
+        points of the survey. GeoJSON, GeoPackage and shapefiles take ``columns``, ``flat`` and
+        ``nodata`` as tables do, and ``layer``: the name of one of several in a GeoPackage. GLB,
+        glTF and OBJ take ``up``, "y" or "z", and ``origin``, the place of their zero, in place of
+        what the file says; without it y is up in glTF, as its standard says, and z in OBJ.
 
     Returns
     -------

@@ -42,7 +42,7 @@ Entry = TypeVar("Entry")
 FORMAT_GROUP = "liftmesh.formats"
 ADAPTER_GROUP = "liftmesh.adapters"
 _OF_MESHIO = frozenset({"vtk", "xdmf", "med", "mesh", "inp", "bdf", "exo", "cgns"})
-_OF_GEOPANDAS = frozenset({"geojson", "gpkg", "shp", "fgb", "gml", "kml"})
+_OF_GEOPANDAS = frozenset({"fgb", "gml", "kml", "geojsonl", "parquet"})
 
 
 @dataclass(frozen=True, slots=True)

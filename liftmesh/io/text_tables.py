@@ -147,12 +147,13 @@ def exact_values(
 def whole(values: Array, dtype: type[np.integer[Any]]) -> Array:
     """Convert whole numbers to a type of integers."""
     kept = np.iinfo(dtype)
-    fits = (values >= kept.min) & (values <= kept.max)
-    if values.dtype.kind == "f":
-        fits &= values == np.rint(values)
+    if values.dtype.kind == "f":  # in which the greatest may be one more
+        fits = (values >= kept.min) & (values < kept.max + 1.0) & (values == np.rint(values))
+    else:
+        fits = (values >= kept.min) & (values <= kept.max)
     if not fits.all():
         raise ValueError(f"{values[np.argmin(fits)]} is not an index")
-    return values.astype(dtype)
+    return values.astype(dtype, copy=False)
 
 
 def _check_widths(block: Block, name: str, width: int | None, delimiter: str | None) -> None:

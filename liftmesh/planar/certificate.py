@@ -20,6 +20,13 @@ FORMAT = "liftmesh certificate"
 FORMAT_VERSION = 1
 OF_MEMBERS = 2  # of other triangulations than Delaunay's, which readers of version 1 do not know
 OF_CONSTRAINED = 3  # of these, which readers of version 2 do not know
+OF_TETRAHEDRA = 4  # of these, which readers of version 3 do not know
+_IN_SPACE = ("tetrahedron", "tetrahedra")
+_NAMES_IN_SPACE = {
+    "n_triangles": "n_tetrahedra",
+    "n_edges": "n_facets",
+    "n_hull_edges": "n_hull_facets",
+}
 _HASHED_AT_ONCE = 1 << 20
 
 
@@ -35,13 +42,14 @@ class Violation:
         The rows concerned: the corners of a triangle, the ends of an edge, or a row of the boundary
         between its neighbours; for an edge that is not Delaunay the corners of one triangle, then
         the apex of the other.
-    points : tuple of (float, float)
+    points : tuple of (float, float), or of three
         Their coordinates; empty if an index is not a row.
     triangles : tuple of int
-        The triangles concerned.
+        The triangles concerned, or tetrahedra.
     sign : int or None
         The exact sign that decides: of `orient2d` for three rows; for four of `incircle`, or for
         other members than "delaunay" whether the last is lifted below the plane of the others (1).
+        In space of `orient3d` and `insphere`.
 
     See Also
     --------
@@ -58,7 +66,7 @@ class Violation:
 
     text: str
     rows: tuple[int, ...]
-    points: tuple[tuple[float, float], ...] = ()
+    points: tuple[tuple[float, ...], ...] = ()
     triangles: tuple[int, ...] = ()
     sign: int | None = None
 
@@ -77,7 +85,8 @@ class Flaw:
         "overlaps", of which only the first is found; of tiles also "other_hull",
         "other_duplicates", "other_skipped" or "damaged_files"; of graphs of disks also "no_circle",
         "wrong_neighbors", "wrong_hull", "wrong_order", "wrong_hidden", "wrong_duplicates",
-        "other_circles" or "other_skipped".
+        "other_circles" or "other_skipped"; of tetrahedra also "negative", "non_manifold_facets" or
+        "no_tetrahedra".
     count : int
         The number of occurrences.
     text : str
@@ -127,10 +136,10 @@ class Certificate:
         The number of rows that are corners, beyond one for each position, as in meshes whose
         triangles do not share vertices.
     n_triangles : int
-        Triangles.
+        Triangles; in space tetrahedra.
     n_edges, n_hull_edges : int or None
-        Edges, and those of them that belong to one triangle only. Where regions were carved, these
-        are the boundary of what is left.
+        Edges, and those of them that belong to one triangle only; in space facets, and those of one
+        tetrahedron. Where regions were carved, these are the boundary of what is left.
     flaws : tuple of Flaw
         What is wrong. A flaw of the kind "not_canonical" leaves the triangulation valid.
     points_sha256 : str
@@ -210,6 +219,7 @@ class Certificate:
     constraints_sha256: str | None = None
     planar: bool | None = None
     delaunay: bool | None = None
+    dimension: int = 2
 
     @property
     def valid(self) -> bool:
@@ -225,9 +235,9 @@ class Certificate:
     def euler_characteristic(self) -> int | None:
         """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted.
 
-        Of carved triangulations it may be another number.
+        Of carved triangulations it may be another number, and of tetrahedra it is None.
         """
-        if self.n_vertices is None or self.n_edges is None:
+        if self.n_vertices is None or self.n_edges is None or self.dimension == 3:
             return None
         return self.n_vertices - self.n_edges + self.n_triangles
 
@@ -249,11 +259,9 @@ class Certificate:
     def __str__(self) -> str:
         if not self.valid:
             return self._describe_flaws()
-        these = (
-            f"these {self.n_triangles:,} triangles are"
-            if self.n_triangles != 1
-            else "1 triangle is"
-        )
+        one, more = ("triangle", "triangles") if self.dimension == 2 else _IN_SPACE
+        count = self.n_triangles
+        these = f"these {count:,} {more} are" if count != 1 else f"1 {one} is"
         kind = "the canonical" if self.canonical else "a"
         said = f"valid: {these} {kind} {self.name} of {self.n_rows:,} rows"
         said += f", {self.n_hidden:,} of them hidden" if self.n_hidden else ""
@@ -295,9 +303,13 @@ class Certificate:
         if self.member != "constrained":
             del counts["n_constraints"], counts["n_outside"]
         versions = {"delaunay": FORMAT_VERSION, "constrained": OF_CONSTRAINED}
+        version = versions.get(self.member, OF_MEMBERS)
+        if self.dimension == 3:
+            version = OF_TETRAHEDRA
+            counts = {_NAMES_IN_SPACE.get(name, name): count for name, count in counts.items()}
         return {
             "format": FORMAT,
-            "format_version": versions.get(self.member, OF_MEMBERS),
+            "format_version": version,
             **self._member(),
             "liftmesh": self.version,
             "valid": self.valid,
@@ -362,3 +374,13 @@ def sha256_of(array: Array, dtype: str) -> str:
         piece = np.ascontiguousarray(array[first : first + _HASHED_AT_ONCE], dtype=dtype)
         digest.update(piece.data)
     return digest.hexdigest()
+
+
+def narrowest(given: Array) -> str:
+    """Find the type in which corners are hashed: int32, unless one of them does not fit."""
+    if given.dtype == np.int32 or given.size == 0:
+        return "<i4"
+    least, most = int(given.min()), int(given.max())
+    if least >= -(2**31) and most < 2**31:
+        return "<i4"
+    return "<i8" if most < 2**63 else "<u8"

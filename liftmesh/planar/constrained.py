@@ -36,7 +36,6 @@ from liftmesh.planar.constrained_triangulation import (
     Bits,
     ConstrainedTriangulation,
     Pieces,
-    bits_of,
     left_first,
 )
 from liftmesh.planar.constraints import Constraints, gather
@@ -226,9 +225,12 @@ def _solved(
         raise crossing_error(split.points, given, crossings, remedy)
     if len(split.points) > len(rows):
         rows = split.points
-    solution = solution_of(outcome, rows, split.points, order, progress)
+    solution = solution_of(outcome, rows, split.points, "engine", progress)
     if order == "canonical":
-        bits = bits_of(_found(pieces, solution.simplices)[0])
+        simplices, neighbors, bits = _kernel.canonical_order(
+            split.points, solution.simplices, solution.neighbors, bits, len(split.points)
+        )
+        solution = solution._replace(simplices=simplices, neighbors=neighbors)
     return _Solved(solution, bits, pieces, indptr, members, split.edges, split.origins)
 
 

@@ -260,7 +260,9 @@ def solution_of(
     if status != "ok":
         raise _degenerate(rows, distinct, hull, len(skipped))
     if order == "canonical":
-        simplices, neighbors = _canonical_order(planar, simplices, neighbors)
+        simplices, neighbors, _ = _kernel.canonical_order(
+            planar, simplices, neighbors, None, len(planar)
+        )
     if progress is not None:
         progress(1.0)
     return Solution(planar, simplices, neighbors, hull, duplicates, skipped)
@@ -294,17 +296,3 @@ def _degenerate(rows: Array, distinct: int, hull: Rows, skipped: int) -> Degener
         "a triangle needs a point off it (for a cloud in a vertical plane: "
         f"triangulate it with {Option('plane', 'fit')})"
     )
-
-
-def _canonical_order(rows: Array, simplices: Rows, neighbors: Rows) -> tuple[Rows, Rows]:
-    """Rotate each triangle to start at its least point, and sort the triangles by their points."""
-    rank = np.empty(len(rows), dtype=np.int32)
-    rank[np.lexsort((rows[:, 1], rows[:, 0]))] = np.arange(len(rows), dtype=np.int32)
-    turn = (rank[simplices].argmin(axis=1)[:, None] + np.arange(3)) % 3
-    simplices = np.take_along_axis(simplices, turn, axis=1)
-    neighbors = np.take_along_axis(neighbors, turn, axis=1)
-    by_points = np.lexsort(rank[simplices].T[::-1])
-    new_name = np.empty(len(simplices) + 1, dtype=np.int32)
-    new_name[by_points] = np.arange(len(simplices), dtype=np.int32)
-    new_name[-1] = -1
-    return simplices[by_points], new_name[neighbors[by_points]]

@@ -57,8 +57,9 @@ class RefineResult(FrozenResult):
     below : (b,) ndarray of int32
         The triangles with an angle under the one that was asked for.
     causes : (b,) ndarray of str
-        Why each of them was left: "input angle" (its shortest side joins two edges that meet in a
-        small angle), "cap" (`max_points` was reached) or "precision" (float64 has no better row).
+        Why each of them was left: "input angle" (its shortest side joins two edges that meet in
+        less than 60 degrees), "cap" (`max_points` was reached) or "precision" (float64 has no
+        better row).
     asked_angle : float
         The least angle that was asked for, in degrees; 0 for none.
     displacement : float

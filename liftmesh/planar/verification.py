@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Progress, Reals, Rows
+from liftmesh._typing import Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_coordinates, is_masked_array, non_finite, widened
 from liftmesh.base.options import (
     NonFinite,
@@ -27,13 +27,15 @@ from liftmesh.base.options import (
     counted,
 )
 from liftmesh.errors import InputError, Option
-from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
+from liftmesh.planar.certificate import Certificate, Flaw, narrowest, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
 from liftmesh.planar.planarity import is_locally_delaunay, is_triangulation
+from liftmesh.planar.tetrahedra import verify_tetrahedra
 from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
-MOST_TRIANGLES = 2**31 // 3  # the kernel counts corners
+_MOST_CORNERS = 2**31  # the kernel counts them
 _REMEDIES = {
+    "tetrahedron": "give the four rows of each tetrahedron",
     "triangle": "give the three rows of each triangle; cut other polygons into triangles first",
     "constraint": "give the two rows of each constraint; a polyline is several",
 }
@@ -58,7 +60,8 @@ def verify(  # noqa: PLR0913 - options are keywords
 
     Or another member of the family: their regular triangulation by weights or radii, their Delaunay
     triangulation in a metric, their farthest-point Delaunay triangulation, or their constrained
-    Delaunay triangulation.
+    Delaunay triangulation. Of tetrahedra and points in space the same is verified, by facets
+    instead of edges.
 
     The checks are: every corner is a row; every triangle is counter-clockwise; every edge has one
     triangle on either side, or lies on the boundary; the boundary is one convex curve that winds
@@ -70,15 +73,16 @@ def verify(  # noqa: PLR0913 - options are keywords
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3), or a mesh
-        The points; z is ignored. Without `simplices`, a mesh: a `Surface`, which is checked in its
-        own plane, by the faces that are left if it was trimmed, which `Surface.triangulation` still
-        has all (with breaklines, as `carved`); a `Triangulation`, or one of SciPy or matplotlib; a
-        mesh of trimesh or Open3D, a `Cloud` with faces, or the path of a file, which are seen from
-        above. Or an `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only
-        `threads` and `progress` can be given with it.
-    simplices : array_like of int, of shape (m, 3), optional
+        The points; of tetrahedra with z, which is ignored otherwise. Without `simplices`, a mesh: a
+        `Surface`, which is checked in its own plane, by the faces that are left if it was trimmed,
+        which `Surface.triangulation` still has all (with breaklines, as `carved`); a
+        `Triangulation` or `Tetrahedralization`, or one of SciPy or matplotlib; a mesh of trimesh or
+        Open3D, a `Cloud` with faces, or the path of a file, which are seen from above. Or an
+        `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only `threads` and
+        `progress` can be given with it.
+    simplices : array_like of int, of shape (m, 3) or (m, 4), optional
         The corners of each triangle as rows of `points`. Triangles may be in any order, and any
-        corner may be first.
+        corner may be first. Those of tetrahedra, which must be positively oriented (`orient3d`).
     nonfinite : {"error", "skip"}, default "error"
         Rows with NaN or infinity raise, or are skipped and must not be corners. Those that a
         `Surface` or a `Triangulation` skipped are always skipped.
@@ -153,6 +157,10 @@ def verify(  # noqa: PLR0913 - options are keywords
     ground in turns (M. I. Shamos and D. Hoey, 1976): O(b log b) for b edges of the boundary, rows
     outside and constraints there. Constraints that cross each other are not all unions of edges.
 
+    The boundary of tetrahedra is convex if it is closed, has an inner point on the inner side of
+    all its facets, no valley, and turns once around its largest vertex: then it is seen once in
+    every direction from the inner point. Their facets are sorted; a single thread does all.
+
     Examples
     --------
     >>> import liftmesh
@@ -180,6 +188,12 @@ def verify(  # noqa: PLR0913 - options are keywords
         _refuse_more(is_farthest, is_carved, *(each is not None for each in others))
         certificate: Certificate = points.verify(threads=threads, progress=progress)
         return certificate
+    if _are_tetrahedra(points, simplices):
+        are_given = (each is not None for each in (*given, constraints))
+        _refuse_with_tetrahedra(is_farthest, is_carved, *are_given)
+        return verify_tetrahedra(
+            *_space_triangulation(points, simplices, nonfinite), threads, progress
+        )
     if simplices is None:
         told = is_farthest or any(each is not None for each in (*given, constraints))
         points, simplices, is_skipping, own = _points_and_triangles(points, told=told)
@@ -213,6 +227,38 @@ def verify(  # noqa: PLR0913 - options are keywords
 def _is_graph_of_disks(value: Any) -> bool:
     """Whether this is an `ApolloniusGraph`, of a room above."""
     return hasattr(value, "circles") and hasattr(value, "radii")
+
+
+def _are_tetrahedra(points: Any, simplices: Any) -> bool:
+    """Whether simplices, or those of an object, have four corners."""
+    given: Any = getattr(points, "simplices", None) if simplices is None else simplices
+    try:
+        shape = np.shape(given)
+    except ValueError:  # ragged
+        return False
+    return len(shape) == 2 and shape[1] == 4
+
+
+def _space_triangulation(
+    points: Any, simplices: Any, nonfinite: NonFinite
+) -> tuple[Floats, Array, bool]:
+    """Return points in space, tetrahedra, and whether rows are skipped."""
+    is_skipping = nonfinite == "skip"
+    if simplices is None:
+        is_skipping |= len(getattr(points, "skipped", ())) > 0
+        points, simplices = points.points, points.simplices
+    rows = as_coordinates(points)
+    if rows.shape[1] != 3:
+        raise InputError("tetrahedra are given with points of two columns: give z as a third")
+    return widened(rows), _as_tuples(simplices, 4, "simplices", "tetrahedron"), is_skipping
+
+
+def _refuse_with_tetrahedra(*are_given: bool) -> None:
+    if any(are_given):
+        raise InputError(
+            "tetrahedra are verified as the Delaunay triangulation only: give them without "
+            "weights, radii, metric, furthest_site, constraints or carved"
+        )
 
 
 def _refuse_more(*are_given: bool) -> None:
@@ -286,14 +332,15 @@ def _as_tuples(given: ArrayLike, width: int, name: str, each: str) -> Array:
     """Convert the corners of triangles, or the ends of constraints."""
     array = _as_integers(_as_array(given, width, name, each), each)
     if array.ndim == 2 and array.shape[1] == width and array.dtype.kind in "iu":
-        if width == 3 and len(array) > MOST_TRIANGLES:
-            raise InputError(f"{len(array):,} triangles are more than {MOST_TRIANGLES:,}")
+        if width > 2 and len(array) > (most := _MOST_CORNERS // width):
+            what = "triangles" if width == 3 else "tetrahedra"
+            raise InputError(f"{len(array):,} {what} are more than {most:,}")
         return array
     if array.size == 0:
         return np.empty((0, width), dtype=np.int32)
     remedy = f"give {name}.T" if array.ndim == 2 and len(array) == width else _REMEDIES[each]
     raise InputError(
-        f"{name} need the shape ({'m' if width == 3 else 'k'}, {width}) and 64-bit integers, not "
+        f"{name} need the shape ({'m' if width > 2 else 'k'}, {width}) and 64-bit integers, not "
         f"{array.shape} of {array.dtype}: {remedy}"
     )
 
@@ -445,7 +492,7 @@ def _disk_flaw(triangles: int, vertices: int, edges: int, boundary_edges: int) -
 
 def _sums(rows: Reals, given: Array, in_parallel: bool) -> tuple[str, str]:
     """Hash points and triangles, in parallel if a thread can be started."""
-    points, triangles = (rows[:, :2], "<f8"), (given, _narrowest(given))
+    points, triangles = (rows[:, :2], "<f8"), (given, narrowest(given))
     if in_parallel:
         from concurrent.futures import ThreadPoolExecutor  # noqa: PLC0415 - few runs need it
 
@@ -454,13 +501,3 @@ def _sums(rows: Reals, given: Array, in_parallel: bool) -> tuple[str, str]:
             own = sha256_of(*triangles)
             return other.result(), own
     return sha256_of(*points), sha256_of(*triangles)
-
-
-def _narrowest(given: Array) -> str:
-    """Find the type in which corners are hashed: int32, unless one of them does not fit."""
-    if given.dtype == np.int32 or given.size == 0:
-        return "<i4"
-    least, most = int(given.min()), int(given.max())
-    if least >= -(2**31) and most < 2**31:
-        return "<i4"
-    return "<i8" if most < 2**63 else "<u8"

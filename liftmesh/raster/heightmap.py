@@ -2,13 +2,15 @@
 
 The lowest height is 0 and the highest 65,535: height = scale * value + offset. Rows come from the
 north, samples of .r16 are little-endian. PNG states scale and offset in its description; a file of
-bare samples has no place for them.
+bare samples has no place for them, so a file beside it (.r16.json) has them, the number of rows and
+columns, and where the pixels are.
 """
 
 from __future__ import annotations
 
+import json
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -23,6 +25,7 @@ from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.raster.pixels import Transform
+    from liftmesh.raster.raster import Raster
 
 SUFFIXES = (".png", ".r16")
 SIZES = "Unreal takes 127, 253, 505, 1009, 2017, 4033 or 8129, Unity 33, 65 and so on to 4097"
@@ -41,19 +44,31 @@ def suits_engines(size: int) -> bool:
     return size in _UNREAL + _UNITY
 
 
-def save(values: Array, transform: Transform, path: Path, voids: Voids) -> tuple[float, float]:
+def save(raster: Raster, path: Path, voids: Voids) -> tuple[float, float]:
     """Write heights as a heightmap; return scale and offset."""
     check_option("voids", voids, Voids)
-    samples, scale, offset = _samples(values, voids)
-    with replacing(path) as stream:
-        if path.suffix.lower() == ".r16":
-            stream.write(np.ascontiguousarray(samples, "<u2").data)
-        else:
-            a, b, _, d, e, _ = transform
-            across, down = float(np.hypot(a, d)), float(np.hypot(b, e))
-            said = f"height = {scale!r} * value + {offset!r}; pixels of {across!r} x {down!r}"
+    samples, scale, offset = _samples(raster.values, voids)
+    a, b, _, d, e, _ = raster.transform
+    across, down = float(np.hypot(a, d)), float(np.hypot(b, e))
+    if path.suffix.lower() == ".r16":
+        pixels = {"pixel_size": [across, down], "transform": [*map(float, raster.transform)]}
+        known = {**pixels, "unit": raster.unit, "crs": raster.crs}
+        _write_bare(path, samples, {"scale": scale, "offset": offset, **known})
+    else:
+        said = f"height = {scale!r} * value + {offset!r}; pixels of {across!r} x {down!r}"
+        with replacing(path) as stream:
             _write_png(stream, samples, said)
     return scale, offset
+
+
+def _write_bare(path: Path, samples: Array, known: Mapping[str, Any]) -> None:
+    """Write samples, and beside them what is known of these."""
+    rows, columns = samples.shape
+    head = {"columns": columns, "rows": rows, "type": "uint16", "byte_order": "little"}
+    about = path.with_name(f"{path.name}.json")
+    with replacing(about, follow_links=False) as described, replacing(path) as stream:
+        described.write(json.dumps({**head, **known}, indent=1).encode() + b"\n")
+        stream.write(np.ascontiguousarray(samples, "<u2").data)
 
 
 def _samples(values: Array, voids: Voids) -> tuple[Array, float, float]:

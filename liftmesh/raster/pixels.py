@@ -165,7 +165,7 @@ class Affine(NamedTuple):
 
 def world_of(name: str) -> tuple[Affine, str] | None:
     """Read the world file beside a raster."""
-    path = _beside(name, _WORLDS)
+    path = file_beside(name, _WORLDS)
     if path is None:
         return None
     words = _text(path).split()
@@ -186,11 +186,12 @@ def system_of(name: str) -> str | None:
 
 def text_beside(name: str, suffix: str) -> str | None:
     """Read at most 64 KiB of a file that has the name of another, and a suffix in either case."""
-    path = _beside(name, (suffix, suffix.upper()))
+    path = file_beside(name, (suffix, suffix.upper()))
     return None if path is None else _text(path).strip("\0\ufeff \r\n\t")
 
 
-def _beside(name: str, suffixes: tuple[str, ...]) -> Path | None:
+def file_beside(name: str, suffixes: tuple[str, ...]) -> Path | None:
+    """Find the file that has the name of another, and the first of these suffixes."""
     path = Path(name)
     if not path.suffix or "\0" in name:
         return None

@@ -144,7 +144,8 @@ class Raster(FrozenResult):
 
         Of heights alone the system says what heights are: of others it is that of the plane. A name
         in .png or .r16 makes a heightmap of engines: values of 16 bits, from the lowest to the
-        highest, in rows from the north; .r16 holds them alone, little-endian.
+        highest, in rows from the north; .r16 holds them alone, little-endian, and a file
+        beside it, .r16.json, says rows, columns, scale, offset and where the pixels are.
 
         Parameters
         ----------
@@ -195,7 +196,7 @@ class Raster(FrozenResult):
         target = Path(at_home(path))
         check_name(target, may_be_heightmap=True)
         if heightmap.is_heightmap(target):
-            scaling = heightmap.save(self.values, self.transform, target, voids)
+            scaling = heightmap.save(self, target, voids)
             return written_file(target, "heightmap", scaling=scaling)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)

@@ -10,11 +10,11 @@ from typing import Any, get_args
 
 from liftmesh import _kernel
 from liftmesh._typing import Rows
-from liftmesh.base.arrays import as_coordinates, as_rows3, check_finite, of_one_array
+from liftmesh.base.arrays import check_finite, of_one_array
 from liftmesh.base.options import Algorithm, HullAlgorithm, check_option
 from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.lifting import Counters, LowerHull
-from liftmesh.planar.points import rows_of
+from liftmesh.space.points import space_rows
 
 # Salts the order in which points are inserted: nobody can make an input that is slow in every
 # process. No result depends on it.
@@ -82,23 +82,18 @@ def lower_hull(cloud: Any, *, algorithm: HullAlgorithm = "auto") -> LowerHull:
     (4, array([4], dtype=int32))
     """
     _check_algorithm(algorithm)
-    if isinstance(cloud, str | os.PathLike):
-        from liftmesh.io.read import read  # noqa: PLC0415 - arrays do without
-
-        cloud = read(cloud)
-    rows = as_coordinates(rows_of(cloud, has_heights=True))
-    if rows.shape[1] != 3:
-        raise InputError(
-            "points have two columns: a lower hull needs z; for planar points use "
-            "liftmesh.delaunay, or lift them first with liftmesh.lift"
-        )
+    rows = space_rows(
+        cloud,
+        "a lower hull needs z; for planar points use liftmesh.delaunay, or lift them first with "
+        "liftmesh.lift",
+    )
     check_finite(rows, skippable=False)
     outcome, counts = _kernel.lower_hull(rows, algorithm, _SECRET)
     status, _, distinct, faces, neighbors, boundary, *_ = outcome
     if status != "ok":
         raise _degenerate(distinct, boundary)
     counters = Counters.from_kernel(counts) if algorithm == "lf" else None
-    return LowerHull(as_rows3(rows), faces, neighbors=neighbors, counters=counters)
+    return LowerHull(rows, faces, neighbors=neighbors, counters=counters)
 
 
 def _check_algorithm(algorithm: str) -> None:

@@ -22,10 +22,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Mask, Rows
+from liftmesh._typing import Array, Floats, Mask, Progress, Rows
 from liftmesh.base.arrays import check_finite, ends_of, used_rows
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import Interpolation, counted, refused
+from liftmesh.base.options import Interpolation, check_progress, counted, refused
 from liftmesh.errors import InputError
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import delaunay
@@ -156,6 +156,7 @@ def accuracy_of(
     *,
     interpolation: Interpolation = "linear",
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> Accuracy:
     """Compare the surface with checkpoints, or each vertex with the surface of the others.
 
@@ -169,6 +170,8 @@ def accuracy_of(
         `triangulate` without its position.
     interpolation, threads
         As for `heights_at`.
+    progress : callable, optional
+        As for `triangulate`; called with the share of the vertices that were left out.
 
     Returns
     -------
@@ -192,7 +195,7 @@ def accuracy_of(
     See Also
     --------
     Surface.height_above : The heights of points above a surface.
-    Surface.raster : With the quantity "longest_edge", where the surface is a guess.
+    Surface.raster : With the quantity "longest-edge", where the surface is a guess.
 
     Notes
     -----
@@ -213,13 +216,16 @@ def accuracy_of(
     >>> hill.accuracy().residuals  # without the summit, 0
     array([nan, nan, nan, nan, -8.])
     """
+    check_progress(progress)
     if checkpoints is None:
-        points, found = surface.vertices, _left_out(surface, interpolation, threads)
+        points, found = surface.vertices, _left_out(surface, interpolation, threads, progress)
     else:
         points = points_above(surface, checkpoints).points
         check_finite(points, skippable=False)
         at = surface.frame.planar(points)
         found = heights_at(surface, at, interpolation, threads=threads)
+    if progress is not None:
+        progress(1.0)
     with np.errstate(over="ignore"):
         residuals = found - surface.frame.heights(points) + 0.0
     _check(surface, residuals, are_checkpoints=checkpoints is not None)
@@ -243,7 +249,12 @@ def _check(surface: SurfaceData, residuals: Floats, *, are_checkpoints: bool) ->
     )
 
 
-def _left_out(surface: SurfaceData, interpolation: Interpolation, threads: int | None) -> Floats:
+def _left_out(
+    surface: SurfaceData,
+    interpolation: Interpolation,
+    threads: int | None,
+    progress: Progress | None,
+) -> Floats:
     """Return the height of each vertex by the triangulation without it."""
     solved, found = surface.triangulation, np.full(len(surface.vertices), np.nan)
     _check_delaunay(surface)
@@ -252,13 +263,18 @@ def _left_out(surface: SurfaceData, interpolation: Interpolation, threads: int |
         raise refused("interpolation", interpolation, reason, mark=", ")
     used = np.zeros(len(found), np.bool_)
     used[used_rows(len(found), solved.simplices)] = True
-    for rows in _apart(solved.edges, _inner(surface)):
+    inner = _inner(surface)
+    wanted, done = int(np.count_nonzero(inner)), 0
+    for rows in _apart(solved.edges, inner):
         used[rows] = False
         left = np.where(used[:, None], solved.points, np.nan)
         used[rows] = True
         other = delaunay(left, nonfinite="skip", threads=threads)
         rest = replace(surface, triangulation=other, faces=other.simplices, mask=None)
         found[rows] = heights_at(rest, solved.points[rows], interpolation, threads=threads)
+        done += len(rows)
+        if progress is not None:
+            progress(done / wanted)
     return found
 
 

@@ -21,6 +21,7 @@ from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import as_coordinates, non_finite, used_rows
 from liftmesh.base.colors import judged, with_depth
 from liftmesh.base.options import refused
+from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError
 from liftmesh.io.columns import edges_of, with_used_rows
 from liftmesh.io.metadata import Provenance
@@ -64,7 +65,8 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
           only if they are given to `verify`. What says which rows are ``hidden`` is not changed
           either.
         - ``metadata``: mapping. Information about the surface as a whole.
-        - ``crs``: str or None. The coordinate reference system.
+        - ``crs``: str, int, CRS or None. The coordinate reference system: WKT, ``EPSG:n``, or
+          whatever ``pyproj.CRS.from_user_input`` takes, but texts that may name files.
 
     Returns
     -------
@@ -76,7 +78,8 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
     InputError
         An array does not have one row per vertex; faces of the moved vertices overlap, or rows
         that were at one position are apart, or with weights, radii or a metric the vertices have
-        another triangulation: triangulate them; or weights or radii are other ones.
+        another triangulation: triangulate them; or weights or radii are other ones; or `crs` is
+        unknown.
 
     See Also
     --------
@@ -94,6 +97,8 @@ def replaced(surface: AnySurface, *, color_depth: int | None = None, **given: An
     parts = as_parts({name: value for name, value in given.items() if value is not ...})
     if "vertices" in parts:
         parts["vertices"] = _vertices(parts["vertices"], surface)
+    if "crs" in parts:
+        parts["crs"] = given_text(parts["crs"])
     if color_depth is not None:
         parts.setdefault("colors", surface.colors)
     if parts.get("colors") is not None:

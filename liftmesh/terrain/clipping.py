@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Generic, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Mask, Rows
-from liftmesh.base.arrays import pair_keys, used_rows
-from liftmesh.base.options import as_switch
+from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Rows
+from liftmesh.base.arrays import pair_keys, starts_of_runs, used_rows
+from liftmesh.base.options import as_switch, check_progress, part_of
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import LIFTED
 from liftmesh.io.tags import MARKERS
@@ -29,18 +29,34 @@ from liftmesh.terrain.measures import check_pair, scale_of, valid_shapes
 from liftmesh.terrain.own_faces import fields_of
 from liftmesh.terrain.profile import LineCrossings
 from liftmesh.terrain.refinement import STEINER
-from liftmesh.terrain.surface_data import HIDDEN, AnySurface, SurfaceData, as_cloud, plane_system
+from liftmesh.terrain.surface_data import (
+    HIDDEN,
+    AnySurface,
+    OverPlane,
+    SurfaceData,
+    as_cloud,
+    plane_system,
+)
 from liftmesh.vector.polygons import contains, polygons_in
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.vector.polygons import Polygon
 
+_CUT = 0.9  # of the time
+_MOST_ROUNDS = 8
+
 Place: TypeAlias = tuple[float, ...]
 Side: TypeAlias = tuple[Place, Place]
 
 
-def clip(surface: AnySurface, polygon: object, *, invert: bool = False) -> AnySurface:
+def clip(
+    surface: AnySurface,
+    polygon: object,
+    *,
+    invert: bool = False,
+    progress: Progress | None = None,
+) -> AnySurface:
     """Cut the faces along a polygon, and keep what is inside: the same surface, bounded by it.
 
     Parameters
@@ -51,6 +67,8 @@ def clip(surface: AnySurface, polygon: object, *, invert: bool = False) -> AnySu
         As for `trim`, and valid; of several, what they cover together.
     invert : bool, default False
         Keep what is outside instead.
+    progress : callable, optional
+        As for `triangulate`.
 
     Returns
     -------
@@ -94,12 +112,16 @@ def clip(surface: AnySurface, polygon: object, *, invert: bool = False) -> AnySu
     ((1.0, 1.0, 3.0, 3.0), 4.0, 12.0)
     """
     is_inverse = as_switch("invert", invert)
+    check_progress(progress)
     check_exact(surface.frame)
-    polygons = _polygons(surface, polygon)
-    return _Cut.of(surface, polygons).part(inverse=is_inverse)
+    polygons = polygons_over(surface, polygon)
+    found = _Cut.of(surface, polygons, part_of(progress, 0.0, _CUT)).part(inverse=is_inverse)
+    if progress is not None:
+        progress(1.0)
+    return found
 
 
-def _polygons(surface: SurfaceData, polygon: object) -> list[Polygon]:
+def polygons_over(surface: OverPlane, polygon: object) -> list[Polygon]:
     """Convert valid polygons; no ring repeats its first corner."""
     found = polygons_in(plane_system(surface), polygon)
     valid_shapes(found, scale_of(*(ring for rings in found for ring in rings)))
@@ -118,16 +140,20 @@ class _Cut(Generic[AnySurface]):
     overlay: Overlay | None  # of those that are
 
     @classmethod
-    def of(cls, surface: AnySurface, polygons: list[Polygon]) -> _Cut[AnySurface]:
+    def of(
+        cls, surface: AnySurface, polygons: list[Polygon], progress: Progress | None = None
+    ) -> _Cut[AnySurface]:
         """Cut the faces that the border touches; with neighbours whose sides these would bend."""
         tails, heads = sides_of(polygons)
         is_cut = np.zeros(surface.triangulation.nsimplex, dtype=np.bool_)
         touched: Array = LineCrossings(surface).passages(tails, heads)[1]
-        overlay = None
+        overlay, rounds = None, 0
         while len(touched):
+            part = part_of(progress, 1 - 0.5**rounds, 1 - 0.5 ** (rounds + 1))
+            rounds += 1
             is_cut[touched] = True
             layer = Layer.of(surface, np.flatnonzero(is_cut))
-            overlay = Overlay.of([layer], polygons)
+            overlay = Overlay.of([layer], polygons, part)
             bent = layer.sides[~overlay.whole_sides(0) & (layer.owners < 0).any(axis=1)]
             touched = _faces_with(surface, layer.rows[bent], ~is_cut & ~mask_of(surface))
         whole = np.flatnonzero(~is_cut & ~mask_of(surface))
@@ -256,7 +282,8 @@ def paste(surface: AnySurface, other: AnySurface, polygon: object) -> AnySurface
     ------
     InputError
         The surfaces are over different planes or in different coordinate systems, the polygon is
-        invalid, or the other surface has no face at a place of the border where the first one has.
+        invalid, or the other surface has no face at a place of the border where the first one has;
+        or the border runs along sides of faces of both, nearer to them than doubles can tell.
     FormatError, MissingDependencyError, OSError
         As for `Surface.clip`.
 
@@ -276,7 +303,18 @@ def paste(surface: AnySurface, other: AnySurface, polygon: object) -> AnySurface
     """
     check_pair(surface, other)
     check_exact(surface.frame)
-    polygons = _polygons(surface, polygon)
+    polygons = polygons_over(surface, polygon)
+    return _pasted(surface, other, polygons, _MOST_ROUNDS)
+
+
+def _pasted(
+    surface: AnySurface, other: AnySurface, polygons: list[Polygon], rounds: int
+) -> AnySurface:
+    """Put what is inside of polygons in the place of that of the other surface.
+
+    Where sides of faces are as near to the border as rounding, the two are cut at places of their
+    own: then all of these become corners of the polygons, in so many rounds.
+    """
     cut, pasted = _Cut.of(surface, polygons), _Cut.of(other, polygons)
     inside = pasted.part(inverse=False)
     try:
@@ -288,7 +326,37 @@ def paste(surface: AnySurface, other: AnySurface, polygon: object) -> AnySurface
     both = [np.concatenate(each) for each in zip(own, others, strict=True)]
     side = np.repeat(np.arange(len(both)), [len(each) for each in both])
     joined = along_sides(sides, side, np.concatenate(both))
-    return _joined(outside, inside, _chains(sides, joined, own), _chains(sides, joined, others))
+    try:
+        return _joined(outside, inside, _chains(sides, joined, own), _chains(sides, joined, others))
+    except InputError as error:
+        if not _covers(other, sides[:, 0]):
+            raise
+        apart = error
+    if rounds > 1:
+        return _pasted(surface, other, _with_places(polygons, joined), rounds - 1)
+    raise InputError(
+        f"the border of the polygon that begins at {tuple(sides[0, 0].tolist())} runs along sides "
+        "of faces, nearer to them than float64 can tell, and the two surfaces are cut at different "
+        "places there: move it by some millionths of its size, or let its corners be vertices"
+    ) from apart
+
+
+def _covers(surface: SurfaceData, places: Floats) -> bool:
+    """Whether there is a face at all of some places."""
+    face = surface.triangulation.find_simplex(places)
+    return bool((face >= 0).all() and not mask_of(surface)[face].any())
+
+
+def _with_places(polygons: list[Polygon], joined: list[Floats]) -> list[Polygon]:
+    """Put places on each side of polygons between its ends, as further corners."""
+    between = iter(joined)
+
+    def ring_with(ring: Floats) -> Floats:
+        parts = [each for corner in ring for each in (corner[None], next(between))]
+        found: Floats = np.concatenate(parts)
+        return found[starts_of_runs(found)]
+
+    return [[ring_with(ring) for ring in rings] for rings in polygons]
 
 
 def _chains(sides: Floats, joined: list[Floats], own: list[Floats]) -> dict[Side, list[Place]]:

@@ -31,12 +31,11 @@ from liftmesh.base.options import (
     shown,
 )
 from liftmesh.errors import InputError, Option
-from liftmesh.io.streams import at_home, check_suffix
-from liftmesh.optional import load
+from liftmesh.io.streams import at_home
 from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.values import Values, over_known
-from liftmesh.vector.files import LINE_SUFFIXES, write_lines
+from liftmesh.vector.files import check_written, write_lines
 
 if TYPE_CHECKING:
     from liftmesh import _kernel
@@ -208,7 +207,7 @@ class Contours(FrozenResult):
         Parameters
         ----------
         path : path
-            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+            Where to write, as GeoJSON, GeoPackage, shapefile or DXF; written whole or not at all.
 
         Returns
         -------
@@ -218,11 +217,11 @@ class Contours(FrozenResult):
         Raises
         ------
         FormatError
-            The name does not end in .geojson, .json or .gpkg.
+            The name does not end in .geojson, .json, .gpkg, .shp or .dxf.
         InputError
-            The coordinate system is unknown to GeoPackage.
+            The coordinate system is unknown to GeoPackage or shapefiles.
         MissingDependencyError
-            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
+            GeoPackage and shapefiles need geopandas: ``pip install 'liftmesh[shapes]'``.
         OSError
             The file cannot be written.
 
@@ -233,7 +232,9 @@ class Contours(FrozenResult):
         Notes
         -----
         In GeoJSON the coordinate system stands in the member ``crs``, as GDAL writes and reads it:
-        as its number, or as WKT if that does not name one. GeoPackage has a layer "contours".
+        as its number, or as WKT if that does not name one. GeoPackage has a layer "contours". DXF
+        has polylines at their heights, in the layers "contours" and "contours-index", and no
+        system.
 
         Examples
         --------
@@ -243,7 +244,7 @@ class Contours(FrozenResult):
         'geojson'
         """
         target = Path(at_home(path))
-        check_name(target)
+        check_written(target, "contours", may_be_drawing=True)
         columns = {"height": self.levels, "index": self.is_index, "closed": self.closed}
         return write_lines(target, self.points, self.starts, columns, self.crs, "contours")
 
@@ -251,13 +252,6 @@ class Contours(FrozenResult):
 def length_of(length: Any) -> float:
     """Convert the least length that lines are to have."""
     return as_number("length", length, "a number, not below zero", lambda least: least >= 0)
-
-
-def check_name(path: Path) -> None:
-    """Raise if contours cannot be written to a file of this name."""
-    check_suffix(path, LINE_SUFFIXES, "contours are written as GeoJSON or GeoPackage (.gpkg)")
-    if path.suffix.lower() == ".gpkg":
-        load("geopandas", extra="shapes")
 
 
 def contour_lines(

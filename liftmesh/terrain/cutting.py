@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Integers, Mask, Rows
+from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Rows
 from liftmesh.base.arrays import pair_keys, starts_of_runs, used_rows
 from liftmesh.base.frozen import cached_property
 from liftmesh.planar.constrained import constrained_delaunay
@@ -96,14 +96,19 @@ class Overlay:
     first_side: Sequence[int]
 
     @classmethod
-    def of(cls, layers: Sequence[Layer], polygons: list[Polygon] | None = None) -> Overlay:
+    def of(
+        cls,
+        layers: Sequence[Layer],
+        polygons: list[Polygon] | None = None,
+        progress: Progress | None = None,
+    ) -> Overlay:
         """Lay them over each other."""
         rows = np.cumsum([0, *(len(each.rows) for each in layers)]).tolist()
         sides = np.cumsum([0, *(len(each.sides) for each in layers)]).tolist()
         edges = [each.sides + np.int32(first) for each, first in zip(layers, rows, strict=False)]
-        options: dict[str, Any] = {}
+        options: dict[str, Any] = {"progress": progress}
         if polygons is not None:
-            options = {"polygons": polygons, "carve": "holes"}
+            options |= {"polygons": polygons, "carve": "holes"}
         tri = constrained_delaunay(
             np.concatenate([each.points for each in layers]),
             np.concatenate(edges),

@@ -1,8 +1,9 @@
 """The difference of two surfaces: a surface over the overlay of their triangulations.
 
 Both are linear in each part that a face of one and a face of the other have in common, and so is
-their difference. So its faces triangulate these parts (`cutting.py`): its rows are those of both,
-and the crossings of their sides.
+their difference. So its faces triangulate these parts (`overlay_mesh.py`): its rows are those of
+both, and the crossings of their sides. Where rounding would fold them, they are constraints that
+are split (`cutting.py`).
 """
 
 from __future__ import annotations
@@ -11,22 +12,27 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liftmesh._typing import Integers
+from liftmesh._typing import Floats, Integers, Progress
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.errors import InputError
 from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, in_space
 from liftmesh.terrain.cutting import Layer, Overlay
 from liftmesh.terrain.measures import check_pair
 from liftmesh.terrain.meshes import as_surface
+from liftmesh.terrain.overlay_mesh import overlay_mesh
+from liftmesh.terrain.report import bare_report
+from liftmesh.terrain.surface import Surface
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface import Surface
     from liftmesh.terrain.surface_data import SurfaceData
 
+_LAID = 0.9  # of the time
 
-def difference(surface: Surface, other: Surface) -> Surface:
+
+def difference(surface: Surface, other: Surface, *, progress: Progress | None = None) -> Surface:
     """Subtract the heights of another surface: a surface where both have faces.
 
     Parameters
@@ -36,6 +42,8 @@ def difference(surface: Surface, other: Surface) -> Surface:
     other : Surface
         What is subtracted from it, over the same plane, such as that before. The surfaces need
         not have the same points, nor cover the same area.
+    progress : callable, optional
+        As for `triangulate`.
 
     Returns
     -------
@@ -56,13 +64,15 @@ def difference(surface: Surface, other: Surface) -> Surface:
 
     See Also
     --------
-    Surface.cut_and_fill : The volumes alone, which takes a tenth of the time.
+    Surface.cut_and_fill : The volumes alone, which takes less than half of the time.
     Surface.height_above : Of points.
 
     Notes
     -----
     Which sides cross is decided exactly; a crossing is rounded once. Where both surfaces are
     exchanged, heights change their signs, and no other bit; neither does the order of the rows.
+    Where surfaces nearly coincide, as two that were rounded differently, crossings may come
+    together: then sides are split until none cross, which takes some twenty times as long.
 
     Examples
     --------
@@ -75,7 +85,40 @@ def difference(surface: Surface, other: Surface) -> Surface:
     """
     check_pair(surface, other)
     check_exact(surface.frame)
-    laid = Overlay.of([Layer.of(one, _near(one, two)) for one, two in _both(surface, other)])
+    check_progress(progress)
+    laid = overlay_mesh(surface, other, part_of(progress, 0.0, _LAID))
+    if laid is None:
+        return _by_constraints(surface, other, part_of(progress, _LAID, 1.0))
+    if progress is not None:
+        progress(1.0)
+    told = {"rows_at_crossings": laid.crossings, "displacement": laid.displacement}
+    solved, faces = laid.triangulation, laid.triangulation.simplices
+    if laid.mask is not None:
+        faces = faces[~laid.mask]
+    return Surface(
+        vertices=in_space(surface.frame, solved.points, _finite(laid.rises)),
+        faces=faces,
+        triangulation=solved,
+        frame=surface.frame,
+        report=bare_report(solved.npoints, len(faces)),
+        metadata={"difference": told},
+        crs=surface.crs,
+        mask=laid.mask,
+    )
+
+
+def _finite(heights: Floats) -> Floats:
+    if not np.isfinite(heights).all():
+        raise InputError("a difference is beyond the largest double: scale the coordinates")
+    return heights
+
+
+def _by_constraints(
+    surface: SurfaceData, other: SurfaceData, progress: Progress | None = None
+) -> Surface:
+    """The same where both nearly coincide: their sides are split until none cross."""
+    layers = [Layer.of(one, _near(one, two)) for one, two in _both(surface, other)]
+    laid = Overlay.of(layers, progress=progress)
     common = (laid.faces(0) >= 0) & (laid.faces(1) >= 0)
     if not common.any():
         raise InputError("the surfaces have no area in common")
@@ -83,9 +126,7 @@ def difference(surface: Surface, other: Surface) -> Surface:
     rows = used_rows(laid.tri.npoints, faces)
     rows = rows[np.lexsort(laid.tri.points[rows].T[::-1])]
     with np.errstate(over="ignore", invalid="ignore"):
-        heights = (laid.heights(0) - laid.heights(1))[rows]
-    if not np.isfinite(heights).all():
-        raise InputError("a difference is beyond the largest double: scale the coordinates")
+        heights = _finite((laid.heights(0) - laid.heights(1))[rows])
     place = np.empty(laid.tri.npoints, dtype=np.int32)
     place[rows] = np.arange(len(rows), dtype=np.int32)
     is_own = np.zeros(laid.tri.npoints, dtype=np.bool_)

@@ -28,21 +28,21 @@ from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Array, Floats, Integers, Mask
+from liftmesh._typing import Array, Floats, Integers, Mask, Progress
 from liftmesh.base.arrays import starts_of_runs
 from liftmesh.base.frozen import FrozenResult
-from liftmesh.base.options import counted
+from liftmesh.base.options import check_progress, counted, part_of
 from liftmesh.cells.overlay import cycles
 from liftmesh.errors import InputError
 from liftmesh.io.streams import at_home
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.boundary import mask_of
-from liftmesh.terrain.contours import Contours, check_name, contour_lines, wanted_levels
+from liftmesh.terrain.contours import Contours, contour_lines, wanted_levels
 from liftmesh.terrain.crossings import crossings
 from liftmesh.terrain.sampling import heights_at
 from liftmesh.terrain.values import Values, over_known
-from liftmesh.vector.files import write_areas
+from liftmesh.vector.files import check_written, write_areas
 
 if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
@@ -50,6 +50,7 @@ if TYPE_CHECKING:
 
 
 Ends: TypeAlias = tuple[Fraction, Fraction]
+_LINES, _SIDES, _RINGS = 0.3, 0.2, 0.6  # of the time; the others of what is left
 _BITS = 48  # of the largest coordinate, that snapped corners have
 
 
@@ -145,7 +146,7 @@ class FilledContours(FrozenResult):
         Parameters
         ----------
         path : path
-            Where to write, as GeoJSON or GeoPackage; written whole or not at all.
+            As for `Contours.save`.
 
         Returns
         -------
@@ -154,14 +155,8 @@ class FilledContours(FrozenResult):
 
         Raises
         ------
-        FormatError
-            The name does not end in .geojson, .json or .gpkg.
-        InputError
-            The coordinate system is unknown to GeoPackage.
-        MissingDependencyError
-            GeoPackage needs geopandas: ``pip install 'liftmesh[shapes]'``.
-        OSError
-            The file cannot be written.
+        FormatError, InputError, MissingDependencyError, OSError
+            As for `Contours.save`.
 
         See Also
         --------
@@ -175,7 +170,7 @@ class FilledContours(FrozenResult):
         'geojson'
         """
         target = Path(at_home(path))
-        check_name(target)
+        check_written(target, "bands")
         columns = {"lower": self.lower, "upper": self.upper}
         return write_areas(target, self.to_shapely(), columns, self.crs, "bands")
 
@@ -185,12 +180,21 @@ def _numbers(starts: Array) -> Integers:
 
 
 def _areas(filled: FilledContours) -> Floats:
-    rings = _numbers(filled.rings)
-    x, y = (filled.points - filled.points[filled.rings[:-1]][rings]).T
+    rings, exponent = _numbers(filled.rings), _exponent(filled.points)
+    points = np.ldexp(filled.points, -exponent)
+    x, y = (points - points[filled.rings[:-1]][rings]).T
     halves = np.zeros(len(x))
     halves[1:] = (x[:-1] * y[1:] - x[1:] * y[:-1]) / 2
     begins = filled.rings[filled.polygons[filled.bands]]
-    return np.array([math.fsum(halves[a:b]) for a, b in pairwise(begins.tolist())])
+    scaled = [math.fsum(halves[a:b]) for a, b in pairwise(begins.tolist())]
+    with np.errstate(over="ignore"):  # to infinity
+        areas: Floats = np.ldexp(scaled, 2 * exponent)
+    return areas
+
+
+def _exponent(points: Floats) -> int:
+    """Return the power of two by which coordinates are divided, so that squares are doubles."""
+    return int(np.frexp(np.abs(points).max(initial=0))[1])
 
 
 def filled_contours(
@@ -201,6 +205,7 @@ def filled_contours(
     interval: float | None = None,
     contour_base: float = 0.0,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> FilledContours:
     """Compute the parts of the plane between levels.
 
@@ -210,6 +215,8 @@ def filled_contours(
         The triangulated cloud.
     levels, values, interval, contour_base, threads
         As for `contour_lines`.
+    progress : callable, optional
+        As for `triangulate`.
 
     Returns
     -------
@@ -245,16 +252,19 @@ def filled_contours(
     >>> slope.filled_contours(interval=2).areas
     array([4., 4., 4., 4.])
     """
+    check_progress(progress)
     surface = surface if values is None else over_known(surface, values)
     low, high = _range(surface)
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines, rim = contour_lines(surface, wanted, threads=threads), _rim(surface)
-    # Squares of coordinates are not to leave the doubles in GEOS.
-    exponent = int(np.frexp(np.abs(rim[..., :2]).max())[1])
+    exponent = _exponent(rim[..., :2])  # for GEOS
     lines = replace(lines, points=np.ldexp(lines.points, -exponent))
     rim[..., :2] = np.ldexp(rim[..., :2], -exponent)
+    rest = part_of(progress, _LINES, 1.0)
+    if rest is not None:
+        rest(0.0)
     try:
-        found = fill(lines, rim, wanted, (low, high))
+        found = fill(lines, rim, wanted, (low, high), rest)
     except TangledError:
         found = _snapped(
             lines, rim, wanted, (low, high), lambda at: heights_at(surface, np.ldexp(at, exponent))
@@ -297,12 +307,18 @@ def fill(
     rim: Floats,  # its sides, (m, 2, 3), with what is filled on the left
     levels: Floats,
     ends: Ends,  # the lowest and the highest height
+    progress: Progress | None = None,
 ) -> FilledContours:
     """Make the bands between all contours of some levels inside a boundary."""
+    said = progress or (lambda _: None)
     (one, of_one), (other, of_other) = _of_lines(lines, levels), _of_rim(rim, levels)
     sides = _without_returns(np.concatenate([one, other]), np.concatenate([of_one, of_other]))
+    said(_SIDES)
     rings = _turned(_simple(sides, cycles(_followers(sides))), sides)
-    return _assembled(sides, rings, levels, ends, lines.crs)
+    said(_RINGS)
+    found = _assembled(sides, rings, levels, ends, lines.crs)
+    said(1.0)
+    return found
 
 
 def _of_lines(lines: Contours, levels: Floats) -> tuple[Floats, Integers]:

@@ -41,7 +41,7 @@ from liftmesh.crs.description import parse_crs
 from liftmesh.errors import DataWarning, DegenerateInputError, FormatError
 from liftmesh.io.columns import checked_faces
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.measures import planar_areas
+from liftmesh.planar.points import as_complex, pieces
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
@@ -93,9 +93,10 @@ def _cover(surface: SurfaceData, faces: Rows) -> float:
     areas = []
     with suppress(FormatError), np.errstate(invalid="ignore"):
         faces = checked_faces(faces, len(points), "the mesh")
-        for some in (fan, *(faces[k : k + _PIECE] for k in range(0, len(faces), _PIECE))):
-            corners = np.ldexp(points[some].astype(np.float64), -exponent)
-            areas.append(np.nansum(planar_areas(corners)))
+        places = as_complex(np.ldexp(points, -exponent))
+        for some in (fan, *(faces[piece] for piece in pieces(len(faces)))):
+            a, b, c = places[some.T]
+            areas.append(np.nansum(np.abs(((b - a).conj() * (c - a)).imag)))
     return float(sum(areas[1:]) / areas[0]) if areas else 0.0
 
 

@@ -26,7 +26,6 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.options import as_number, as_switch
-from liftmesh.crs.comparison import are_different
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import check_grounds
@@ -35,6 +34,7 @@ from liftmesh.planar.delaunay import delaunay
 from liftmesh.predicates import orient2d
 from liftmesh.terrain.surface_data import (
     SurfaceData,
+    check_planes,
     corner_order,
     kernel_surface,
     metres_of,
@@ -343,7 +343,7 @@ def cut_and_fill(
     if within is not None:
         fill, cut, area = _in_all(surface, within, partial(_between_within, surface, other))
         return CutFillResult(cut, fill, area, cubic_metres_of(surface))
-    pair = _touching(surface.triangulation, other.triangulation)
+    pair = touching(surface.triangulation, other.triangulation)
     fill, cut, area = 0.0, 0.0, 0.0
     if pair is not None:
         fill, cut, area = kernel_surface(surface).between(kernel_surface(other), *pair)
@@ -483,21 +483,16 @@ def check_pair(surface: SurfaceData, other: SurfaceData) -> None:
     """Raise for what are no surfaces, or not over one plane in one system."""
     for each in (surface, other):
         if not hasattr(each, "triangulation") or not hasattr(each, "frame"):
-            kind = type(each).__name__
-            raise InputError(f"a {kind} is no surface: triangulate it, or as_surface")
-    one, two = surface.frame, other.frame
-    if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
-        raise InputError("the surfaces are over different planes: give both the same")
-    if are_different(surface.crs, other.crs):
-        raise InputError(
-            "the surfaces have different coordinate systems: read both with the "
-            f"same {Option('dst_crs', ...)}, or the same {Option('src_crs', ...)} if they are in it"
-        )
+            remedy = "triangulate it, or as_surface"
+            if hasattr(each, "iter_meshes"):  # in tiles
+                remedy = "take a raster with the option minus, or clip a part of it"
+            raise InputError(f"a {type(each).__name__} is no surface in memory: {remedy}")
+    check_planes(surface, other)
     files = ("the file of this surface", surface), ("the file of the other surface", other)
     check_grounds((name, Provenance(each.metadata).selection) for name, each in files)
 
 
-def _touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
+def touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Return a face of each triangulation that touch; None if none do."""
     if (one.max_bound < two.min_bound).any() or (two.max_bound < one.min_bound).any():
         return None

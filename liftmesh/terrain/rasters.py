@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import TYPE_CHECKING, Any, Protocol, TypedDict
 
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
@@ -28,6 +28,7 @@ from liftmesh.terrain.surface_data import (
     OverPlane,
     SurfaceData,
     bounds_of_faces,
+    check_planes,
     kernel_surface,
     plane_system,
     slope_scale,
@@ -45,6 +46,16 @@ _TYPES = (np.dtype(np.float64), np.dtype(np.float32))
 _STEEP, _SCALE = 2.0**500, 2.0**-600
 
 
+class Subtracted(OverPlane, Protocol):
+    """A surface whose heights are subtracted: in memory, or in tiles."""
+
+    def sample(
+        self, points: ArrayLike, interpolation: Interpolation, *, threads: int | None
+    ) -> Floats:
+        """Interpolate heights at points."""
+        ...
+
+
 class RasterOptions(TypedDict, total=False):
     """The options of `Surface.raster`, which also describes those of tiles."""
 
@@ -58,6 +69,7 @@ class RasterOptions(TypedDict, total=False):
     z_factor: float | None
     dtype: DTypeLike
     threads: int | None
+    minus: Subtracted | None
 
 
 _DEFAULTS: RasterOptions = {
@@ -71,6 +83,7 @@ _DEFAULTS: RasterOptions = {
     "z_factor": None,
     "dtype": np.float64,
     "threads": None,
+    "minus": None,
 }
 
 
@@ -114,6 +127,8 @@ def rasterize(
         - ``z_factor``: as for `slopes_at`; other than 1, it exaggerates shades.
         - ``dtype``: "float64", or "float32"; heights are rounded once.
         - ``threads``: as for `delaunay`.
+        - ``minus``: another surface over the same plane, in memory or in tiles, whose height is
+          subtracted: a map of cut and fill, with NaN where either has no face.
 
     Returns
     -------
@@ -147,6 +162,8 @@ def rasterize(
     if values is not None:
         if options.get("quantity", "height") != "height":
             raise InputError(f"give {Option('quantity')} or {Option('values')}, not both")
+        if options.get("minus") is not None:
+            raise InputError(f"give {Option('minus')} or {Option('values')}, not both")
         over = over_values(surface, values)
         made = rasterize(over, resolution, gradients=gradients, **options)
         return replace(made, quantity=values if isinstance(values, str) else "values", unit=None)
@@ -168,14 +185,14 @@ def _put(
     scan = scanner(surface, plan.layout, plan.threads)
     if plan.quantity == "height":
         _check_range(surface, plan)
-    if plan.quantity == "height" and plan.interpolation == "linear":
+    if plan.quantity == "height" and plan.interpolation == "linear" and plan.minus is None:
         scan(pixels[:, :, None], 0)
     elif plan.quantity == "height":
         sampler = Sampler(surface, None, plan.interpolation, None, gradients)
         for first, block in _blocks_of_rows(pixels):
             rows = range(first, first + len(block))
             centers = centres_of(plan.layout.transform, rows, plan.layout.columns)
-            block[...] = sampler.at(centers, plan.threads)
+            block[...] = plan.less(centers, sampler.at(centers, plan.threads))
     else:
         _scan_faces(surface, plan, scan, pixels)
 
@@ -251,6 +268,7 @@ class RasterPlan:
     rise: tuple[float, float]  # what gradients are multiplied by
     unit: str | None
     threads: int | None
+    minus: Subtracted | None
 
     @classmethod
     def of(
@@ -278,12 +296,30 @@ class RasterPlan:
         kind, light = _checked_type(all_of["dtype"]), _light_of(all_of["light"])
         fill = all_of["fill"]
         reach = None if fill is None else Reach.of(fill, layout.transform, "fill")
-        rest = kind, light, rise, unit, all_of["threads"]
+        minus = _checked_minus(surface, all_of["minus"], quantity)
+        rest = kind, light, rise, unit, all_of["threads"], minus
         return cls(layout, quantity, interpolation, reach, *rest)
 
     def raster(self, values: Array, crs: str | None) -> Raster:
         """Put values where they belong."""
-        return Raster(values, self.layout.transform, crs, self.quantity, self.unit)
+        return Raster(values, self.layout.transform, crs, self.named, self.unit)
+
+    @property
+    def named(self) -> str:
+        """What values are, as files say it."""
+        return self.quantity if self.minus is None else "difference"
+
+    def less(self, places: Floats, heights: Floats) -> Floats:
+        """Subtract the other surface from heights, if there is one."""
+        if self.minus is None:
+            return heights
+        with np.errstate(over="ignore"):
+            rises: Floats = heights - self.minus.sample(
+                places, self.interpolation, threads=self.threads
+            )
+        if (farthest := np.fmax.reduce(np.abs(rises), axis=None)) > np.finfo(self.kind).max:
+            raise InputError(f"a difference of {farthest} is beyond {self.kind.name}")
+        return rises
 
     def check_range(self, heights: Floats) -> None:
         """Raise if one of some heights, or of their bounds, is finite but beyond the type."""
@@ -312,6 +348,21 @@ def check_interpolation(quantity: RasterQuantity, interpolation: Interpolation) 
         raise InputError(
             f"{quantity} is that of faces: leave out {Option('interpolation', interpolation)}"
         )
+
+
+def _checked_minus(
+    surface: OverPlane, minus: Subtracted | None, quantity: RasterQuantity
+) -> Subtracted | None:
+    """Raise unless the heights of another surface can be subtracted."""
+    if minus is None:
+        return None
+    if quantity != "height":
+        raise InputError(f"of {quantity} nothing is subtracted: leave out {Option('minus')}")
+    if not (hasattr(minus, "sample") and hasattr(minus, "frame")):
+        reason = "triangulate it, open its tiles, or as_surface"
+        raise refused("minus", minus, reason)
+    check_planes(surface, minus)
+    return minus
 
 
 def _checked_type(dtype: DTypeLike) -> np.dtype[Any]:

@@ -85,9 +85,9 @@ def heights_at(
     Raises
     ------
     InputError
-        The last axis is not of length two, an option is unknown, or another interpolation
-        than "linear" is asked of a surface with weights, radii or a metric, or than "linear" and
-        "nearest" of one that follows lines; there are no such values.
+        The last axis is not of length two, an option is unknown, or another interpolation than
+        "linear" and "c1", or the nearest vertex beyond, is asked of a surface with weights, radii
+        or a metric, or "laplace" or "sibson" of one that follows lines; there are no such values.
 
     See Also
     --------

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
 from liftmesh.io.objects import open3d, triangulations, trimesh
@@ -91,7 +91,7 @@ class Surface(SurfaceData):
         normals: ArrayLike | EllipsisType | None = ...,
         attributes: Mapping[str, ArrayLike] | EllipsisType = ...,
         metadata: Mapping[str, Any] | EllipsisType = ...,
-        crs: str | EllipsisType | None = ...,
+        crs: Any = ...,
         color_depth: int | None = None,
     ) -> Surface:
         """Make a changed copy; what is not given stays.
@@ -218,6 +218,7 @@ class Surface(SurfaceData):
         *,
         interpolation: Interpolation = "linear",
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> Accuracy:
         """Compare heights with checkpoints, or each vertex with the surface of the others.
 
@@ -227,8 +228,10 @@ class Surface(SurfaceData):
         Parameters
         ----------
         checkpoints, interpolation, threads : as for `height_above`; without, vertices are left out
+        progress : callable, of the share of the vertices that were left out
         """
-        return accuracy.accuracy_of(self, checkpoints, interpolation=interpolation, threads=threads)
+        ways: Any = {"interpolation": interpolation, "threads": threads, "progress": progress}
+        return accuracy.accuracy_of(self, checkpoints, **ways)
 
     def gradient(self, points: ArrayLike, *, threads: int | None = None) -> Floats:
         """Compute the gradient of the face at points of the plane.
@@ -312,7 +315,7 @@ class Surface(SurfaceData):
         ----------
         resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
         **options : ``bounds``; ``transform`` and ``shape``; ``quantity``, as "slope"; ``fill``;
-            ``interpolation``; ``light`` (two angles); ``z_factor``; ``dtype``; ``threads``
+            ``interpolation``; ``light``; ``z_factor``; ``dtype``; ``threads``; ``minus``, a surface
         """
         ways: Any = {"values": values, "gradients": gradients}
         return rasters.rasterize(self, resolution, **ways, **options)
@@ -358,6 +361,7 @@ class Surface(SurfaceData):
         interval: float | None = None,
         contour_base: float = 0.0,
         threads: int | None = None,
+        progress: Progress | None = None,
     ) -> FilledContours:
         """Compute the parts of the plane between levels, as polygons with holes.
 
@@ -367,9 +371,10 @@ class Surface(SurfaceData):
         Parameters
         ----------
         levels, values, interval, contour_base, threads : as for `contours`
+        progress : as for `triangulate`
         """
         ways: Any = {"interval": interval, "contour_base": contour_base, "threads": threads}
-        return filled.filled_contours(self, levels, values=values, **ways)
+        return filled.filled_contours(self, levels, values=values, progress=progress, **ways)
 
     def area(self, *, planar: bool = False, z_factor: float | None = None) -> float:
         """Compute the area of the faces.
@@ -518,7 +523,9 @@ class Surface(SurfaceData):
         """
         return changes.compacted(self)
 
-    def clip(self, polygon: object, *, invert: bool = False) -> Surface:
+    def clip(
+        self, polygon: object, *, invert: bool = False, progress: Progress | None = None
+    ) -> Surface:
         """Cut the faces along a polygon, and keep what is inside.
 
         Returns a Surface: the same surface, bounded by the polygon, with the rows in use.
@@ -526,9 +533,9 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        polygon, invert : as for `trim`; whether to keep what is outside instead
+        polygon, invert, progress : as for `trim`; whether to keep what is outside instead
         """
-        return clipping.clip(self, polygon, invert=invert)
+        return clipping.clip(self, polygon, invert=invert, progress=progress)
 
     def boundary(self) -> list[Rows]:
         """Return the boundary of the faces as closed rings.

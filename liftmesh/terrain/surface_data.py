@@ -22,7 +22,7 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import kept_depth
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import as_positive
-from liftmesh.crs.comparison import common_system, crs_of
+from liftmesh.crs.comparison import are_different, common_system, crs_of
 from liftmesh.crs.units import Placed, band_unit, system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.io.metadata import with_carved
@@ -224,6 +224,18 @@ def unit_names(surface: OverPlane) -> tuple[str | None, str | None]:
         return None, None if band is None else band.name
     x, y, z = (None if unit is None else unit.name for unit in (system.units[k] for k in axes))
     return (x if x == y else None), z
+
+
+def check_planes(surface: OverPlane, other: OverPlane) -> None:
+    """Raise for surfaces that are not over one plane in one system."""
+    one, two = surface.frame, other.frame
+    if not (np.array_equal(one.axes, two.axes) and np.array_equal(one.origin, two.origin)):
+        raise InputError("the surfaces are over different planes: give both the same")
+    if are_different(surface.crs, other.crs):
+        raise InputError(
+            "the surfaces have different coordinate systems: read both with the "
+            f"same {Option('dst_crs', ...)}, or the same {Option('src_crs', ...)} if they are in it"
+        )
 
 
 def slope_scale(surface: OverPlane, z_factor: float | None) -> tuple[float, float]:

@@ -86,7 +86,8 @@ def thin(  # noqa: PLR0913 - options are keywords
         Which row of a cell: by its height, or the nearest to the centre of the cell; the lowest by
         default.
     min_distance : float, optional
-        Keep rows so that no two are nearer to each other in the plane, and no other fits between.
+        Keep rows so that no two are nearer to each other in the plane, and no other fits between;
+        of rows at one planar position the lowest counts.
     adaptive : int, optional
         Keep so many rows: those without which a surface would lose most (adaptive thinning, L.
         Demaret and A. Iske, 2006). The next to go is always the one without which the squares of
@@ -250,11 +251,14 @@ def _apart(points: Floats, distance: float, progress: Progress | None) -> Array:
     """Keep rows that are a distance apart, and as many that no other fits between."""
     is_finite = np.isfinite(points).all(axis=1)
     rows = np.flatnonzero(is_finite)
-    plane = points[rows, :2].astype(np.float64) + 0.0  # -0.0 becomes 0.0
+    finite = points[rows].astype(np.float64) + 0.0  # -0.0 becomes 0.0
+    plane = np.ascontiguousarray(finite[:, :2])
     cells = _cells(plane, distance / math.sqrt(2) * (1 - 1e-9), "min_distance", distance)
     grid = _Grid(cells)
     bits = plane.view(np.uint64)
     order = _mixed(bits[:, 0] ^ _mixed(bits[:, 1], 1), 0)
+    # By the hash, then by coordinates: of rows at one position the lowest counts.
+    order = np.lexsort((*finite.T[::-1], order))
     kept = _Rounds(plane, order, grid, distance).kept(progress)
     return np.sort(np.concatenate([rows[kept], np.flatnonzero(~is_finite)]))
 
@@ -310,8 +314,7 @@ class _Rounds:
     def __init__(self, plane: Floats, order: Array, grid: _Grid, distance: float) -> None:
         self._plane, self._grid, self._distance = plane, grid, distance
         self._near = [*grid.around()] if grid.count else []
-        # By the hash, then by coordinates: of equal points the first row counts.
-        self._sorted = np.lexsort((plane[:, 1], plane[:, 0], order))
+        self._sorted = order
         self._rank = np.empty(len(plane), np.int64)
         self._rank[self._sorted] = np.arange(len(plane))
 

@@ -51,12 +51,14 @@ class Simplified:
     n_border: int
 
 
-def simplified(inside: Cloud, sides: Sides, bound: float) -> Simplified:
-    """Simplify what is inside a border, which stays."""
+def simplified(
+    inside: Cloud, sides: Sides, bound: float, lines: Sequence[Floats] = ()
+) -> Simplified:
+    """Simplify what is inside a border, which stays, as other lines do."""
     ring = sides.ring()
     closed = np.concatenate([ring.points, ring.points[:1]])
     rows = joined([inside, ring])
-    whole = triangulate(rows, breaklines=[closed])
+    whole = triangulate(rows, breaklines=[closed, *lines])
     kept = {name: whole.attributes[name] for name in rows.attributes}
     few = simplify(replace(whole, attributes=kept), max_error=bound, prune=False)
     return Simplified(replace(few, metadata={}), sides, len(ring))
@@ -81,7 +83,7 @@ def side_of(part: Surface | None, ends: Floats, bound: float, *, beyond: bool) -
         points = np.concatenate([ends[:1], between, ends[1:]])
     elif not beyond:
         raise _gap(ends)
-    kept = _few(points, axis, bound)
+    kept = few_points(points, axis, bound)
     if part is None:
         return Cloud(kept)
     cloud = replace(as_cloud(part), faces=None, edges=None)
@@ -97,7 +99,7 @@ def _gap(ends: Floats) -> InputError:
     )
 
 
-def _few(points: Floats, axis: int, bound: float) -> Floats:
+def few_points(points: Floats, axis: int, bound: float) -> Floats:
     """Keep the points of a side that others are within a distance of."""
     place, heights = points[:, axis], points[:, 2]
     kept, waiting = [0, len(points) - 1], [(0, len(points) - 1)]

@@ -16,9 +16,10 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Integers
+from liftmesh._typing import Floats, Integers, Progress
+from liftmesh.base.options import check_progress, part_of
 from liftmesh.terrain.contours import Contours, wanted_levels
-from liftmesh.terrain.crossings import crossings
+from liftmesh.terrain.crossings import Lines, check_tolerance, crossings, smoothed
 from liftmesh.terrain.filled import FilledContours, fill
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 
@@ -31,23 +32,48 @@ def contour_lines(
     interval: float | None,
     contour_base: float,
     index_every: int,
+    smooth: float | None = None,
 ) -> Contours:
     """Compute lines of equal height, reading one shard after the other."""
     low, high = map(Fraction, box_of(tiled)[2::3])
     wanted, is_index = wanted_levels(
         levels, interval, contour_base, index_every, lambda: (low, high)
     )
+    if smooth is not None:
+        check_tolerance(smooth, wanted)
     lines = _lines(_Steps.of(tiled, wanted))
     starts = np.cumsum([0, *(len(line.points) for line in lines)], dtype=np.int64)
     places = np.array([line.level for line in lines], dtype=np.int64)
-    return Contours(
-        np.concatenate([np.empty((0, 2)), *(line.points for line in lines)]),
-        starts,
-        wanted[places],
-        np.array([line.is_closed for line in lines], dtype=np.bool_),
-        is_index[places],
-        tiled.crs,
-    )
+    points = np.concatenate([np.empty((0, 2)), *(line.points for line in lines)])
+    closed = np.array([line.is_closed for line in lines], dtype=np.bool_)
+    if smooth is not None:
+        sides = _crossed_sides(tiled, wanted)
+        points = smoothed(Lines(points, starts, closed, places), sides, wanted, smooth)
+    return Contours(points, starts, wanted[places], closed, is_index[places], tiled.crs)
+
+
+def _crossed_sides(tiled: TiledSurfaceData, levels: Floats) -> Floats:
+    """Return the ends of the sides that levels cross, (m, 2, 3), each side once."""
+    names, ends = [np.empty((0, 2), dtype=np.int64)], [np.empty((0, 2, 3))]
+    for rows, corners in _blocks(tiled):
+        for pair in ([0, 1], [1, 2], [2, 0]):
+            heights = np.sort(corners[:, pair, 2], axis=1)
+            low, high = np.searchsorted(levels, heights, side="right").T
+            names.append(np.sort(rows[low < high][:, pair], axis=1))
+            ends.append(corners[low < high][:, pair])
+    first = np.unique(np.concatenate(names), axis=0, return_index=True)[1]
+    found: Floats = np.concatenate(ends)[first]
+    return found
+
+
+def _blocks(tiled: TiledSurfaceData) -> Iterator[tuple[Integers, Floats]]:
+    """Yield the rows of the corners of some faces, (m, 3), and where these are, (m, 3, 3)."""
+    for vertices, faces in zip(vertices_of(tiled), faces_of(tiled), strict=True):
+        rows = np.ascontiguousarray(vertices["row"])
+        corners = np.stack([vertices[name] for name in ("x", "y", "z")], axis=1) + 0.0
+        for begin in range(0, len(faces), _BLOCK):
+            block = np.array(faces[begin : begin + _BLOCK])
+            yield rows[block], corners[block]
 
 
 def filled_contours(
@@ -55,12 +81,14 @@ def filled_contours(
     levels: ArrayLike | None,
     interval: float | None,
     contour_base: float,
+    progress: Progress | None = None,
 ) -> FilledContours:
     """Compute the parts of the plane between levels, from the lines and the hull."""
+    check_progress(progress)
     low, high = map(Fraction, box_of(tiled)[2::3])
     wanted, _ = wanted_levels(levels, interval, contour_base, 1, lambda: (low, high))
     lines = contour_lines(tiled, wanted, None, contour_base, 1)
-    return fill(lines, _rim(tiled), wanted, (low, high))
+    return fill(lines, _rim(tiled), wanted, (low, high), part_of(progress, 0.5, 1.0))
 
 
 def _rim(tiled: TiledSurfaceData) -> Floats:
@@ -93,12 +121,8 @@ class _Steps:
 
 
 def _steps_of_shards(tiled: TiledSurfaceData, levels: Floats) -> Iterator[_Steps]:
-    for vertices, faces in zip(vertices_of(tiled), faces_of(tiled), strict=True):
-        rows = np.ascontiguousarray(vertices["row"])
-        corners = np.stack([vertices[name] for name in ("x", "y", "z")], axis=1) + 0.0
-        for begin in range(0, len(faces), _BLOCK):
-            block = np.array(faces[begin : begin + _BLOCK])
-            yield _steps(rows[block], corners[block], levels)
+    for rows, corners in _blocks(tiled):
+        yield _steps(rows, corners, levels)
 
 
 def _steps(triangles: Integers, corners: Floats, levels: Floats) -> _Steps:

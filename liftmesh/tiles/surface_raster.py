@@ -91,7 +91,7 @@ def save_raster(
         plan.kind,
         windows.values(progress),
         plan.layout.transform,
-        written_system(tiled.crs, plan.quantity),
+        written_system(tiled.crs, plan.named),
         unit=plan.unit,
         cog=is_cog,
         compress=compress,
@@ -194,7 +194,8 @@ class _Windows:
         if plan.quantity == "height":
             values[...] = np.nan
             if surface is not None:
-                values[...] = surface.sample(centres, plan.interpolation, threads=plan.threads)
+                found = surface.sample(centres, plan.interpolation, threads=plan.threads)
+                values[...] = plan.less(centres, found)
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:

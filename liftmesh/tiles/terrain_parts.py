@@ -61,7 +61,10 @@ class WholeTerrain:
     def part(self, box: Bounds) -> Surface | None:
         """Return the faces that touch a box."""
         touches = (self._low <= box[2:]) & (self._high >= box[:2])
-        faces = self._surface.faces[touches.all(axis=1)]
+        is_near = touches.all(axis=1)
+        if is_near.all():
+            return self._surface
+        faces = self._surface.faces[is_near]
         if not len(faces):
             return None
         used = used_rows(len(self._cloud), faces)

@@ -13,6 +13,7 @@ from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.options import Interpolation, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import (
+    surface_clip,
     surface_heights,
     surface_lines,
     surface_raster,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from liftmesh.terrain.filled import FilledContours
     from liftmesh.terrain.rasters import RasterOptions
     from liftmesh.terrain.report import Report
+    from liftmesh.terrain.surface import Surface
 
 
 class Tiled(TiledData):
@@ -642,6 +644,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         interval: float | None = None,
         contour_base: float = 0.0,
         index_every: int = 5,
+        smooth: float | None = None,
     ) -> Contours:
         """Compute lines of equal height, reading one shard after the other.
 
@@ -651,9 +654,11 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, contour_base, index_every : as for `Surface.contours`
+        levels, interval, contour_base, index_every, smooth : as for `Surface.contours`
         """
-        return surface_lines.contour_lines(self, levels, interval, contour_base, index_every)
+        return surface_lines.contour_lines(
+            self, levels, interval, contour_base, index_every, smooth
+        )
 
     def filled_contours(
         self,
@@ -661,6 +666,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         *,
         interval: float | None = None,
         contour_base: float = 0.0,
+        progress: Progress | None = None,
     ) -> FilledContours:
         """Compute the parts of the plane between levels, with the bits of one surface.
 
@@ -669,9 +675,48 @@ class TiledSurface(TiledSurfaceData, Tiled):
 
         Parameters
         ----------
-        levels, interval, contour_base : as for `Surface.contours`
+        levels, interval, contour_base, progress : as for `Surface.contours`, and `raster`
         """
-        return surface_lines.filled_contours(self, levels, interval, contour_base)
+        return surface_lines.filled_contours(self, levels, interval, contour_base, progress)
+
+    def clip(
+        self, polygon: object, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Surface:
+        """Cut the faces along a polygon, and make a surface in memory of what is inside.
+
+        Parameters
+        ----------
+        polygon : object
+            As for `Surface.clip`. The shards that touch its box are read.
+        threads, progress
+            As for `triangulate`.
+
+        Returns
+        -------
+        Surface
+            The vertices and faces of `Surface.clip`, bit for bit.
+
+        Raises
+        ------
+        InputError, MissingDependencyError
+            As for `Surface.clip`.
+        FormatError, OSError
+            As for `iter_blocks`; a file of a polygon cannot be read.
+
+        See Also
+        --------
+        Surface.clip : The same for a surface in memory, and what is outside.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> import liftmesh
+        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
+        >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
+        >>> tiled.clip([[1, 1], [3, 1], [3, 3], [1, 3]]).bounds
+        (1.0, 1.0, 3.0, 3.0)
+        """
+        return surface_clip.clipped(self, polygon, threads, progress)
 
 
 def open_tiled(folder: str | os.PathLike[str]) -> Tiled:

@@ -24,8 +24,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -38,7 +37,7 @@ from liftmesh.base.interruption import check
 from liftmesh.base.options import Extrapolation, as_count, as_folder, as_positive, check_progress
 from liftmesh.crs.transformation import transform
 from liftmesh.errors import InputError, Option
-from liftmesh.io.atomic import check_writable, replacing, working_folder
+from liftmesh.io.atomic import replacing
 from liftmesh.io.axes import chosen_origin
 from liftmesh.io.write import write
 from liftmesh.raster.pixels import bounds_of
@@ -55,6 +54,7 @@ from liftmesh.tiles.simplified import (
     simplified,
     with_skirt,
 )
+from liftmesh.tiles.staging import staged
 from liftmesh.tiles.terrain_parts import Terrain, check_metres, terrain_of
 
 if TYPE_CHECKING:
@@ -193,7 +193,7 @@ def write_tileset(
     box = bounds_of(terrain.box[:, :2].ravel() if bounds is None else bounds)
     pyramid = _Pyramid.of(terrain, box, count, bound, depth)
     place = _transform(terrain.crs, pyramid.origin)
-    with _staged(root) as stage:
+    with staged(root, TILESET) as stage:
         top = pyramid.tile(stage, 0, 0, 0, progress)[1]
         low, high = top.pop("_box")
         tileset = {
@@ -205,28 +205,6 @@ def write_tileset(
             stream.write(json.dumps(tileset, indent=1).encode())
     errors, triangles = tuple(pyramid.errors), tuple(pyramid.triangles)
     return TilesetResult(root / TILESET, errors, triangles, pyramid.origin)
-
-
-@contextmanager
-def _staged(root: Path) -> Iterator[Path]:
-    """Make a folder whose files are put in their places in the end, ``tileset.json`` last."""
-    is_new = not root.exists()
-    root.mkdir(parents=True, exist_ok=True)
-    try:
-        check_writable(root / TILESET)
-        with working_folder(root, "tileset") as stage:
-            yield stage
-            (root / TILESET).unlink(missing_ok=True)
-            for path in sorted(stage.rglob("*.glb")):
-                target = root / path.relative_to(stage)
-                target.parent.mkdir(parents=True, exist_ok=True)
-                path.replace(target)
-            (stage / TILESET).replace(root / TILESET)
-    except BaseException:
-        if is_new:
-            with suppress(OSError):  # it is not empty
-                root.rmdir()
-        raise
 
 
 def _transform(crs: str | None, origin: Origin) -> list[float] | None:

@@ -11,48 +11,48 @@ does, and is taken to be in that one if it names none (`check_system`). What sta
 domain, is in degrees if it is GeoJSON without a name, as RFC 7946 says, and its coordinates may be
 degrees (`own_system`).
 
-*Lines* are read in the plane, and written as GeoJSON or GeoPackage.
-
-*Points* are places in the plane: heights, which GeoJSON allows, are left out. Properties are named
-values of a point, as the columns of a table are, if all of them are numbers.
+Lines are read in the plane, and written as GeoJSON, GeoPackage, shapefile or DXF. Points are read
+in `clouds.py`.
 """
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from numbers import Integral, Real
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 from warnings import warn
 
 import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.arrays import as_reals
-from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import counted, shown
+from liftmesh.base.options import shown
 from liftmesh.crs.comparison import are_different, text_of
 from liftmesh.crs.description import look_up, parse_crs
 from liftmesh.errors import DataWarning, FormatError, InputError, MissingDependencyError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.markup import parsed
-from liftmesh.io.metadata import Unread, noted
+from liftmesh.io.streams import check_suffix
 from liftmesh.io.write import WriteResult, written_file
+from liftmesh.optional import load
 from liftmesh.vector import geojson, geopackage
-from liftmesh.vector.drawings import read_dxf, read_obj_lines
-from liftmesh.vector.geojson import geometries
+from liftmesh.vector.drawings import read_dxf, read_obj_lines, write_dxf_lines
 from liftmesh.vector.geopackage import MAGIC as GEOPACKAGE, read_geopackage
-from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile
+from liftmesh.vector.shapefile import MAGIC as SHAPEFILE, read_shapefile, write_shapefile
 
 _STANDARD = "EPSG:4326"  # of GeoJSON that names no other
 _MOST_DEGREES = np.array([360.0, 180.0])  # twice those of x and y
 _TEXT = {".geojson", ".json", ""}
-_MARK = b"\xef\xbb\xbf"
+MARK = b"\xef\xbb\xbf"
+_HEAD = 1 << 16  # bytes, of which the first of a text may be blank
 
-LINE_SUFFIXES = (".geojson", ".json", ".gpkg")
+LINE_SUFFIXES = (".geojson", ".json", ".gpkg", ".shp")
+_WRITTEN = {
+    ".geojson": "geojson", ".json": "geojson", ".gpkg": "geopackage", ".shp": "shapefile",
+    ".dxf": "dxf",
+}  # fmt: skip
 
 
 def read_features(path: Path, what: str) -> dict[str, Any]:
@@ -61,17 +61,27 @@ def read_features(path: Path, what: str) -> dict[str, Any]:
     if suffix == ".dxf":
         return read_dxf(path)
     with path.open("rb") as stream:
-        head = stream.read(len(GEOPACKAGE))
-        data = b"" if head == GEOPACKAGE else head + stream.read()
-    if head == GEOPACKAGE:
-        return _with_system(*read_geopackage(path), path)
-    if data.startswith(SHAPEFILE):
-        return _with_system(*read_shapefile(path, data), path)
-    text = data.removeprefix(_MARK)
-    if suffix == ".obj":
-        return read_obj_lines(path, text)
-    if suffix in _TEXT or text.lstrip()[:1] == b"{":
-        return _geojson(path, text)
+        kind = "obj" if suffix == ".obj" else kind_of(path, stream, what)
+        data = b"" if kind == "geopackage" else stream.read()
+    if kind == "geopackage":
+        return with_system(*read_geopackage(path), path)
+    if kind == "shapefile":
+        return with_system(*read_shapefile(path, data), path)
+    text = data.removeprefix(MARK)
+    return read_obj_lines(path, text) if kind == "obj" else _geojson(path, text)
+
+
+def kind_of(path: Path, stream: BinaryIO, what: str) -> str:
+    """Tell what a file is by how it begins; a file of text may have any name."""
+    head = stream.read(_HEAD)
+    stream.seek(0)
+    if head.startswith(GEOPACKAGE):
+        return "geopackage"
+    if head.startswith(SHAPEFILE):
+        return "shapefile"
+    text = head.removeprefix(MARK)
+    if path.suffix.lower() in _TEXT or text.lstrip()[:1] == b"{":
+        return "geojson"
     raise FormatError(
         f"{path}: cannot be read as {what}: neither GeoJSON nor a GeoPackage nor a shapefile "
         "(.shp) nor a drawing (.dxf, .obj)"
@@ -118,7 +128,7 @@ def _are_degrees(bounds: Sequence[float]) -> bool:
     return bool((np.abs(np.reshape(bounds, (2, 2))) <= _MOST_DEGREES).all())
 
 
-def _with_system(tree: dict[str, Any], crs: str | None, path: Path) -> dict[str, Any]:
+def with_system(tree: dict[str, Any], crs: str | None, path: Path | str) -> dict[str, Any]:
     """Name the system as old GeoJSON does: the number that stands for it, if pyproj knows one."""
     try:
         crs = text_of(look_up(crs, extra="shapes")) if crs else None
@@ -137,7 +147,7 @@ def _geojson(path: Path, text: bytes) -> dict[str, Any]:
         raise FormatError(f"{path}: not GeoJSON: {error}") from error
     if not isinstance(tree, dict):
         return {}
-    return _with_system(tree, stated_system(tree), path) if tree.get("crs") else tree
+    return with_system(tree, stated_system(tree), path) if tree.get("crs") else tree
 
 
 def lines_of(path: Path, crs: str | None) -> list[Floats]:
@@ -165,32 +175,66 @@ def write_lines(
     crs: str | None,
     layer: str,
 ) -> WriteResult:
-    """Write lines with a value of each column, as the name of the file says."""
-    parts = (points[begin:end].tolist() for begin, end in pairwise(starts.tolist()))
-    lines = ({"type": "LineString", "coordinates": part} for part in parts)
-    with replacing(path) as stream:
-        if _is_package(path):
-            geopackage.write_lines(stream, points, starts, columns, crs, layer)
-        else:
-            geojson.write_features(stream, zip(_rows(columns), lines, strict=True), crs)
-    return written_file(path, "geopackage" if _is_package(path) else "geojson")
+    """Write lines with a value of each column, as the name of the file says.
+
+    DXF has lines at a height, if a column has these.
+    """
+    kind = _WRITTEN[path.suffix.lower()]
+    if kind == "dxf":
+        with replacing(path) as stream:
+            write_dxf_lines(stream, points, starts, columns, layer)
+        return written_file(path, kind, () if crs is None else ("crs",))
+    if kind == "geojson":
+        parts = (points[begin:end].tolist() for begin, end in pairwise(starts.tolist()))
+        lines = ({"type": "LineString", "coordinates": part} for part in parts)
+        return _write_features(path, lines, columns, crs)
+    shapely = load("shapely", extra="shapes")
+    counts = np.diff(starts)
+    shapes = shapely.linestrings(points, indices=np.repeat(np.arange(len(counts)), counts))
+    return _write_shapes(path, shapes, columns, crs, layer, "LineString")
 
 
 def write_areas(
     path: Path, shapes: Array, columns: Mapping[str, Array], crs: str | None, layer: str
 ) -> WriteResult:
     """Write polygons of shapely with a value of each column, as the name of the file says."""
+    if _WRITTEN[path.suffix.lower()] == "geojson":
+        return _write_features(path, (each.__geo_interface__ for each in shapes), columns, crs)
+    return _write_shapes(path, shapes, columns, crs, layer, "MultiPolygon")
+
+
+def _write_features(
+    path: Path, shapes: Iterable[dict[str, Any]], columns: Mapping[str, Array], crs: str | None
+) -> WriteResult:
     with replacing(path) as stream:
-        if _is_package(path):
+        geojson.write_features(stream, zip(_rows(columns), shapes, strict=True), crs)
+    return written_file(path, "geojson")
+
+
+def _write_shapes(
+    path: Path,
+    shapes: Array,
+    columns: Mapping[str, Array],
+    crs: str | None,
+    layer: str,
+    kind: str,
+) -> WriteResult:
+    written = _WRITTEN[path.suffix.lower()]
+    if written == "shapefile":
+        write_shapefile(path, shapes, columns, crs, kind)
+    else:
+        with replacing(path) as stream:
             geopackage.write_shapes(stream, shapes, columns, crs, layer)
-        else:
-            described = (each.__geo_interface__ for each in shapes)
-            geojson.write_features(stream, zip(_rows(columns), described, strict=True), crs)
-    return written_file(path, "geopackage" if _is_package(path) else "geojson")
+    return written_file(path, written)
 
 
-def _is_package(path: Path) -> bool:
-    return path.suffix.lower() == ".gpkg"
+def check_written(path: Path, what: str, *, may_be_drawing: bool = False) -> None:
+    """Raise if shapes cannot be written to a file of this name."""
+    suffixes = (*LINE_SUFFIXES, *[".dxf"] * may_be_drawing)
+    said = f"{what} are written as GeoJSON, GeoPackage (.gpkg) or a shapefile (.shp)"
+    check_suffix(path, suffixes, f"{said}, or lines as DXF" if may_be_drawing else said)
+    if _WRITTEN[path.suffix.lower()] in ("geopackage", "shapefile"):
+        load("geopandas", extra="shapes")
 
 
 def _rows(columns: Mapping[str, Array]) -> Iterator[dict[str, Any]]:
@@ -199,85 +243,7 @@ def _rows(columns: Mapping[str, Array]) -> Iterator[dict[str, Any]]:
     return (dict(zip(columns, row, strict=True)) for row in rows)
 
 
-_EXPANSION, _VALUES_MORE = 20, 1 << 21  # values for each that is stated, and in all
-_COORDINATES = {"x", "y", "z"}
-
-
-def points_of(path: Path, crs: str | None) -> Cloud:
-    """Read the points of a file, which has to be in the system of a surface, at height 0."""
-    shapes = read_shapes(path, "points", crs)
-    points = _Points()
-    try:
-        points.take(shapes)
-    except (TypeError, AttributeError, RecursionError) as error:
-        raise FormatError(f"{path}: no GeoJSON: a point has type and coordinates") from error
-    if not points.places:
-        raise FormatError(f"{path}: there is no Point or MultiPoint in it")
-    points.check_size(path)
-    planar = _planar(points.places)
-    if planar is None:
-        number = next(k for k, place in enumerate(points.places) if _planar([place]) is None)
-        wrong = shown(points.places[number])
-        raise FormatError(f"{path}: point {number} is {wrong}: give two finite numbers, or three")
-    columns = points.columns()
-    unread = (f"property {name}" for name in points.names() if name not in columns)
-    skipped = (*unread, *(counted(count, kind) for kind, count in points.others.items()))
-    return Cloud(
-        np.column_stack([planar, np.zeros(len(planar))]),
-        attributes=columns,
-        metadata=noted({}, not_read=Unread(skipped)),
-        crs=stated_system(shapes),
-    )
-
-
-@dataclass(slots=True)
-class _Points:
-    """The points of a tree of GeoJSON, properties and how many points have them, and the rest."""
-
-    places: list[Any] = field(default_factory=list)
-    properties: list[Mapping[str, Any]] = field(default_factory=list)
-    counts: list[int] = field(default_factory=list)
-    others: Counter[str] = field(default_factory=Counter)
-
-    def take(self, tree: object) -> None:
-        """Collect the points of a tree."""
-        for kind, coordinates, properties in geometries(tree):
-            if kind not in {"Point", "MultiPoint"}:
-                self.others[kind] += 1
-                continue
-            is_one = kind == "Point" and coordinates
-            parts = [coordinates] if is_one else coordinates
-            if len(parts):
-                self.places += parts
-                self.properties.append(properties)
-                self.counts.append(len(parts))
-
-    def check_size(self, path: Path) -> None:
-        """Raise if a value for every point and property is far more than the file states."""
-        stated = len(self.places) + sum(map(len, self.properties))
-        names = len(self.names())
-        if names * len(self.places) > _EXPANSION * stated + _VALUES_MORE:
-            raise FormatError(
-                f"{path}: {len(self.places):,} points with {names:,} properties are far more "
-                "values than the file states: save only the properties you need"
-            )
-
-    def names(self) -> list[str]:
-        """Return the names of the properties, in the order of the file."""
-        return [*dict.fromkeys(name for each in self.properties for name in each)]
-
-    def columns(self) -> dict[str, Array]:
-        """Return the values of the properties that are numbers."""
-        names = (name for name in self.names() if name.lower() not in _COORDINATES)
-        columns = {name: _column([each.get(name) for each in self.properties]) for name in names}
-        return {
-            name: np.repeat(values, self.counts)
-            for name, values in columns.items()
-            if values is not None
-        }
-
-
-def _column(values: list[Any]) -> Array | None:
+def column_of(values: list[Any]) -> Array | None:
     """Return numbers as an array, NaN where there is none; None if they are no numbers."""
     present = [each for each in values if each is not None]
     if not present or not all(isinstance(each, Real) for each in present):
@@ -290,12 +256,3 @@ def _column(values: list[Any]) -> Array | None:
         return as_reals([np.nan if each is None else each for each in values])
     except OverflowError:
         return None
-
-
-def _planar(places: list[Any]) -> Floats | None:
-    """Return x and y of points; None if one has none."""
-    try:
-        planar = as_reals([place[:2] for place in places])
-    except (TypeError, ValueError, OverflowError, KeyError):
-        return None
-    return planar if planar.shape == (len(places), 2) and np.isfinite(planar).all() else None

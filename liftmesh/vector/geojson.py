@@ -33,7 +33,8 @@ def geometries(tree: object, properties: Mapping[str, Any] = _NONE) -> Iterator[
     kind = tree.get("type")
     if kind in _PARTS:
         for part in tree.get(_PARTS[kind]) or ():
-            yield from geometries(part, properties)
+            if part is not None:  # a feature that was taken as it was parsed
+                yield from geometries(part, properties)
     elif kind == "Feature":
         held = tree.get("properties")
         mine = held if isinstance(held, Mapping) else _NONE

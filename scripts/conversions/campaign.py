@@ -19,11 +19,11 @@ from liftmesh import Cloud
 
 WAYS = (*files(), *read_only(), *objects())
 BY_NAME = {str(way): way for way in WAYS}
-# A stream does not tell what .ele files and compressed ones need: a name.
+# A stream does not tell what .ele files, shapefiles and compressed ones need: a name.
 IN_CHUNKS = tuple(
     way
     for way in (*files(), *read_only())
-    if way.place not in {"ele", *READERS} and ".gz" not in way.place
+    if way.place not in {"ele", "shapefile", *READERS} and ".gz" not in way.place
 )
 
 _ROUND = 20  # examples of one seed

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+import json
+import sqlite3
 import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -13,11 +15,13 @@ from typing import Any
 import numpy as np
 import open3d as o3d
 import rasterio
-from conversions.objects import to_structured, to_tensor_points
+from conversions.objects import to_geopandas, to_structured, to_tensor_points
 from conversions.passages import Arrival, Passage, without_others
 from files.e57 import Scan, e57
 from files.geotiff import geotiff
+from files.shapes import dbf, geopackage as package, point, shp_points
 from pye57 import libe57
+from pyproj import CRS
 
 from liftmesh import Cloud, InputError, read
 from liftmesh.base.colors import as_uint8, stated_depth
@@ -113,6 +117,65 @@ def scan(cloud: Cloud, path: Path) -> None:
         raise InputError("E57 has no such field or text") from error
 
 
+def _features(cloud: Cloud) -> tuple[list[list[float]], dict[str, list[Any]]]:
+    """Places, and the values of columns, None where there is none."""
+    _eight_bits(cloud)
+    frame = to_geopandas(cloud)
+    columns = {str(k): frame[k].to_list() for k in frame.columns if k != "geometry"}
+    if any(each in ("geom", "fid") for each in map(str.lower, columns)):
+        raise InputError("such columns are those of the geometries")
+    return cloud.points.tolist(), columns
+
+
+def geojson(cloud: Cloud, path: Path) -> None:
+    """A feature for each point; NaN as Python writes it."""
+    places, columns = _features(cloud)
+    names = [*columns]
+    features = [
+        {
+            "type": "Feature",
+            "properties": dict(zip(names, values, strict=True)),
+            "geometry": {"type": "Point", "coordinates": place},
+        }
+        for place, *values in zip(places, *columns.values(), strict=True)
+    ]
+    name = cloud.crs and {"type": "name", "properties": {"name": cloud.crs}}
+    tree = {"type": "FeatureCollection", "crs": name, "features": features}
+    path.write_text(json.dumps(tree))
+
+
+def geopackage(cloud: Cloud, path: Path) -> None:
+    """A row for each point, by the SQLite of Python."""
+    places, columns = _features(cloud)
+    if len({each.lower() for each in columns}) < len(columns):
+        raise InputError("SQLite tells columns apart by more than case")
+    held = [point(*each) for each in places]
+    srs = 0 if cloud.crs is None else 25832
+    try:
+        path.write_bytes(package(held, columns, srs=srs))
+    except (sqlite3.Error, OverflowError, ValueError) as error:
+        raise InputError("SQLite does not hold this") from error
+
+
+def shapefile(cloud: Cloud, path: Path) -> None:
+    """A record for each point, and numbers as text beside it."""
+    places, columns = _features(cloud)
+    held: dict[str, tuple[str, int, list[str]]] = {}
+    for name, values in columns.items():
+        if not name.isprintable() or not 0 < len(name.encode("utf-8", "replace")) < 11:
+            raise InputError("dBase has no such names")
+        if isinstance(values[0], bool):
+            held[name] = ("L", 1, ["T" if each else "F" for each in values])
+        else:
+            held[name] = ("N", 32, [*map(repr, values)])
+    path.write_bytes(shp_points(places))
+    if cloud.crs:
+        path.with_suffix(".prj").write_text(CRS(cloud.crs).to_wkt())
+    if held:
+        path.with_suffix(".dbf").write_bytes(dbf(held, len(places)))
+        path.with_suffix(".cpg").write_text("UTF-8")
+
+
 _IN_XML = {chr(k) for k in (9, 10, *range(32, 0xD800), *range(0xE000, 0xFFFE))}
 _STORED = {"bool": "u1", "float16": "f4"} | dict.fromkeys(
     ("int32", "uint32", "int64", "uint64"), "q"
@@ -120,7 +183,8 @@ _STORED = {"bool": "u1", "float16": "f4"} | dict.fromkeys(
 
 MAKERS: dict[str, Callable[[Cloud, Path], None]] = {
     "npy": npy, "pcd": pcd, "pts": pts, "xyzrgb": xyzrgb, "xyzn": xyzn, "ele": ele,
-    "raster": raster, "e57": scan,
+    "raster": raster, "e57": scan, "geojson": geojson, "geopackage": geopackage,
+    "shapefile": shapefile,
 }  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 import lib3mf
 import meshio
 import numpy as np
+import xarray
 
 from liftmesh import Cloud, InputError
 from liftmesh.io.format import checked_origin, with_origin
@@ -82,6 +84,23 @@ def msh(data: bytes) -> Cloud:
     return Cloud(points, faces=faces, edges=edges)
 
 
+def ugrid(data: bytes) -> Cloud:
+    """Read the mesh that attributes name, with xarray."""
+    held = xarray.open_dataset(io.BytesIO(data), engine="scipy", decode_cf=False).load()
+    (mesh,) = (each for each in held.values() if each.attrs.get("cf_role") == "mesh_topology")
+    x, y = mesh.attrs["node_coordinates"].split()
+    faces = mesh.attrs["face_node_connectivity"]
+    left_out = {mesh.name, "crs", x, y, "mesh2d_node_z", faces}
+    values = {str(name): _native(held[name].values) for name in held if name not in left_out}
+    about = held["crs"].attrs if "crs" in held else {}
+    return Cloud(
+        np.stack([_native(held[each].values) for each in (x, y, "mesh2d_node_z")], axis=1),
+        faces=_native(held[faces].values),
+        attributes=values,
+        crs=about.get("epsg_code") or about.get("crs_wkt"),
+    )
+
+
 def _by_meshio(data: bytes, kind: str) -> Any:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, f"a.{kind}")
@@ -98,4 +117,5 @@ READERS: dict[str, Callable[[bytes], Cloud]] = {
     "3mf": three_mf,
     "vtu": vtu,
     "msh": msh,
+    "ugrid": ugrid,
 }

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copy
 import io
+import operator
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -82,6 +83,16 @@ def lifted(points: Points) -> liftmesh.LowerHull:
 
 on_hull = on(lifted)
 """Prepare a call on the lower hull of lifted points."""
+
+
+SOLID = {name: SPATIAL[name] for name in TERRAIN}
+"""Clouds in no plane, of few tetrahedra: on a curve n points have n^2."""
+
+on_tetrahedra = on(liftmesh.tetrahedralize)
+"""Prepare a call on the tetrahedra of points."""
+
+on_solid = on(liftmesh.convex_hull)
+"""Prepare a call on the convex hull of points."""
 
 
 on_surface = on(lambda points: liftmesh.triangulate(points, threads=1))
@@ -322,6 +333,21 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
 def spatial_functions() -> Iterator[tuple[Any, ...]]:
     """The same of what works in space."""
     yield "lower_hull", SPATIAL, on_points(liftmesh.lower_hull)
+    yield "tetrahedralize", SOLID, on_points(liftmesh.tetrahedralize)
+    yield (
+        "tetrahedralize in canonical order",
+        SOLID,
+        on_points(lambda points: liftmesh.tetrahedralize(points, order="canonical")),
+        (),
+    )
+    find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
+    yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
+    yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify())
+    yield "convex_hull", SOLID, on_points(liftmesh.convex_hull), ("random heights",)
+    yield "ConvexHull.vertices", SOLID, on_solid(lambda hull: hull.vertices), ()
+    for name in ("to_cloud", "to_trimesh", "to_open3d"):
+        yield f"ConvexHull.{name}", SOLID, on_solid(operator.methodcaller(name)), ()
+    yield "ConvexHull.save", SOLID, on_solid(saved), ()
     yield "orient3d", SPATIAL, predicate(liftmesh.orient3d, 4), TERRAIN
     yield "insphere", SPATIAL, predicate(liftmesh.insphere, 5), TERRAIN
     yield (

@@ -25,6 +25,7 @@ from growth.files.lidar import LAS
 from growth.files.ply import PLY
 from growth.files.points import DXF, ELE, GZIP, MESH2D, NODE, PCD, POLY, PTS, XYZN, XYZRGB
 from growth.files.raster import RASTER
+from growth.files.shapes import GEOJSON, GEOPACKAGE, SHAPEFILE
 from growth.files.stl import STL
 from growth.files.text import OBJ, OFF, TEXT
 from growth.files.xml import LANDXML
@@ -62,6 +63,9 @@ FILES: dict[str, Families] = {
     "landxml": LANDXML,
     "2dm": MESH2D,
     "dxf": DXF,
+    "geojson": GEOJSON,
+    "geopackage": GEOPACKAGE,
+    "shapefile": SHAPEFILE,
 }
 
 GLTF_COUNTED = ("soup", "indexed", "flat json")
@@ -112,6 +116,8 @@ WITHOUT_DATA = {
     "Format": "describes a format",
     "WriteResult": "tells what was written",
     "TilesetResult": "tells what was written",
+    "QuantizedMeshResult": "tells what was written",
+    "write_quantized_mesh": "does what write_tileset does, and packs what it has made",
     "write_tileset": "simplify, profile, sample and write, which are watched, do its work",
     "dask.delaunay": "hands the tasks of tile, which is watched, to workers",
     "dask.local_cluster": "starts workers",
@@ -132,6 +138,8 @@ WITHOUT_DATA = {
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
+    "ConvexHull": "a result, made by convex_hull; its methods are watched",
+    "Tetrahedralization": "a result, made by tetrahedralize; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",
     "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",

@@ -73,6 +73,13 @@ def corners(tiled: liftmesh.TiledSurface) -> Points:
     return np.concatenate([mesh.points for mesh in tiled.iter_meshes()])
 
 
+def middle(tiled: liftmesh.TiledSurface) -> Points:
+    """Return a triangle in the middle."""
+    west, south, east, north = tiled.bounds
+    corners = np.array([[0.2, 0.3], [0.7, 0.25], [0.5, 0.8]])
+    return (west, south) + (east - west, north - south) * corners
+
+
 def lines(tiled: liftmesh.TiledSurface) -> object:
     """Find lines at four levels."""
     return tiled.contours(np.linspace(*tiled.manifest["surface"]["box"][2::3], 6)[1:-1])
@@ -94,6 +101,8 @@ def tiled_surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "TiledSurface.height_above", SPATIAL, above, ()
     bands = on_surface_tiles(lambda tiled: tiled.filled_contours([0.0, 0.5]))
     yield "TiledSurface.filled_contours", SPATIAL, bands, ()
+    part = on_surface_tiles(lambda tiled: tiled.clip(middle(tiled), threads=1))
+    yield "TiledSurface.clip", SPATIAL, part, ()
 
 
 PARTS: dict[str, Callable[[liftmesh.TiledSurface], object]] = {

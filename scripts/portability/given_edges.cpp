@@ -91,7 +91,7 @@ void add_refined(Digest& digest, const liftmesh::Input& input, Constrained& mesh
     for (std::int32_t& label : labels) label = label % 2 == 0 ? label : -1;
     liftmesh::NoInterrupt never;
     const Refined found =
-        refine({input, mesh, labels}, {cosine, {}, {}, is_conforming, input.rows}, never);
+        refine({input, mesh, labels}, {cosine, {}, {}, is_conforming, input.rows, 2}, never);
     digest.add(found.result.simplices.get(),
                3 * found.result.triangle_count * sizeof(std::int32_t));
     add_all(digest, found.added);

@@ -93,7 +93,7 @@ void refined(const Cloud& cloud, const Rows& edges) {
             const Rows labels = liftmesh::constrained::label(
                 {mesh.result.neighbors.get(), mesh.marks.data(), mesh.result.triangle_count});
             Patient interrupt(patience[i]);
-            const Wanted wanted{cosine, {}, {}, true, cloud.points.size() / 4};
+            const Wanted wanted{cosine, {}, {}, true, cloud.points.size() / 4, 2};
             found[i] = refine({cloud.input(), mesh, labels}, wanted, interrupt);
         });
     for (std::thread& caller : callers) caller.join();

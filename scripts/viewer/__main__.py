@@ -1,10 +1,10 @@
 """Open tilesets in CesiumJS, and look for cracks: ``python scripts/viewer``.
 
-Tiles of ``data/jacksboro.ply``, placed in UTM zone 16, are served on this machine and opened in
-headless Chromium, without a network: before a bright background, from above and from beside the
-borders of tiles, at an accuracy that shows tiles of several levels side by side. Background within
-the outline of the terrain is a crack. As a control, one tile is lowered by 30 m: then there has to
-be one. Khronos's validator reads every GLB file.
+Tiles of ``data/jacksboro.ply``, placed in UTM zone 16, as 3D Tiles and as quantized-mesh, are
+served on this machine and opened in headless Chromium, without a network: before a bright
+background, from above and from beside the borders of tiles, at an accuracy that shows tiles of
+several levels side by side. Background within the outline of the terrain is a crack. As a control,
+one tile is lowered by 30 m: then there has to be one. Khronos's validator reads every GLB file.
 
 It needs ``apt-get install chromium nodejs npm``; the packages cesium, puppeteer-core and
 gltf-validator of npm are installed into the folder of ``--modules``.
@@ -88,6 +88,10 @@ def main() -> None:
     lower(lowered)
     look = partial(seen, modules, options.browser, options.out, places_of(surface))
     cracks, control = look("tiles", tiles), look("lowered", lowered)
+    globe = options.out / "globe"
+    found_there = liftmesh.write_quantized_mesh(surface, globe, max_error=20.0)
+    print(f"of the globe {', '.join(f'{each:.1f}' for each in found_there.errors)} m")
+    cracks += look("globe", globe, kind="terrain")
     if any(cracks) or not any(control):
         raise SystemExit(f"cracks in the views: {cracks}; in those of the control: {control}")
 
@@ -158,7 +162,13 @@ def validated(modules: Path, paths: list[Path]) -> None:
 
 
 def seen(
-    modules: Path, browser: str, out: Path, views: list[dict[str, Any]], name: str, tiles: Path
+    modules: Path,
+    browser: str,
+    out: Path,
+    views: list[dict[str, Any]],
+    name: str,
+    tiles: Path,
+    kind: str = "tileset",
 ) -> list[int]:
     """Look at tiles, and count for each view the pixels of background inside the terrain."""
     cesium = modules / "node_modules" / "cesium" / "Build" / "Cesium"
@@ -169,8 +179,8 @@ def seen(
         views = [{**each, "picture": str(out / f"{name}-{each['name']}.png")} for each in views]
         job = {
             "modules": str(modules), "browser": browser, "origin": origin, "views": views,
-            "url": f"{origin}/page.html?pixels=6", "result": str(out / f"{name}.json"),
-            "width": WIDTH, "height": HEIGHT,
+            "url": f"{origin}/page.html?pixels=6&kind={kind}", "width": WIDTH, "height": HEIGHT,
+            "result": str(out / f"{name}.json"),
         }  # fmt: skip
         (out / f"{name}-job.json").write_text(json.dumps(job))
         subprocess.run(["node", HERE / "look.mjs", out / f"{name}-job.json"], check=True)

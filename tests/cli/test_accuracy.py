@@ -50,6 +50,30 @@ def test_each_vertex_by_the_others(folder: Path) -> None:
     failed(done, 3, "values named 'residual', which this command writes")
 
 
+def checkpoints(place: list[float], **values: float) -> str:
+    geometry = {"type": "Point", "coordinates": place}
+    return json.dumps({"type": "Feature", "properties": values, "geometry": geometry})
+
+
+@pytest.mark.parametrize(
+    ("place", "values", "words"),
+    [
+        ([50, 50, 7], {"id": 3}, ()),
+        ([50, 50], {"height": 7}, ()),
+        ([50, 50], {"h2": 7}, ("--at-columns", "x=x,y=y,z=h2")),
+        ([50, 50, -1], {"h2": -7}, ("--at-columns", "x=x,y=y,z=-h2")),
+    ],
+)
+def test_checkpoints_of_geojson_keep_their_heights(
+    folder: Path, place: list[float], values: dict[str, float], words: tuple[str, ...]
+) -> None:
+    (folder / "at.geojson").write_text(checkpoints(place, **values))
+    done = liftmesh("accuracy", "tin.ply", "--at", "at.geojson", *words, "--json", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    surface = lm.triangulate(lm.read(folder / "tin.ply"))
+    assert json.loads(done.stdout)["mean"] == surface.sample([[50, 50]])[0] - 7
+
+
 @pytest.mark.parametrize(
     ("at", "code", "said"),
     [
@@ -57,7 +81,8 @@ def test_each_vertex_by_the_others(folder: Path) -> None:
         ("flat.csv", 3, "flat.csv"),
         ("nan.csv", 3, "row 0 is not finite"),
         ("far.csv", 3, "none of the 1 checkpoint is over a face"),
-        ("points.geojson", 2, "shapes have no heights"),
+        ("flat.geojson", 3, "the points have no heights: give them in space, or name the column"),
+        ("column.geojson", 3, "no column of 'x', 'y', 'H2' is known as the height z"),
         ("out.csv", 2, "same file"),
     ],
 )
@@ -65,7 +90,8 @@ def test_checkpoints_that_are_none(folder: Path, at: str, code: int, said: str) 
     (folder / "flat.csv").write_text("x,y\n1,2\n")
     (folder / "nan.csv").write_text("x,y,z\n1,2,nan\n")
     (folder / "far.csv").write_text("x,y,z\n1000,2,3\n")
-    (folder / "points.geojson").write_text('{"type": "Point", "coordinates": [1, 2, 3]}')
+    (folder / "flat.geojson").write_text('{"type": "Point", "coordinates": [1, 2]}')
+    (folder / "column.geojson").write_text(checkpoints([1, 2], H2=3))
     if at == "out.csv":
         (folder / at).write_text(CHECKPOINTS)
     done = liftmesh("accuracy", "tin.ply", "out.csv", "--at", at, cwd=folder)

@@ -29,7 +29,7 @@ def test_it_says_the_error_of_each_level(field: Path, tmp_path: Path) -> None:
     found = liftmesh.write_tileset(
         liftmesh.triangulate(field), tmp_path / "lib", max_error=0.1, levels=2
     )
-    for level, tiles in ((0, "1 tiles"), (1, "4 tiles")):
+    for level, tiles in ((0, "1 tile"), (1, "4 tiles")):
         count, error = found.n_triangles[level], found.errors[level]
         assert f"{tiles}, {count:,} triangles, error {error:.4g}\n" in done.stdout
     for path in (tmp_path / "lib").rglob("*.*"):
@@ -64,3 +64,29 @@ def test_what_is_wrong_is_said_in_words_of_the_command(field: Path, tmp_path: Pa
     out.mkdir()
     (out / "tileset.json").write_text("{}")
     failed(run("tileset", field, out, *words), exit_codes.USAGE, "exists", "--overwrite")
+
+
+def test_tiles_of_the_globe(field: Path, tmp_path: Path) -> None:
+    words = ("--quantized-mesh", "--max-error", "0.5", "--zoom", "12")
+    done = run("tileset", field, tmp_path / "out", *words)
+    failed(done, exit_codes.BAD_INPUT, "states no coordinate system")
+    rows = liftmesh.read(field).points + np.array([500_000, 5_400_000, 0])
+    liftmesh.write(tmp_path / "field.ply", rows)
+    done = run(
+        "tileset", tmp_path / "field.ply", tmp_path / "out", *words, "--src-crs", "EPSG:25832"
+    )
+    assert done.returncode == 0, done.stderr
+    surface = liftmesh.triangulate(rows, crs="EPSG:25832")
+    found = liftmesh.write_quantized_mesh(surface, tmp_path / "lib", max_error=0.5, zoom=12)
+    assert f"level 0   2 tiles, {found.n_triangles[0]:,} triangles" in done.stdout
+    for path in (tmp_path / "lib").rglob("*.*"):
+        assert (tmp_path / "out" / path.relative_to(tmp_path / "lib")).read_bytes() == (
+            path.read_bytes()
+        )
+    for wrong, part in (
+        (("--levels", "2"), "--levels is without --quantized-mesh only"),
+        (("--extent", "0,0,1,1"), "--extent is without --quantized-mesh only"),
+    ):
+        failed(run("tileset", field, tmp_path / "b", *words, *wrong), exit_codes.USAGE, part)
+    done = run("tileset", field, tmp_path / "b", "--max-error", "1", "--zoom", "3")
+    failed(done, exit_codes.USAGE, "--zoom is with --quantized-mesh only")

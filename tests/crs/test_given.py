@@ -39,7 +39,9 @@ def test_what_pyproj_takes_is_a_system(crs: Any) -> None:
     assert pyproj.CRS(found.crs) == wanted
     (chunk,) = liftmesh.read_chunks(io.BytesIO(ROWS), format="xyz", src_crs=crs)
     assert chunk.crs == found.crs
-    assert liftmesh.triangulate(found.points, crs=crs).crs == found.crs
+    surface = liftmesh.triangulate(found.points, crs=crs)
+    assert surface.crs == found.crs
+    assert surface.replace(crs=25833).replace(crs=crs).crs == found.crs
     assert liftmesh.simplify(found.points, max_error=0, crs=crs).crs == found.crs
     moved = read(src_crs="EPSG:25833", dst_crs=crs)
     expected = pyproj.Transformer.from_crs(25833, 25832, always_xy=True)
@@ -54,8 +56,11 @@ def test_surfaces_in_tiles_and_simplified_ones_are_in_the_given_system(tmp_path:
     surface = liftmesh.triangulate(points, crs="EPSG:25833")
     assert liftmesh.simplify(surface, max_error=0, crs=pyproj.CRS(25832)).crs == "EPSG:25832"
     assert liftmesh.simplify(surface, max_error=0).crs == "EPSG:25833"
+    assert surface.replace(crs=None).crs is None
     with pytest.raises(InputError, match="crs"):
         liftmesh.tile_surface(points, tmp_path / "other", crs=3.5)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="crs"):
+        surface.replace(crs=3.5)
 
 
 def test_strings_of_proj_without_files() -> None:

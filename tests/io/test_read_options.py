@@ -12,6 +12,7 @@ from liftmesh.io.axes import validate_axes
 from liftmesh.io.formats.landxml_reader import validate_landxml_options
 from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions, validate_table_options
 from liftmesh.raster.reader import validate_raster_options
+from liftmesh.vector.clouds import validate_feature_options
 
 ROOT = Path(__file__).parents[2]
 CACHE = ROOT / ".mypy_cache"  # that of the checks before the tests: without it, half a minute
@@ -48,6 +49,7 @@ def test_typed_options_are_those_of_read_and_of_its_formats() -> None:
         validate_table_options,
         validate_landxml_options,
         validate_axes,
+        validate_feature_options,
     )
     of_formats = {name: kind for check in checks for name, kind in keywords(check).items()}
     of_formats["transform"] = "Sequence[float] | None"  # of arrays

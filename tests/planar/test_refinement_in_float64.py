@@ -145,3 +145,16 @@ def distance2(one: list[float], other: list[float]) -> Fraction:
         ((Fraction(a) - Fraction(b)) ** 2 for a, b in zip(one, other, strict=True)),
         start=Fraction(0),
     )
+
+
+def test_rounded_rows_blame_no_right_angle() -> None:
+    """Beside the corner of edges that are square to each other, of which one is rounded away."""
+    points = [[1.8e-276, 0.0], [1.141798154164768e46, 0.0], [-2.7e129, -2.6e-82], [5.9e-98, 6.2e85]]
+    tri = constrained_delaunay(points, [[2, 0], [1, 2], [3, 1]])
+    with pytest.warns(liftmesh.DataWarning, match="no more may be"):
+        result = refine(tri, min_angle=20, max_area=1e212, max_points=500)
+    edges = np.full(result.triangulation.npoints, -1)
+    edges[result.steiner] = result.steiner_edges
+    blamed = result.triangulation.simplices[result.below[result.causes == "input angle"]]
+    assert len(blamed)
+    assert not [each for each in edges[blamed].tolist() if {1, 2} <= {*each}]

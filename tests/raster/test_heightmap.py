@@ -46,7 +46,39 @@ def test_heights_are_spread_over_16_bits(suffix: str, tmp_path: Path) -> None:
     if suffix == ".png":
         said = Image.open(path).text["Description"]
         assert said == f"height = {scale!r} * value + {offset!r}; pixels of 1.0 x 1.0"
-    assert sorted(tmp_path.iterdir()) == [path]
+    beside = [tmp_path / "a.r16.json"] if suffix == ".r16" else []
+    assert sorted(tmp_path.iterdir()) == [path, *beside]
+
+
+def test_bare_samples_are_described_beside(tmp_path: Path) -> None:
+    place = (2.0, 0.0, 500_000.0, 0.0, -3.0, 5_300_000.0)
+    values = np.array([[3.0, 3.5, 5.0], [4.25, 7.0, 4.0]])
+    written = Raster(values, place, crs="EPSG:25832", unit="metre").save(tmp_path / "a.r16")
+    said = json.loads((tmp_path / "a.r16.json").read_text())
+    assert said == {
+        "columns": 3, "rows": 2, "type": "uint16", "byte_order": "little", "scale": 4 / 65535,
+        "offset": 3.0, "pixel_size": [2.0, 3.0], "transform": [*place], "unit": "metre",
+        "crs": "EPSG:25832",
+    }  # fmt: skip
+    assert written.scaling == (said["scale"], said["offset"])
+    flat = np.fromfile(tmp_path / "a.r16", "<u2").reshape(said["rows"], said["columns"])
+    assert np.abs(flat * said["scale"] + said["offset"] - values).max() <= said["scale"] / 2
+
+
+def test_neither_of_both_files_is_left_by_an_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise OSError(28, "no space left")
+
+    (tmp_path / "a.r16.json").symlink_to(tmp_path / "elsewhere")
+    monkeypatch.setattr(np, "ascontiguousarray", fail)
+    with pytest.raises(OSError, match="no space left"):
+        raster([[1.0, 2.0]]).save(tmp_path / "a.r16")
+    assert [each.name for each in tmp_path.iterdir()] == ["a.r16.json"]
+    monkeypatch.undo()
+    raster([[1.0, 2.0]]).save(tmp_path / "a.r16")  # its own name is no link that one follows
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.r16", "a.r16.json"]
 
 
 def test_flat_and_extreme_heights(tmp_path: Path) -> None:

@@ -177,6 +177,18 @@ def test_weights_of_the_whole_do_not_bind_the_part() -> None:
     assert heights[known] == pytest.approx(surface.sample(places[known]), abs=1e-9)
 
 
+def test_progress() -> None:
+    surface = liftmesh.triangulate(meadow())
+    for call in (
+        lambda said: surface.clip([[20, 20], [60, 25], [40, 70]], progress=said),
+        lambda said: surface.accuracy(progress=said),
+    ):
+        heard: list[float] = []
+        call(heard.append)
+        assert heard == sorted(heard)
+        assert heard[-1] == 1
+
+
 def test_other_planes() -> None:
     wall = liftmesh.triangulate(SLOPE[:, [0, 2, 1]], plane="xz")
     assert wall.clip(RING).area(planar=True) == 18

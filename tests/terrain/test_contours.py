@@ -11,6 +11,7 @@ from decimal import Context, localcontext
 from fractions import Fraction
 from itertools import pairwise
 
+import ezdxf
 import geopandas
 import numpy as np
 import pyproj
@@ -392,10 +393,10 @@ class TestResult:
         if not name.startswith("LOCAL"):
             assert pyproj.CRS(name) == pyproj.CRS(crs)
 
-    @pytest.mark.parametrize("name", ["lines.kml", "lines.shp", "lines.png", "lines", "-"])
+    @pytest.mark.parametrize("name", ["lines.kml", "lines.dwg", "lines.png", "lines", "-"])
     def test_other_formats_are_refused(self, lines, name: str, tmp_path) -> None:
         with pytest.raises(
-            liftmesh.FormatError, match=r"as GeoJSON or GeoPackage .*: name it \*\.geojson"
+            liftmesh.FormatError, match=r"as GeoJSON, GeoPackage .*: name it \*\.geojson"
         ):
             lines.save(tmp_path / name)
         assert list(tmp_path.iterdir()) == []
@@ -412,6 +413,50 @@ class TestResult:
             assert [*map(list, shape.coords)] == line.points.tolist()
         assert (None if crs is None else frame.crs.to_epsg()) == (crs and 25832)
         assert [each.name for each in tmp_path.iterdir()] == ["lines.gpkg"]
+
+    def test_shapefiles_have_the_same_lines(self, tmp_path) -> None:
+        lines = liftmesh.triangulate(meadow(), crs="EPSG:25832").contours(interval=2)
+        path, kind, size, *_ = astuple(lines.save(tmp_path / "lines.shp"))
+        assert (kind, size) == ("shapefile", path.stat().st_size)
+        frame = geopandas.read_file(path)
+        assert frame["height"].tolist() == lines.levels.tolist()
+        assert frame["index"].tolist() == lines.is_index.tolist()
+        for shape, line in zip(frame.geometry, lines, strict=True):
+            assert [*map(list, shape.coords)] == line.points.tolist()
+        assert frame.crs.to_epsg() == 25832
+        written = {each.name for each in tmp_path.iterdir()}
+        assert written == {f"lines.{each}" for each in ("cpg", "dbf", "prj", "shp", "shx")}
+        (tmp_path / "lines.sbn").write_text("an index of the old lines")
+        unplaced = liftmesh.triangulate(meadow()).contours([1e9])
+        unplaced.save(path)
+        frame = geopandas.read_file(path)
+        assert (len(frame), frame.crs) == (0, None)
+        written -= {"lines.prj"}
+        assert {each.name for each in tmp_path.iterdir()} == written
+
+    def test_a_shapefile_replaces_nothing_that_is_not_its_own(self, lines, tmp_path) -> None:
+        (tmp_path / "lines.dbf").write_text("somebody's table")
+        with pytest.raises(FileExistsError, match=r"lines\.dbf"):
+            lines.save(tmp_path / "lines.shp")
+        assert [each.name for each in tmp_path.iterdir()] == ["lines.dbf"]
+        assert (tmp_path / "lines.dbf").read_text() == "somebody's table"
+
+    def test_drawings_have_the_same_lines_at_their_heights(self, tmp_path) -> None:
+        lines = liftmesh.triangulate(meadow(), crs="EPSG:25832").contours(interval=1)
+        written = lines.save(tmp_path / "lines.dxf")
+        assert (written.format, written.dropped) == ("dxf", ("crs",))
+        found = ezdxf.readfile(tmp_path / "lines.dxf").modelspace().query("POLYLINE")
+        assert len(found) == len(lines)
+        for each, line in zip(found, lines, strict=True):
+            assert each.is_closed == line.closed
+            assert each.dxf.elevation.z == line.level
+            assert each.dxf.layer == ("contours-index" if line.is_index else "contours")
+            points = [[*vertex.dxf.location] for vertex in each.vertices]
+            expected = line.points[:-1] if line.closed else line.points
+            assert points == [[*place, line.level] for place in expected.tolist()]
+        again = liftmesh.read(tmp_path / "lines.dxf")
+        assert {*again.points[:, 2]} == {*lines.levels}
+        assert len(again.edges) == sum(len(line.points) - 1 for line in lines)
 
     def test_geopackage_needs_what_geopandas_writes_by(self, lines, tmp_path, monkeypatch) -> None:
         monkeypatch.setitem(sys.modules, "pyogrio", None)

@@ -14,6 +14,8 @@ from oracles.earthwork import exact_earthwork
 from surfaces import LATTICE, drawn, meadow
 
 import liftmesh
+from liftmesh.terrain.difference import _by_constraints
+from liftmesh.terrain.overlay_mesh import overlay_mesh
 
 LEVEL = np.array([[0.0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0]])
 
@@ -72,6 +74,68 @@ def test_exchanged_it_changes_the_sign_alone() -> None:
     )
     assert np.array_equal(there.vertices, back.vertices * (1, 1, -1))
     assert np.array_equal(there.faces, back.faces)
+
+
+KINDS = {
+    "lattice": lambda rng: rng.integers(0, 6, (30, 2)),
+    "thirds": lambda rng: rng.integers(0, 5, (30, 2)) / 3,
+    "centimetres": lambda rng: np.add(np.round(rng.random((60, 2)) * 90, 2), (4.5e5, 5.2e6)),
+    "uniform": lambda rng: rng.random((80, 2)),
+}
+CHANGED = {
+    "others": lambda _, others: others,
+    "some of them": lambda points, _: points[::2],
+    "some moved": lambda points, others: np.vstack([points[::2], others[:9]]),
+}
+
+
+@pytest.mark.parametrize("changed", CHANGED)
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_overlay_is_that_of_constraints_to_the_bit(kind: str, changed: str) -> None:
+    laid = 0
+    for seed in range(6):
+        rng = np.random.default_rng(seed)
+        points, others = KINDS[kind](rng), KINDS[kind](rng)
+        one, two = (
+            liftmesh.triangulate(np.insert(each, 2, rng.random(len(each)), 1), on_duplicate="mean")
+            for each in (points, CHANGED[changed](points, others))
+        )
+        if seed % 2:
+            one = one.trim(max_edge=np.ptp(points[:, 0]) / 2)
+        found, expected = liftmesh.difference(one, two), _by_constraints(one, two)
+        assert np.array_equal(found.vertices, expected.vertices)
+        assert np.array_equal(found.faces, expected.faces)
+        assert (
+            found.metadata["difference"]["rows_at_crossings"]
+            == (expected.metadata["difference"]["rows_at_crossings"])
+        )
+        assert found.verify().valid
+        laid += overlay_mesh(one, two, None) is not None
+    assert laid > 0 or kind == "thirds"
+
+
+def test_surfaces_that_nearly_coincide() -> None:
+    rng = np.random.default_rng(5)
+    points = rng.random((60, 3))
+    between = (points[:30] + points[30:]) / 2
+    one = liftmesh.triangulate(points)
+    ends = one.triangulation.edges
+    two = liftmesh.triangulate(np.vstack([points, points[ends].mean(axis=1)[::2], between[:3]]))
+    change, works = liftmesh.difference(two, one), one.cut_and_fill(two)
+    assert change.verify().valid
+    assert change.volume().area == pytest.approx(works.area, rel=1e-9)
+    assert change.volume().above == pytest.approx(works.fill, rel=1e-9)
+
+
+def test_progress() -> None:
+    rng = np.random.default_rng(6)
+    one, two = (liftmesh.triangulate(rng.random((400, 3))) for _ in range(2))
+    heard: list[float] = []
+    liftmesh.difference(one, two, progress=heard.append)
+    assert heard[-1] == 1 == max(heard)
+    assert heard == sorted(heard)
+    with pytest.raises(liftmesh.InputError, match="progress"):
+        liftmesh.difference(one, two, progress=7)
 
 
 def test_from_itself_nothing_is_left() -> None:

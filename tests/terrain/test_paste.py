@@ -83,6 +83,40 @@ def test_where_the_first_surface_ends_the_other_goes_on() -> None:
     assert around.area(planar=True) == pytest.approx(121)
 
 
+def beside_a_side(seed: int) -> tuple[liftmesh.Surface, liftmesh.Surface, np.ndarray]:
+    """Two surfaces, and a polygon along a side of a face of one, but for rounding."""
+    rng = np.random.default_rng(seed)
+    both = [random_surface(rng, 60, (0, 0, 0)) for _ in range(2)]
+    solved = both[seed % 2].triangulation
+    tail, head = solved.points[solved.edges[rng.integers(len(solved.edges))]]
+    shares = np.sort(rng.random(2))[:, None]
+    ends = tail + shares * (head - tail)
+    across = (ends[1] - ends[0])[::-1] * (-1, 1) * rng.random()
+    return *both, np.vstack([ends, (ends + across)[::-1]])
+
+
+@pytest.mark.slow
+def test_borders_along_sides_but_for_rounding() -> None:
+    pasted, refused = 0, list[str]()
+    for seed in range(60):
+        one, two, ring = beside_a_side(seed)
+        if not ((ring > 0) & (ring < 90)).all():
+            continue
+        try:
+            found = liftmesh.paste(one, two, ring)
+        except liftmesh.InputError as error:
+            refused.append(str(error))
+            continue
+        assert found.verify().valid
+        assert found.area(planar=True) == pytest.approx(8100)
+        inside = ring.mean(axis=0)
+        assert found.sample(inside) == pytest.approx(two.sample(inside))
+        pasted += 1
+    assert pasted > 30
+    assert len(refused) < 3
+    assert all("nearer to them than float64 can tell" in each for each in refused)
+
+
 def test_values_stay_that_both_have() -> None:
     one = liftmesh.triangulate(meadow()).with_attributes(code=np.arange(len(meadow())))
     two = one.with_attributes(code=-np.arange(len(meadow())), other=np.arange(len(meadow())))

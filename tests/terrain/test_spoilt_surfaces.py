@@ -15,6 +15,8 @@ import numpy as np
 import pytest
 
 import liftmesh
+from liftmesh.terrain.measures import touching
+from liftmesh.terrain.surface_data import kernel_surface
 
 RNG = np.random.default_rng(4)
 SOUND = RNG.random((8000, 3)) * (1000, 1000, 50)
@@ -90,6 +92,19 @@ def test_cut_and_fill_of_rows_that_a_thread_writes() -> None:
             refused = str(error)
     assert refused in {"", message}
     assert surface.cut_and_fill(other).fill > 0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", SPOILT)
+def test_the_overlay_of_rows_that_a_thread_writes(kind: str) -> None:
+    rows = SOUND.copy()
+    surface, other = liftmesh.triangulate(rows), liftmesh.triangulate(np.add(SOUND[::2], 3))
+    pair = touching(surface.triangulation, other.triangulation)
+    arguments = kernel_surface(other), *pair, None
+    with written_meanwhile(rows, SPOILT[kind]):
+        found = [kernel_surface(surface).overlay(*arguments) for _ in range(2)]
+    for each in found:
+        assert each is None or np.isfinite(each[0]).all()
 
 
 def overwrite(held: np.ndarray, values: np.ndarray) -> None:

@@ -184,6 +184,9 @@ def test_a_file_holds_the_values_of_one_call(
         {"interval": 0.1, "contour_base": 0.05, "index_every": 2},
         {"levels": [0.5, 0, -0.3]},
         {"levels": [99]},
+        {"interval": 0.3, "smooth": 0.1},
+        {"levels": [0.5, 0, -0.3], "smooth": 0.14},
+        {"levels": [99], "smooth": 3},
     ],
 )
 def test_contours_are_the_lines_of_one_call(
@@ -196,7 +199,10 @@ def test_contours_are_the_lines_of_one_call(
         assert one.dtype == other.dtype, name
         assert one.tobytes() == other.tobytes(), name
     assert found.crs == expected.crs
-    assert len(found) > 0 or wanted == {"levels": [99]}
+    assert len(found) > 0 or wanted["levels"] == [99]
+    if "smooth" in wanted and len(found):
+        plain = tiled.contours(**{key: each for key, each in wanted.items() if key != "smooth"})
+        assert not np.array_equal(found.points, plain.points)
 
 
 @pytest.mark.parametrize(
@@ -251,6 +257,7 @@ def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:
         (lambda t, to: t.save_raster(to / "b" / "a.tif", 1), FileNotFoundError, "does not exist"),
         (lambda t, _: t.contours(), InputError, "give either levels or interval"),
         (lambda t, _: t.contours(interval=0), InputError, "interval is 0"),
+        (lambda t, _: t.contours(interval=1, smooth=1), InputError, "smooth is 1.0|smooth=1.0"),
     ],
 )
 def test_what_is_refused(call: Any, error: type[Exception], message: str, tmp_path: Path) -> None:
@@ -296,8 +303,9 @@ def test_the_commands(tmp_path: Path) -> None:
             file.read(1).tobytes() == surface.raster(0.5, interpolation="sibson").values.tobytes()
         )
         assert file.tags(ns="IMAGE_STRUCTURE")["LAYOUT"] == "COG"
-    command("contour", "out", "a.geojson", "--interval", "0.25", cwd=tmp_path)
-    surface.contours(interval=0.25).save(tmp_path / "b.geojson")
+    words = ("--interval", "0.25", "--smooth", "0.1")
+    assert command("contour", "out", "a.geojson", *words, cwd=tmp_path).returncode == 0
+    surface.contours(interval=0.25, smooth=0.1).save(tmp_path / "b.geojson")
     written = [(tmp_path / name).read_bytes() for name in ("a.geojson", "b.geojson")]
     assert written[0] == written[1]
 
@@ -325,3 +333,76 @@ def test_commands_that_are_refused(words: Any, message: str, tmp_path: Path) -> 
     assert message in done.stderr
     assert done.stderr.count("\n") == 1
     assert {path.name for path in tmp_path.iterdir()} == {"out", "flat", "none", "a.npy"}
+
+
+@pytest.fixture(scope="module")
+def others(
+    both: tuple[TiledSurface, Surface], tmp_path_factory: pytest.TempPathFactory
+) -> tuple[TiledSurface, Surface]:
+    low, high = both[1].triangulation.min_bound, both[1].triangulation.max_bound
+    points = np.random.default_rng(9).random((700, 3))
+    points[:, :2] = low + (high - low) * (points[:, :2] * 0.8 + 0.3)
+    tiled = liftmesh.tile_surface(points, tmp_path_factory.mktemp("others"), tile_rows=100)
+    return tiled, liftmesh.triangulate(points)
+
+
+@pytest.mark.parametrize("wanted", LAYOUTS[:3], ids=str)
+def test_rasters_of_differences_are_those_of_one_call(
+    both: tuple[TiledSurface, Surface],
+    others: tuple[TiledSurface, Surface],
+    wanted: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(surface_raster, "_SIDE", 24)
+    monkeypatch.setattr(surface_raster, "_FACES", 40)
+    expected = both[1].raster(**wanted, minus=others[1])
+    assert expected.quantity == "difference"
+    places = expected.centers()
+    apart = both[1].sample(places) - others[1].sample(places)
+    np.testing.assert_array_equal(expected.values, apart.astype(expected.values.dtype))
+    for surface in both:
+        for other in others:
+            found = surface.raster(**wanted, minus=other)
+            assert found.values.tobytes() == expected.values.tobytes()
+    written = both[0].save_raster(tmp_path / "change.tif", **wanted, minus=others[0])
+    with rasterio.open(written.path) as file:
+        np.testing.assert_array_equal(file.read(1), expected.values.astype(np.float32))
+
+
+def test_what_cannot_be_subtracted(both: tuple[TiledSurface, Surface]) -> None:
+    for surface in both:
+        with pytest.raises(InputError, match="minus is 3: triangulate it, open its tiles, or"):
+            surface.raster(1, minus=3)
+        with pytest.raises(InputError, match="of slope nothing is subtracted: leave out minus"):
+            surface.raster(1, minus=surface, quantity="slope")
+        with pytest.raises(InputError, match="give minus or values, not both"):
+            both[1].raster(1, minus=surface, values="height")
+    with pytest.raises(InputError, match="no surface in memory: take a raster with the option"):
+        liftmesh.difference(*both[::-1])
+    walls = liftmesh.triangulate(CLOUDS["terrain"][:50], plane="xz")
+    with pytest.raises(InputError, match="over different planes"):
+        both[0].raster(1, minus=walls)
+
+
+def test_parts_are_clipped_as_of_one_call(both: tuple[TiledSurface, Surface]) -> None:
+    tiled, surface = both
+    low, high = surface.triangulation.min_bound, surface.triangulation.max_bound
+    for corners in ([[0.2, 0.3], [0.7, 0.25], [0.5, 0.8]], [[0.4, -1], [2, 0.5], [0.45, 0.6]]):
+        ring = low + (high - low) * corners
+        heard: list[float] = []
+        found, expected = tiled.clip(ring, progress=heard.append), surface.clip(ring)
+        assert found.vertices.tobytes() == expected.vertices.tobytes()
+        assert found.faces.tobytes() == expected.faces.tobytes()
+        assert found.attributes.keys() == expected.attributes.keys()
+        assert heard[-1] == 1
+    with pytest.raises(InputError, match="no face is left"):
+        tiled.clip(np.add(high, [[1, 1], [2, 1], [2, 2]]))
+
+
+def test_progress_of_filled_contours(both: tuple[TiledSurface, Surface]) -> None:
+    for surface in both:
+        heard: list[float] = []
+        surface.filled_contours([0.0], progress=heard.append)
+        assert heard == sorted(heard)
+        assert heard[-1] == 1

@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 
 import liftmesh
+from liftmesh.errors import FormatError
+from liftmesh.vector.drawings import read_dxf
 from liftmesh.vector.files import lines_of
 from liftmesh.vector.shapes import areas_in, lines_in
 
@@ -121,3 +123,41 @@ def test_wrong_lines_of_obj_are_named(line: str, said: str, tmp_path: Path) -> N
     path.write_text(f"v 0 0 0\nv 1 0 0\n\n{line}\n")
     with pytest.raises(liftmesh.FormatError, match=f"wrong.obj: .*{said}"):
         lines_in(path)
+
+
+def nested(depth: int, times: int, leaf: str, placed: str = "") -> str:
+    """Blocks, each of which holds the next one so many times; the first is inserted."""
+    insert = "0\nINSERT\n8\n0\n2\nB{}\n10\n0\n20\n0\n"
+    blocks = [insert.format(k + 1) * times for k in range(depth - 1)] + [leaf]
+    texts = (f"0\nBLOCK\n2\nB{k}\n70\n0\n{each}0\nENDBLK\n" for k, each in enumerate(blocks))
+    version = "0\nSECTION\n2\nHEADER\n9\n$ACADVER\n1\nAC1015\n0\nENDSEC\n"
+    body = f"0\nSECTION\n2\nBLOCKS\n{''.join(texts)}0\nENDSEC\n"
+    end = f"0\nSECTION\n2\nENTITIES\n{insert.format(0)}{placed}0\nENDSEC\n0\nEOF\n"
+    return version + body + end
+
+
+A_LINE = "0\nLINE\n8\n0\n10\n0\n20\n0\n11\n1\n21\n1\n"
+BOMBS = {
+    "blocks in blocks": (nested(9, 10, A_LINE), "its blocks expand to .* entities, more than"),
+    "blocks of nothing": (nested(20, 10, ""), "its blocks expand to .* entities, more than"),
+    "an array": (
+        nested(1, 1, A_LINE, "70\n30000\n71\n30000\n44\n1\n45\n1\n"),
+        "its blocks expand to 900,000,001 entities, more than 20,0",
+    ),
+    "a block in itself": (nested(2, 1, "0\nINSERT\n2\nB0\n10\n0\n20\n0\n"), "hold each other"),
+    "a curve without end": (
+        nested(1, 1, A_LINE, "0\nCIRCLE\n10\n0\n20\n0\n40\n1e308\n"),
+        "a CIRCLE is beyond 1e.100, or not finite",
+    ),
+}
+
+
+@pytest.mark.parametrize("case", BOMBS)
+def test_few_bytes_do_not_become_very_many_lines(case: str, tmp_path: Path) -> None:
+    text, cause = BOMBS[case]
+    path = tmp_path / "a.dxf"
+    path.write_text(text)
+    with pytest.raises(FormatError, match=cause):
+        read_dxf(path)
+    path.write_text(nested(3, 5, A_LINE))
+    assert len(read_dxf(path)["coordinates"]) == 25

@@ -76,13 +76,15 @@ def test_binary_geometries_that_are_none() -> None:
     for length in range(len(whole)):
         with pytest.raises((ValueError, struct.error, IndexError)):
             geometry_of(whole[:length])
-    for kind in (0, 8, 10, 15, 17):
+    for kind in (0, 8, 10, 14, 18):
         with pytest.raises(ValueError, match="a curve, a surface or unknown"):
             geometry_of(struct.pack("<BII", 1, kind, 0))
     with pytest.raises(ValueError, match="a curve, a surface"):
         geometry_of(struct.pack("<BII", 1, 7, 1) * 100_000)
     with pytest.raises(ValueError, match="a MultiPoint holds type 2"):
         geometry_of(struct.pack("<BIIBII", 1, 4, 1, 1, 2, 0))
+    with pytest.raises(ValueError, match="a TIN holds type 3"):
+        geometry_of(struct.pack("<BIIBII", 1, 1016, 1, 1, 1003, 0))
     with pytest.raises(ValueError, match="smaller than requested"):
         geometry_of(struct.pack("<BII", 1, 2, 2**32 - 1))
 

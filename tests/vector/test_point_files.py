@@ -15,7 +15,7 @@ from hypothesis import given, strategies as st
 
 import liftmesh
 from liftmesh.errors import FormatError
-from liftmesh.vector.files import points_of
+from liftmesh.vector.clouds import points_of
 
 ROWS = [[0, 0, 1], [10, 0, 5], [0, 10, 3], [10, 10, 9], [4, 6, 7.5]]
 PLACES = [[2.0, 3.0], [4.0, 6.0], [8.5, 1.25], [99.0, 5.0]]
@@ -44,22 +44,24 @@ def test_points_keep_their_numbers_and_the_rest_is_named(tmp_path: Path) -> None
     nowhere = {"type": "Feature", "properties": {"id": 6}, "geometry": None}
     held = [feature([1, 2, 30], id=1, name="A", depth=2.5, X=1), several, road, nowhere]
     found = points_of(saved(tmp_path / "a.geojson", *held), None)
-    assert found.points.tolist() == [[1, 2, 0], [5, 6, 0], [7, 8, 0]]
+    assert found.points[0].tolist() == [1, 2, 30]
+    np.testing.assert_array_equal(found.points[1:], [[5, 6, np.nan], [7, 8, np.nan]])
     assert found.attributes["id"].tolist() == [1, 2, 2]
     assert found.attributes["id"].dtype == np.int64
     np.testing.assert_array_equal(found.attributes["depth"], [2.5, np.nan, np.nan])
     assert {*found.attributes} == {"id", "depth"}
-    assert found.metadata["not_read"] == ("property name", "property X", "1 LineString")
+    not_read = ("column name (object)", "column X", "1 LineString")
+    assert found.metadata["not_read"] == not_read
 
 
 def test_a_bare_geometry_and_numbers_of_any_size(tmp_path: Path) -> None:
     (tmp_path / "a.json").write_text('{"type": "MultiPoint", "coordinates": [[1, 2], [3, 4]]}')
     assert points_of(tmp_path / "a.json", None).points.tolist() == [[1, 2, 0], [3, 4, 0]]
     large = [feature([1, 2], small=True, large=2**62, huge=10**400), feature([3, 4], large=5)]
-    found = points_of(saved(tmp_path / "b.geojson", *large), None)
+    found = points_of(saved(tmp_path / "b.geojson", *large), None, flat=True)
     assert found.attributes["large"].tolist() == [2**62, 5]
     np.testing.assert_array_equal(found.attributes["small"], [1, np.nan])
-    assert found.metadata["not_read"] == ("property huge",)
+    assert found.metadata["not_read"] == ("column huge (object)",)
 
 
 @pytest.mark.parametrize("is_one_feature", [True, False])
@@ -68,10 +70,11 @@ def test_a_value_for_every_point_and_property_has_a_limit(tmp_path: Path, is_one
     names = [f"a{k}" for k in range(3000)]
     several = feature([[1, 2]] * 3000, "MultiPoint", **dict.fromkeys(names, 1))
     held = [several] if is_one_feature else [feature([1, 2], **{each: 1}) for each in names]
-    with pytest.raises(FormatError, match="3,000 points with 3,000 properties are far more values"):
-        points_of(saved(tmp_path / "a.geojson", *held), None)
+    with pytest.raises(FormatError, match=r"points or more with [\d,]+ properties are far"):
+        points_of(saved(tmp_path / "a.geojson", *held), None, flat=True)
     few = feature([[1, 2]] * 3000, "MultiPoint", **dict.fromkeys(names[:100], 1))
-    assert len(points_of(saved(tmp_path / "a.geojson", few), None).attributes) == 100
+    found = points_of(saved(tmp_path / "a.geojson", few), None, flat=True)
+    assert len(found.attributes) == 100
 
 
 @given(
@@ -87,7 +90,8 @@ def test_a_value_for_every_point_and_property_has_a_limit(tmp_path: Path, is_one
 )
 def test_every_bit_of_coordinates_and_numbers_is_kept(tmp_path_factory, rows) -> None:
     path = tmp_path_factory.mktemp("points") / "a.geojson"
-    found = points_of(saved(path, *(feature([x, y], id=number) for x, y, number in rows)), None)
+    held = (feature([x, y], id=number) for x, y, number in rows)
+    found = points_of(saved(path, *held), None, flat=True)
     expected = np.array([row[:2] for row in rows])
     assert found.points[:, :2].tobytes() == expected.tobytes()
     assert found.attributes["id"].tolist() == [row[2] for row in rows]
@@ -102,7 +106,7 @@ def test_heights_at_points_of_shapes(tin: Path, tmp_path: Path, suffix: str) -> 
     )
     done = run("sample", tin, tmp_path / "h.csv", "--at", tmp_path / f"at.{suffix}")
     assert done.returncode == 0, done.stderr
-    assert f"at.{suffix}: not read: property owner, 1 LineString" in done.stderr
+    assert f"at.{suffix}: not read: column owner (object), 1 LineString" in done.stderr
     assert "3 of 4 points have a height" in done.stderr
     found = liftmesh.read(tmp_path / "h.csv")
     expected = liftmesh.triangulate(ROWS).sample(PLACES)
@@ -140,7 +144,7 @@ def test_the_system_of_the_points_is_passed_on(tmp_path: Path) -> None:
         ('{"type": "Point", "coordinates": 5}', "point 0 is 5: give two finite numbers"),
         ('{"type": "Point", "coordinates": [1]}', "point 0 is [1]: give two finite numbers"),
         ('{"type": "Point", "coordinates": {"x": 1}}', "point 0 is {'x': 1}: give two"),
-        ('{"type": "MultiPoint", "coordinates": [[1, 2], [1, NaN]]}', "point 1 is [1, nan]"),
+        ('{"type": "MultiPoint", "coordinates": [[1, 2], [1, NaN]]}', "point 1 is [1.0, nan]"),
         ('{"type": "MultiPoint", "coordinates": [[1, 2], ["a", 2]]}', "point 1 is ['a', 2]"),
         ('{"type": "MultiPoint", "coordinates": 7}', "no GeoJSON: a point has type and"),
         ('{"type": "FeatureCollection", "features": [3]}', "no GeoJSON: a point has type and"),

@@ -105,4 +105,14 @@ Buffer<T> shrunk(Buffer<Old> old, std::size_t room, std::size_t count) {
     return Buffer<T>(static_cast<T*>(smaller));
 }
 
+// A buffer with more room, and the objects of the old one: the system moves the pages of a large
+// array, and copies nothing. Not for arrays in files.
+template <class T>
+Buffer<T> enlarged(Buffer<T> old, std::size_t count) {
+    void* larger = std::realloc(old.get(), count * sizeof(T));
+    if (larger == nullptr) throw std::bad_alloc();
+    static_cast<void>(old.release());
+    return Buffer<T>(static_cast<T*>(larger));
+}
+
 }  // namespace liftmesh

@@ -5,7 +5,7 @@
 
 namespace liftmesh {
 
-enum class Status : std::uint8_t { ok, non_finite, too_few, collinear, interrupted };
+enum class Status : std::uint8_t { ok, non_finite, too_few, collinear, coplanar, interrupted };
 
 // Polled by long runs. Once `requested` returns true it must do so from then on, and the run ends
 // with Status::interrupted. `expect` and `advance` report progress, from any thread.

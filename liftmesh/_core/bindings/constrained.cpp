@@ -3,8 +3,8 @@
 #include "constrained/constrained.hpp"
 
 #include "bindings/python.hpp"
-#include "constrained/places.hpp"
 #include "constrained/regions.hpp"
+#include "predicates/crossings.hpp"
 
 namespace bindings {
 
@@ -67,12 +67,12 @@ nb::object carve(const Triples& simplices, const Triples& neighbors, const Bytes
 
 void crossing_places(const Array<const double, 8>& pairs, const Array<double, 2>& places) {
     if (pairs.shape(0) != places.shape(0)) throw std::invalid_argument("lengths differ");
-    liftmesh::constrained::find_crossings(pairs.data(), pairs.shape(0), places.data());
+    liftmesh::find_crossings(pairs.data(), pairs.shape(0), places.data());
 }
 
 void distances(const Array<const double, 6>& edges_and_points, const Array<double>& found) {
     if (edges_and_points.shape(0) != found.shape(0)) throw std::invalid_argument("lengths differ");
-    liftmesh::constrained::find_distances(edges_and_points.data(), found.shape(0), found.data());
+    liftmesh::find_distances(edges_and_points.data(), found.shape(0), found.data());
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "hull/lower_hull.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/triangle_order.hpp"
 
 namespace bindings {
 
@@ -79,7 +80,31 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
     });
 }
 
+// Triangles in canonical order, with neighbours and flags; rows are in order if there are no
+// points.
+nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples& simplices,
+                          const Triples& neighbors,
+                          const std::optional<Array<const std::uint8_t>>& bits, std::size_t rows) {
+    const std::size_t count = simplices.shape(0);
+    const liftmesh::Triangles given{simplices.data(), neighbors.data(),
+                                    bits ? bits->data() : nullptr, count};
+    liftmesh::OrderedTriangles ordered;
+    run_unlocked([&](auto& interrupt) {
+        std::vector<std::int32_t> ranks;
+        if (points &&
+            !liftmesh::rank_rows(read(*points), simplices.data(), count, ranks, interrupt))
+            return false;
+        return liftmesh::order_triangles(given, points ? ranks.data() : nullptr, rows, ordered,
+                                         interrupt);
+    });
+    return nb::make_tuple(adopt(std::move(ordered.simplices), count, 3),
+                          adopt(std::move(ordered.neighbors), count, 3),
+                          adopt(std::move(ordered.bits), bits ? count : 0, 1));
+}
+
 void bind_planar(nb::module_& m) {
+    m.def("canonical_order", &canonical_order, "points"_a.none(), "simplices"_a, "neighbors"_a,
+          "bits"_a.none(), "rows"_a);
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "folder"_a.none() = nb::none());
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,

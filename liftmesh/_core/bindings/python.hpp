@@ -163,6 +163,8 @@ inline const char* name(liftmesh::Status status) {
             return "too few";
         case liftmesh::Status::collinear:
             return "collinear";
+        case liftmesh::Status::coplanar:
+            return "coplanar";
         // GCOV_EXCL_START: an interrupted run ends in an exception
         case liftmesh::Status::interrupted:
             return "interrupted";

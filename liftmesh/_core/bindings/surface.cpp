@@ -4,6 +4,7 @@
 #include "bindings/python.hpp"
 #include "surface/contours.hpp"
 #include "surface/overlay.hpp"
+#include "surface/overlay_mesh.hpp"
 #include "surface/passage.hpp"
 #include "surface/relief.hpp"
 #include "surface/rim.hpp"
@@ -147,6 +148,29 @@ class PyRelief {
         return nb::make_tuple(found.above, found.below, found.area);
     }
 
+    // The overlay as a mesh: points and rises over the other surface, triangles with neighbours and
+    // constrained sides, how many rows are crossings, and their displacement. None if it is not
+    // sound.
+    nb::object overlay(const PyRelief& other, std::int32_t face, std::int32_t touching,
+                       nb::handle progress) const {
+        check_face(face);
+        other.check_face(touching);
+        liftmesh::OverlayMesh found;
+        run_unlocked(
+            [&](auto& interrupt) {
+                return liftmesh::overlay_mesh(relief_, other.relief_, face, touching, found,
+                                              interrupt);
+            },
+            progress);
+        if (!found.is_sound) return nb::none();
+        return nb::make_tuple(
+            adopt(liftmesh::reuse<double>(std::move(found.points)), found.rows, 2),
+            adopt(std::move(found.rises), found.rows, 1),
+            adopt(std::move(found.simplices), found.triangles, 3),
+            adopt(std::move(found.neighbors), found.triangles, 3),
+            adopt(std::move(found.bits), found.triangles, 1), found.crossings, found.displacement);
+    }
+
     // The same in triangles that do not overlap, each with a face of both that it touches.
     nb::tuple between_within(const PyRelief& other, const Triangles& parts, const Ids& faces,
                              const Ids& touching) const {
@@ -247,6 +271,7 @@ void bind_surface(nb::module_& m) {
         .def("gradients", &PyRelief::gradients, "locator"_a, "queries"_a, "gradients"_a,
              "threads"_a, "shared"_a)
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)
+        .def("overlay", &PyRelief::overlay, "other"_a, "face"_a, "touching"_a, "progress"_a.none())
         .def("between_within", &PyRelief::between_within, "other"_a, "parts"_a, "faces"_a,
              "touching"_a)
         .def("height_range", &PyRelief::height_range, "threads"_a, "shared"_a)

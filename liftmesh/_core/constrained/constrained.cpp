@@ -2,6 +2,7 @@
 
 #include "base/floating_point.hpp"
 #include "constrained/insertion.hpp"
+#include "constrained/rounds.hpp"
 #include "delaunay/divide_conquer.hpp"
 #include "predicates/orient2d.hpp"
 #include "sorting/counting_sort.hpp"
@@ -108,31 +109,57 @@ class Constraints {
         return sort(placed_, mesh_.count, pool_, [](const Placed& each) { return each.a; });
     }
 
-    // Where edges cross many triangles, each crosses what those before have left behind, if they go
-    // from one end of the plane to the other. Then the rest follows in random rounds, each about
-    // twice as large as the one before (Amenta, Choi, Rote 2003).
+    // In the order of their ends, until they turn out to cross many triangles: then in rounds.
     bool insert(Insertion& insertion) {
         constexpr std::size_t many = 16, least = 256;
         memberships_.reserve(placed_.size());
+        if (!mark_those_there(insertion)) return false;
         std::size_t done = 0, met = 0;
         for (; done < placed_.size() && met <= many * (done + least); ++done) {
             met += insert(placed_[done], insertion);
             if (patience_.ends()) return false;
         }
-        const std::span<const Placed> rest = std::span(placed_).subspan(done);
-        const int first = std::bit_width(rest.size());
-        for (int round = first; round >= 0; --round) {
-            for (const Placed& each : rest) {
-                if (std::min(round_of(each), first) != round) continue;
-                insert(each, insertion);
-                if (patience_.ends()) return false;
-            }
+        const std::span<Placed> rest = std::span(placed_).subspan(done);
+        return rest.empty() || (sort_by_lines(rest) && Rounds(rest.size()).run([&](std::size_t i) {
+                   insert(rest[i], insertion);
+                   return !patience_.ends();
+               }));
+    }
+
+    // Edges that triangles have already come first: they change nothing, and what crosses many of
+    // them is known as such before it takes these triangles away.
+    bool mark_those_there(Insertion& insertion) {
+        std::size_t left = 0;
+        for (const Placed& each : placed_) {
+            if (patience_.ends()) return false;
+            if (insertion.mark_if_there(each.a, each.b))
+                memberships_.push_back({piece({each.a, each.b}), each.edge});
+            else
+                placed_[left++] = each;
         }
+        placed_.resize(left);
         return true;
     }
 
-    static int round_of(const Placed& edge) {
-        return std::countl_zero(hash(std::uint64_t{edge.a} << 32 | edge.b));
+    bool sort_by_lines(std::span<Placed> edges) const {
+        struct Keyed {
+            std::uint64_t key;
+            Placed edge;
+        };
+        const Point* points = mesh_.points.get();
+        Bounds box = Bounds::nothing();
+        for (std::size_t v = 0; v < mesh_.count; ++v) box.add(pair(points + v));
+        const LineOrder order(box);
+        std::vector<Keyed> keyed;
+        keyed.reserve(edges.size());
+        for (const Placed& each : edges)
+            keyed.push_back({order(points[each.a], points[each.b]), each});
+        const auto is_less = [](const Keyed& one, const Keyed& other) {
+            return one.key < other.key;
+        };
+        if (!patient_sort(keyed, is_less, pool_.interrupt())) return false;
+        for (std::size_t i = 0; i < edges.size(); ++i) edges[i] = keyed[i].edge;
+        return true;
     }
 
     // Returns how many triangles it met.

@@ -72,8 +72,7 @@ void Insertion::reserve(std::size_t triangles) {
     for (Chain* chain : {&left_, &right_}) {
         chain->pocket.reserve(vertices);
         chain->inner.reserve(vertices);
-        chain->partner.reserve(vertices);
-        chain->marked.reserve(vertices);
+        chain->folds.reserve(vertices);
     }
 }
 
@@ -95,6 +94,19 @@ Span Insertion::find_span(Vertex& a, Vertex& b) {
     }
 }
 
+bool Insertion::mark_if_there(Vertex a, Vertex b) {
+    Turn one(*this, a, b), other(*this, b, a);
+    Edge found = 0;
+    for (bool from_b = false;; from_b = !from_b) {
+        const Way way = from_b ? other.step(found) : one.step(found);
+        if (way == Way::unknown) continue;
+        if (way == Way::across || head(found) != (from_b ? a : b)) return false;
+        mark(found);
+        mark(twin(found));
+        return true;
+    }
+}
+
 Span Insertion::insert_span(Vertex& a, Vertex& b) {
     const Span span = find_span(a, b);
     if (is_there_) {
@@ -109,21 +121,10 @@ Span Insertion::insert_span(Vertex& a, Vertex& b) {
 // Walks along the way from a vertex, across edge after edge, to the first vertex on it.
 Vertex Insertion::cross(Vertex from, Vertex to, Edge e) {
     const Point a = at(from), b = at(to);
-    for (Chain* chain : {&left_, &right_}) {
-        chain->pocket.clear();
-        chain->inner.clear();
-        chain->pocket.add(from);
-    }
-    const auto on_right = [this](Vertex v, Edge inner) {
-        right_.pocket.add(v);
-        right_.inner.push_back(inner);
-    };
-    const auto on_left = [this](Vertex v, Edge inner) {
-        left_.pocket.add(v);
-        left_.inner.push_back(inner);
-    };
-    on_right(tail(e), previous(e));
-    on_left(head(e), next(e));
+    left_.begin(from);
+    right_.begin(from);
+    right_.add(tail(e), previous(e));
+    left_.add(head(e), next(e));
     take(e);
     while (true) {
         if (is_marked(e)) crossed_.push_back(e);
@@ -131,8 +132,8 @@ Vertex Insertion::cross(Vertex from, Vertex to, Edge e) {
         take(e);
         const Vertex r = apex(e);
         const int turn = r == to ? 0 : orient2d(a, b, at(r));
-        if (turn <= 0) on_right(r, next(e));
-        if (turn >= 0) on_left(r, previous(e));
+        if (turn <= 0) right_.add(r, next(e));
+        if (turn >= 0) left_.add(r, previous(e));
         if (turn == 0) return r;
         e = turn > 0 ? next(e) : previous(e);
     }
@@ -156,35 +157,30 @@ void Insertion::cut_out() {
     mark(base[1]);
 }
 
-// What is beyond the sides, and which two of them are one edge. The triangles of the cavity are
-// needed no more: the place of the opposite vertex holds the number of the side.
+// What is beyond the sides, which of them are marked, and which two are one edge. The triangles of
+// the cavity are needed no more: the place of the opposite vertex holds the number of the side.
 void Insertion::note_sides(Chain& chain) {
-    const std::size_t count = chain.inner.size();
-    chain.marked.resize(count);
-    chain.partner.assign(count, none);
-    for (std::size_t i = 0; i < count; ++i) {
-        chain.marked[i] = is_marked(chain.inner[i]);
-        ground_.vertices[chain.inner[i]] = static_cast<Word>(i);
+    chain.folds.clear();
+    for (Word i = 0; i < chain.inner.size(); ++i) {
+        const Edge e = chain.inner[i], beyond = twin(e);
+        if (marks_[slot_of(triangle_of(beyond))] & in_cavity) {
+            ground_.vertices[e] = i;
+            chain.folds.push_back({i, 0});
+        }
+        chain.inner[i] = beyond | (is_marked(e) ? marked : 0);
     }
-    for (std::size_t i = 0; i < count; ++i) {
-        const Edge beyond = twin(chain.inner[i]);
-        if (marks_[slot_of(triangle_of(beyond))] & in_cavity)
-            chain.partner[i] = ground_.vertices[beyond];
-        chain.inner[i] = beyond;
-    }
+    for (Fold& each : chain.folds) each.other = ground_.vertices[chain.inner[each.side] & ~marked];
 }
 
 void Insertion::fill(Chain& chain) {
     chain.pocket.fill(ground_, guard_);
+    for (const auto& [side, other] : chain.folds)
+        chain.inner[side] = chain.pocket.side(other) | (chain.inner[side] & marked);
     for (std::size_t i = 0; i < chain.inner.size(); ++i) {
-        const Edge side = chain.pocket.side(i);
-        if (chain.partner[i] == none) {
-            ground_.twins[side] = chain.inner[i];
-            ground_.twins[chain.inner[i]] = side;
-        } else {
-            ground_.twins[side] = chain.pocket.side(chain.partner[i]);
-        }
-        if (chain.marked[i]) mark(side);
+        const Edge side = chain.pocket.side(i), beyond = chain.inner[i] & ~marked;
+        ground_.twins[side] = beyond;
+        ground_.twins[beyond] = side;
+        if (chain.inner[i] & marked) mark(side);
     }
 }
 

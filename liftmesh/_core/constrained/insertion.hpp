@@ -37,6 +37,9 @@ class Insertion {
         while (a != b) found(insert_span(a, b), crossed_);
     }
 
+    // Marks an edge that is one of the mesh.
+    bool mark_if_there(Vertex a, Vertex b);
+
     // The same for an edge in the finished triangulation, which is not changed; visit(triangle) is
     // called for each triangle whose inside a span meets.
     template <class Found>
@@ -55,14 +58,28 @@ class Insertion {
     Span ends(Edge e) const { return {tail(e), head(e)}; }
 
  private:
+    // A side, and another that is the other face of the same edge.
+    struct Fold {
+        Word side, other;
+    };
+
     // One side of the cavity: its sides, by the edges of the triangles that are in it.
     struct Chain {
         Pocket pocket;
-        std::vector<Edge> inner;    // seen from inside; later, what is beyond
-        std::vector<Word> partner;  // the side that is the other face of the same edge, or none
-        std::vector<bool> marked;
+        std::vector<Edge> inner;  // seen from inside; later, what is beyond
+        std::vector<Fold> folds;
+
+        void begin(Vertex v) {
+            pocket.clear();
+            inner.clear();
+            pocket.add(v);
+        }
+        void add(Vertex v, Edge e) {
+            pocket.add(v);
+            inner.push_back(e);
+        }
     };
-    static constexpr Word none = ~Word{0};
+    static constexpr Word marked = Word{1} << 31;  // of a side; names of edges are less
 
     // What is found by turning around the end of an edge.
     enum class Way : std::uint8_t { unknown, along, across };

@@ -1,88 +1,130 @@
 #include "constrained/pocket.hpp"
 
+#include "base/buffer.hpp"
 #include "predicates/orient2d.hpp"
+#include "sorting/sample.hpp"
 
 namespace liftmesh::constrained {
 
+namespace {
+
+constexpr std::size_t longest_in_cache = 1 << 12;
+
+}  // namespace
+
 void Pocket::reserve(std::size_t vertices) {
-    for (auto* each : {&chain_, &side_, &next_, &previous_, &round_, &later_, &order_, &stack_})
-        each->reserve(vertices);
+    for (auto* each : {&chain_, &round_, &later_, &order_, &stack_}) each->reserve(vertices + 1);
+    at_.reserve(vertices);
+    side_.reserve(vertices);
+    link_.reserve(vertices);
     is_listed_.reserve(vertices);
     border_.reserve(vertices);
+}
+
+// What the next corners that come back will read.
+void Pocket::foresee(std::size_t restored) const {
+    constexpr std::size_t first = 32, second = 20, third = 12, last = 4;
+    if (restored < first) return;
+    prefetch(&link_[order_[restored - first]]);
+    prefetch(&at_[order_[restored - first]]);
+    const auto before = [&](std::size_t early) { return link_[order_[restored - early]].previous; };
+    prefetch(&side_[before(second)]);
+    const Edge side = side_[before(third)];
+    prefetch(ground_->vertices + side);
+    prefetch(ground_->twins + side);
+    const Vertex* corners = ground_->vertices + triangle_of(side_[before(last)]);
+    for (int k = 0; k < 3; ++k) prefetch(ground_->points + corners[k]);
 }
 
 void Pocket::fill(Ground& ground, Guard guard) {
     ground_ = &ground;
     guard_ = guard;
-    side_.assign(chain_.size(), 0);
+    link();
+    order_.clear();
+    if (chain_.size() > 3) cut_corners();
     const auto last = static_cast<Index>(chain_.size() - 1);
-    Index middle = 1;
-    if (chain_.size() > 3) {
-        cut_corners();
-        middle = next_[0];
-    }
+    const Index middle = link_[0].next;
     const TriangleId t = make(chain_[0], chain_[middle], chain_[last]);
     connect(edge(t, 2), open | 0);
     connect(edge(t, 0), open | middle);
     connect(edge(t, 1), open | last);
-    if (chain_.size() > 3)
-        for (std::size_t i = order_.size(); i-- > 0;) restore(order_[i]);
+    const bool is_long = chain_.size() > longest_in_cache;
+    for (std::size_t i = order_.size(); i-- > 0;) {
+        if (is_long) foresee(i);
+        restore(order_[i]);
+    }
+}
+
+void Pocket::link() {
+    const auto count = static_cast<Index>(chain_.size());
+    at_.resize(count);
+    side_.resize(count);
+    link_.resize(count);
+    for (Index i = 0; i < count; ++i) {
+        at_[i] = ground_->points[chain_[i]];
+        link_[i] = {i + 1, i - 1};
+    }
+    link_[count - 1].next = 0;
 }
 
 bool Pocket::is_convex(Index i) const {
-    return orient2d(at(previous_[i]), at(i), at(next_[i])) > 0;
+    return orient2d(at_[link_[i].previous], at_[i], at_[link_[i].next]) > 0;
 }
 
 // In rounds, each along the chain: of the corners that may go about every second one goes. So each
 // round of those that come back goes along the chain, too, and finds what it reads in the cache.
 // Corners are looked at again once a neighbour has gone.
 void Pocket::cut_corners() {
-    const auto last = static_cast<Index>(chain_.size() - 1);
-    next_.resize(chain_.size());
-    previous_.resize(chain_.size());
-    for (Index i = 0; i <= last; ++i) next_[i] = i + 1, previous_[i] = i - 1;
-    next_[last] = 0;
-    round_.resize(chain_.size() - 2);
+    const std::size_t many = chain_.size() - 3;  // are cut off
+    round_.resize(chain_.size() + 1);
+    later_.resize(chain_.size() + 1);
     std::iota(round_.begin(), round_.end(), Index{1});
     is_listed_.assign(chain_.size(), 1);
-    order_.clear();
-    random_ = golden_section;
-    while (order_.size() + 3 < chain_.size()) {
-        later_.clear();
-        for (const Index i : round_) {
-            is_listed_[i] = 0;
-            if (order_.size() + 3 == chain_.size() || !is_convex(i)) continue;
-            if (draw()) {
-                list(i);
-                continue;
+    draws_ = 0;
+    std::size_t count = chain_.size() - 2;
+    while (order_.size() < many) {
+        later_count_ = 0;
+        for (std::size_t first = 0; first < count; first += drawn_.size()) {
+            const std::size_t some = std::min(drawn_.size(), count - first);
+            for (const Index i : draw({&round_[first], some})) {
+                is_listed_[i] = 0;
+                if (order_.size() == many || !is_convex(i)) continue;
+                order_.push_back(i);
+                const auto [after, before] = link_[i];
+                link_[before].next = after;
+                link_[after].previous = before;
+                list(before);
+                list(after);
             }
-            order_.push_back(i);
-            next_[previous_[i]] = next_[i];
-            previous_[next_[i]] = previous_[i];
-            list(previous_[i]);
-            list(next_[i]);
         }
+        count = later_count_;
         std::swap(round_, later_);
     }
 }
 
-// For the next round. The ends are never listed.
-void Pocket::list(Index i) {
-    if (is_listed_[i]) return;
-    is_listed_[i] = 1;
-    later_.push_back(i);
+// About every second one; the others are left for the next round. No branch depends on chance.
+std::span<const Pocket::Index> Pocket::draw(std::span<const Index> some) {
+    std::uint64_t random = random_number(draws_++, 0);
+    std::size_t count = 0;
+    for (const Index i : some) {
+        drawn_[count] = later_[later_count_] = i;
+        count += random & 1;
+        later_count_ += ~random & 1;
+        random /= 2;
+    }
+    return {drawn_.data(), count};
 }
 
-// A linear congruential generator of Knuth, whose upper bits are random.
-bool Pocket::draw() {
-    random_ = random_ * 6364136223846793005u + 1442695040888963407u;
-    return random_ >> 63;
+// For the next round. The ends are never listed.
+void Pocket::list(Index i) {
+    later_[later_count_] = i;
+    later_count_ += !is_listed_[i];
+    is_listed_[i] = 1;
 }
 
 // The triangles in conflict with a corner that comes back are a path or a tree that begins at the
 // side on which it stands. Their border is met in order.
-void Pocket::dig(Vertex v, Edge side) {
-    const Point p = ground_->points[v];
+void Pocket::dig(Point p, Edge side) {
     const Vertex* vertices = ground_->vertices;
     border_.clear();
     stack_.assign(1, side);
@@ -91,7 +133,7 @@ void Pocket::dig(Vertex v, Edge side) {
         stack_.pop_back();
         if (x & open) {  // seen from inside the polygon
             const Index i = x & ~open;
-            border_.push_back({chain_[next_[i]], chain_[i], x});
+            border_.push_back({chain_[link_[i].next], chain_[i], x});
             continue;
         }
         const TriangleId t = triangle_of(x);
@@ -109,11 +151,11 @@ void Pocket::dig(Vertex v, Edge side) {
 }
 
 void Pocket::restore(Index i) {
-    const Index before = previous_[i];
+    const Index before = link_[i].previous;
     const Vertex v = chain_[i];
-    dig(v, side_[before]);
-    next_[before] = i;
-    previous_[next_[i]] = i;
+    dig(at_[i], side_[before]);
+    link_[before].next = i;
+    link_[link_[i].next].previous = i;
     Edge left = 0;
     for (std::size_t k = 0; k < border_.size(); ++k) {
         const auto [tail, head, beyond] = border_[k];

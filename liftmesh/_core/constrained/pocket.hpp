@@ -49,30 +49,38 @@ class Pocket {
     // In place of a twin: a side of the polygon.
     static constexpr Word open = Word{1} << 31;  // names of edges are less
 
+    struct Link {
+        Index next, previous;
+    };
+
     struct Border {
         Vertex tail, head;
         Word beyond;
     };
 
-    Point at(Index i) const { return ground_->points[chain_[i]]; }
+    void link();
     bool is_convex(Index i) const;
     void cut_corners();
+    std::span<const Index> draw(std::span<const Index> some);
     void list(Index i);
-    bool draw();
+    [[gnu::always_inline]] inline void foresee(std::size_t restored) const;
     void restore(Index i);
-    void dig(Vertex v, Edge side);
+    void dig(Point p, Edge side);
     TriangleId make(Vertex a, Vertex b, Vertex c);
     void connect(Edge e, Word beyond);
 
     Ground* ground_ = nullptr;
     Guard guard_ = Guard::in_window();
-    std::uint64_t random_ = 0;
     std::vector<Vertex> chain_;
     std::vector<Edge> side_;
-    std::vector<Index> next_, previous_;
-    std::vector<Index> round_, later_;     // the corners to look at, and those of the next round
+    std::vector<Link> link_;
+    std::vector<Point> at_;             // as of the chain
+    std::vector<Index> round_, later_;  // the corners to look at, and those of the next round
+    std::size_t later_count_ = 0;
     std::vector<std::uint8_t> is_listed_;  // for one of these; the ends always
-    std::vector<Index> order_;             // of the corners that went
+    std::uint64_t draws_ = 0;
+    std::array<Index, 64> drawn_{};
+    std::vector<Index> order_;  // of the corners that went
     std::vector<Word> stack_;
     std::vector<Border> border_;
 };

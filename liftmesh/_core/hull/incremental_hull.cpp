@@ -11,21 +11,6 @@ namespace {
 
 constexpr Vertex no_vertex = ~Vertex{0};
 
-// The order of insertion. A point is in the last round with probability 1/2, in the one before with
-// 1/4, and so on, by the trailing zeros of random numbers, with the secret as their seed.
-std::vector<Vertex> biased_random_order(std::size_t count, std::uint64_t secret) {
-    std::array<std::vector<Vertex>, 65> rounds;
-    for (std::size_t v = 0; v < count; ++v) {
-        const int zeros = std::countr_zero(random_number(v, secret));
-        rounds[static_cast<std::size_t>(zeros)].push_back(static_cast<Vertex>(v));
-    }
-    std::vector<Vertex> order;
-    order.reserve(count);
-    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round)
-        order.insert(order.end(), round->begin(), round->end());
-    return order;
-}
-
 class LowerHullBuilder {
  public:
     LowerHullBuilder(std::span<const SpacePoint> points, Guard guard, Interrupt& interrupt)
@@ -38,7 +23,7 @@ class LowerHullBuilder {
           spoke_(points.size() + 1) {}
 
     Status build(std::uint64_t secret) {
-        const std::vector<Vertex> order = biased_random_order(p_.size(), secret);
+        const std::vector<Vertex> order = biased_random_order(p_.size(), 1, secret);
         const std::optional<std::array<Vertex, 3>> seed = find_seed(order);
         if (!seed) return patience_.ends(0) ? Status::interrupted : Status::ok;
         start(*seed);

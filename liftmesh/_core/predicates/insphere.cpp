@@ -21,9 +21,10 @@ int insphere_by_scaled_filter(const SpacePoint (&points)[5]) {
     if (!std::isfinite(largest) || largest < 0x1p-960) return 0;
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     for (SpaceSteps& step : steps) step.x *= scale, step.y *= scale, step.z *= scale;
-    const SphereFilter filter = insphere_filter(steps[0], steps[1], steps[2], steps[3]);
-    const double error = filter.error + 1e-290;
-    return (filter.det > error) - (-filter.det > error);
+    const auto& [p, q, r, s] = steps;
+    const auto [det, square] = insphere_filter(p, q, r, s);
+    const double error = insphere_error(p, q, r, s, square) + 1e-290;
+    return (det > error) - (-det > error);
 }
 
 Lattice<15> lattice_of(const SpacePoint (&points)[5]) {
@@ -55,13 +56,8 @@ int sign_of_small_sphere(const std::int64_t (&x)[4], const std::int64_t (&y)[4],
 // The same at any width: differences are below 2^(64N - 2), minors of two columns below
 // 2^(128N - 3), of three below 2^(192N - 3), squares below 2^(128N - 2).
 template <int N>
-int sign_of_sphere(const Lattice<15>& lattice) {
-    std::array<Wide<N>, 4> x, y, z;
-    for (int i = 0; i < 4; ++i) {
-        x[i] = lattice.at<N>(3 * i) - lattice.at<N>(12);
-        y[i] = lattice.at<N>(3 * i + 1) - lattice.at<N>(13);
-        z[i] = lattice.at<N>(3 * i + 2) - lattice.at<N>(14);
-    }
+int sign_of_sphere(const std::array<Wide<N>, 4>& x, const std::array<Wide<N>, 4>& y,
+                   const std::array<Wide<N>, 4>& z) {
     Wide<5 * N> det{};
     for (int i = 0; i < 4; ++i) {
         const int j = i == 0, k = i < 2 ? 2 : 1, l = i < 3 ? 3 : 2;
@@ -74,18 +70,48 @@ int sign_of_sphere(const Lattice<15>& lattice) {
     return det.sign();
 }
 
-int sign_of_narrow_sphere(const Lattice<15>& lattice) {
+// From differences of at most 62 bits.
+int sign_of_narrow_sphere(const std::int64_t (&step)[3][4]) {
     constexpr std::int64_t small = std::int64_t{1} << 20;
-    std::int64_t steps[3][4];
     bool are_small = true;
-    for (int i = 0; i < 12; ++i) {
-        const Wide<1> step = lattice.at<1>(i) - lattice.at<1>(12 + i % 3);
-        const auto value = static_cast<std::int64_t>(step.limb[0]);
-        steps[i % 3][i / 3] = value;
-        are_small &= -small < value && value < small;
+    for (const auto& axis : step)
+        for (std::int64_t value : axis) are_small &= (-small < value) & (value < small);
+    if (are_small) return sign_of_small_sphere(step[0], step[1], step[2]);
+    std::array<Wide<1>, 4> part[3];
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 4; ++i) part[axis][i] = {static_cast<std::uint64_t>(step[axis][i])};
+    return sign_of_sphere<1>(part[0], part[1], part[2]);
+}
+
+template <int N>
+int sign_of_sphere(const Lattice<15>& lattice) {
+    std::array<Wide<N>, 4> part[3];
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 4; ++i)
+            part[axis][i] = lattice.at<N>(3 * i + axis) - lattice.at<N>(12 + axis);
+    return sign_of_sphere<N>(part[0], part[1], part[2]);
+}
+
+int sign_of_narrow_sphere(const Lattice<15>& lattice) {
+    std::int64_t step[3][4];
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < 4; ++i)
+            step[axis][i] = static_cast<std::int64_t>(
+                (lattice.at<1>(3 * i + axis) - lattice.at<1>(12 + axis)).limb[0]);
+    return sign_of_narrow_sphere(step);
+}
+
+// The differences of integers to the last of some points.
+template <int K>
+void find_steps(const SpacePoint (&points)[K], double to_integers, std::int64_t (&step)[3][K - 1]) {
+    std::int64_t at[3][K];
+    for (int i = 0; i < K; ++i) {
+        at[0][i] = static_cast<std::int64_t>(points[i].x * to_integers);
+        at[1][i] = static_cast<std::int64_t>(points[i].y * to_integers);
+        at[2][i] = static_cast<std::int64_t>(points[i].z * to_integers);
     }
-    return are_small ? sign_of_small_sphere(steps[0], steps[1], steps[2])
-                     : sign_of_sphere<1>(lattice);
+    for (int axis = 0; axis < 3; ++axis)
+        for (int i = 0; i < K - 1; ++i) step[axis][i] = at[axis][i] - at[axis][K - 1];
 }
 
 bool is_odd(const std::array<int, 5>& order) {
@@ -118,8 +144,28 @@ int sign_of_wide_sphere(const Lattice<15>& lattice) {
 
 }  // namespace
 
-int insphere_exact(const SpacePoint (&points)[5], Guard guard) {
-    if (!guard.vouches())
+int volume_sign_exact(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
+                      const SpacePoint& d, const Trust& trust) {
+    if (trust.to_integers == 0) return -orient3d_exact(a, b, c, d);
+    std::int64_t step[3][3];
+    find_steps({a, b, c, d}, trust.to_integers, step);
+    Wide<3> det{};
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        const Int128 minor = static_cast<Int128>(step[0][k]) * step[1][j] -
+                             static_cast<Int128>(step[0][j]) * step[1][k];
+        det = det + widened(minor) * Wide<1>{static_cast<std::uint64_t>(step[2][i])};
+    }
+    return det.sign();
+}
+
+int insphere_exact(const SpacePoint (&points)[5], const Trust& trust) {
+    if (trust.to_integers != 0) {
+        std::int64_t step[3][4];
+        find_steps(points, trust.to_integers, step);
+        return sign_of_narrow_sphere(step);
+    }
+    if (!trust.guard.vouches())
         if (const int sign = insphere_by_scaled_filter(points); sign != 0) return sign;
     const Lattice<15> lattice = lattice_of(points);
     if (lattice.fits<1>()) return sign_of_narrow_sphere(lattice);
@@ -127,29 +173,30 @@ int insphere_exact(const SpacePoint (&points)[5], Guard guard) {
     return sign_of_wide_sphere(lattice);
 }
 
-int insphere_canonical_exact(const SpacePoint (&points)[5], Guard guard) {
-    const int sign = insphere_exact(points, guard);
-    return sign != 0 ? sign : perturbed_sign(points);
-}
-
 // As in the plane: the lexicographically largest point is lifted most. If it is the last, that
 // leaves the sphere; otherwise the last replaces it in the tetrahedron, whose orientation is then
 // the sign. Where the new one is flat, the next largest point decides.
-int perturbed_sign(const SpacePoint (&points)[5]) {
-    const auto volume_without = [&](int i) {
-        SpacePoint p[4] = {points[0], points[1], points[2], points[3]};
-        if (i < 4) p[i] = points[4];
-        return volume_sign_exact(p[0], p[1], p[2], p[3]);
-    };
-    const int whole = volume_without(4);
-    if (whole == 0 || std::find(points, points + 4, points[4]) != points + 4) return 0;
+bool is_inside_by_rule(const SpacePoint (&points)[5], const Trust& trust) {
     int order[5] = {0, 1, 2, 3, 4};
-    std::sort(order, order + 5, [&](int i, int j) { return before_xyz(points[j], points[i]); });
-    for (int i : order) {
-        if (i == 4) break;
-        if (const int sign = volume_without(i); sign != 0) return sign;
+    for (int at = 0; at < 4; ++at) {
+        for (int i = at + 1; i < 5; ++i)
+            if (before_xyz(points[order[at]], points[order[i]])) std::swap(order[at], order[i]);
+        if (order[at] == 4) return false;
+        SpacePoint p[4] = {points[0], points[1], points[2], points[3]};
+        p[order[at]] = points[4];
+        if (const int sign = volume_sign(p[0], p[1], p[2], p[3], trust); sign != 0) return sign > 0;
     }
-    return -whole;
+    return false;  // GCOV_EXCL_LINE: in one of four the last is opposite
+}
+
+int insphere_canonical_exact(const SpacePoint (&points)[5], const Trust& trust) {
+    if (const int sign = insphere_exact(points, trust); sign != 0) return sign;
+    const auto& [a, b, c, d, e] = points;
+    const int whole = volume_sign_exact(a, b, c, d, trust);
+    if (whole == 0 || std::find(points, points + 4, e) != points + 4) return 0;
+    const bool is_inside =
+        whole > 0 ? is_inside_by_rule(points, trust) : is_inside_by_rule({b, a, c, d, e}, trust);
+    return is_inside ? whole : -whole;
 }
 
 }  // namespace liftmesh

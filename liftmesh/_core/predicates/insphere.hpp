@@ -10,9 +10,10 @@
 // (16 + 224e) e of the permanents, with e = 2^-53. Let X, Y and Z be the largest differences along
 // the axes, and L the greatest square of a distance. The permanents are at most 6 X Y Z and
 // 24 X Y Z L, and the bounds themselves are off by less than one part in 10^14: 43 e X Y Z and
-// 386 e X Y Z L suffice. That holds where nothing underflows or overflows: with coordinates zero or
-// in [2^-131, 2^200], a sum of terms of degree k is zero or at least 2^-(183 k + 52 (k - 1)), terms
-// of degree five are at least 2^-1022, and below 2^1012.
+// 386 e X Y Z L suffice; as
+// X Y Z <= L^1.5, so does 387 e L^2.5, which is known sooner. That holds where nothing underflows
+// or overflows: with coordinates zero or in [2^-131, 2^200], a sum of terms of degree k is zero or
+// at least 2^-(183 k + 52 (k - 1)), terms of degree five are at least 2^-1022, and below 2^1012.
 //
 // Where all coordinates are multiples of a unit u and differences are at most 2^9 u, each
 // intermediate is an integer multiple of a power of u, below 2^53 of it: |det| <= 72 * 2^45. So
@@ -24,32 +25,32 @@
 
 namespace liftmesh {
 
-// Both are exact for all finite doubles; called where the filters below are inconclusive.
-int insphere_exact(const SpacePoint (&points)[5], Guard guard);
-// Once lexicographically larger points (by x, then y, then z) are lifted by an infinitesimal more.
-// It is 0 only if the first four are coplanar or the last coincides with one of them.
-int insphere_canonical_exact(const SpacePoint (&points)[5], Guard guard);
-// The same for points of which is known that they are on one sphere.
-int perturbed_sign(const SpacePoint (&points)[5]);
-
-inline int volume_sign_exact(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
-                             const SpacePoint& d) {
-    return -orient3d_exact(a, b, c, d);
-}
-
 // What is known of the points of a set.
 struct Trust {
     static constexpr int least_exponent = -131;
 
     Guard guard = Guard::anywhere();
-    double exact_volume = 0, exact_sphere = 0;  // differences up to which nothing is rounded
+    // Differences, and squares of distances, up to which nothing is rounded. A square may be 0 by
+    // underflow.
+    double exact_volume = 0, exact_square = -1;
+    double to_integers = 0;  // makes all coordinates integers below 2^61, if not zero
 
-    // `unit` divides all coordinates; 0 if nothing is known.
-    static Trust of(Guard guard, double unit) {
+    // `unit` divides all coordinates, of which none is larger than `largest`.
+    static Trust of(Guard guard, double unit, double largest) {
         if (!guard.vouches()) return {};
-        return {guard, 0x1p16 * unit, 0x1p9 * unit};
+        return {guard, 0x1p16 * unit, 0x1p18 * unit * unit, largest < 0x1p61 * unit ? 1 / unit : 0};
     }
 };
+
+// These are exact for all finite doubles; called where the filters below are inconclusive.
+int volume_sign_exact(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
+                      const SpacePoint& d, const Trust& trust);
+int insphere_exact(const SpacePoint (&points)[5], const Trust& trust);
+// Once lexicographically larger points (by x, then y, then z) are lifted by an infinitesimal more.
+// It is 0 only if the first four are coplanar or the last coincides with one of them.
+int insphere_canonical_exact(const SpacePoint (&points)[5], const Trust& trust);
+// The same for distinct points on one sphere, of which the first four are a positive tetrahedron.
+bool is_inside_by_rule(const SpacePoint (&points)[5], const Trust& trust);
 
 struct SpaceSteps {
     double x, y, z;
@@ -58,6 +59,8 @@ struct SpaceSteps {
         : x(to.x - from.x), y(to.y - from.y), z(to.z - from.z) {}
     double square() const { return x * x + y * y + z * z; }
 };
+
+inline constexpr double sphere_bound = 387 * 0x1p-53;
 
 inline double largest_of(double a, double b, double c) {
     return std::max(std::max(std::fabs(a), std::fabs(b)), std::fabs(c));
@@ -75,17 +78,16 @@ inline int volume_sign(const SpacePoint& a, const SpacePoint& b, const SpacePoin
     if (det > error) return 1;
     if (-det > error) return -1;
     if (std::max(std::max(x, y), z) <= trust.exact_volume) return (det > 0) - (det < 0);
-    return volume_sign_exact(a, b, c, d);
+    return volume_sign_exact(a, b, c, d, trust);
 }
 
 struct SphereFilter {
-    double det, error, largest;
+    double det, square;  // L
 };
 
 // From the differences to the fifth point.
 inline SphereFilter insphere_filter(const SpaceSteps& p, const SpaceSteps& q, const SpaceSteps& r,
                                     const SpaceSteps& s) {
-    constexpr double bound = 386 * 0x1p-53;
     const double pq = p.x * q.y - q.x * p.y, qr = q.x * r.y - r.x * q.y;
     const double rs = r.x * s.y - s.x * r.y, sp = s.x * p.y - p.x * s.y;
     const double pr = p.x * r.y - r.x * p.y, qs = q.x * s.y - s.x * q.y;
@@ -95,23 +97,33 @@ inline SphereFilter insphere_filter(const SpaceSteps& p, const SpaceSteps& q, co
     const double spq = s.z * pq + p.z * qs + q.z * sp;
     const double of_p = p.square(), of_q = q.square(), of_r = r.square(), of_s = s.square();
     const double det = (of_r * spq - of_s * pqr) + (of_p * qrs - of_q * rsp);
+    return {det, std::max(std::max(of_p, of_q), std::max(of_r, of_s))};
+}
+
+// For points that all differ little along some axis.
+inline double insphere_error(const SpaceSteps& p, const SpaceSteps& q, const SpaceSteps& r,
+                             const SpaceSteps& s, double square) {
     const double x = std::max(largest_of(p.x, q.x, r.x), std::fabs(s.x));
     const double y = std::max(largest_of(p.y, q.y, r.y), std::fabs(s.y));
     const double z = std::max(largest_of(p.z, q.z, r.z), std::fabs(s.z));
-    const double square = std::max(std::max(of_p, of_q), std::max(of_r, of_s));
-    return {det, bound * (x * y) * (z * square), std::max(std::max(x, y), z)};
+    return sphere_bound * (x * y) * (z * square);
 }
 
 // Whether e is inside the sphere of a positive tetrahedron, or on it and inside by the rule.
 inline bool is_inside_sphere(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
                              const SpacePoint& d, const SpacePoint& e, const Trust& trust) {
-    const SphereFilter filter = insphere_filter({a, e}, {b, e}, {c, e}, {d, e});
-    const double error = filter.error + trust.guard.margin();
-    if (filter.det > error) return true;
-    if (-filter.det > error) return false;
-    if (filter.largest > trust.exact_sphere)
-        return insphere_canonical_exact({a, b, c, d, e}, trust.guard) > 0;
-    return filter.det != 0 ? filter.det > 0 : perturbed_sign({a, b, c, d, e}) > 0;
+    const SpaceSteps p(a, e), q(b, e), r(c, e), s(d, e);
+    const auto [det, square] = insphere_filter(p, q, r, s);
+    const double error = sphere_bound * square * square * std::sqrt(square) + trust.guard.margin();
+    if (det > error) return true;
+    if (-det > error) return false;
+    if (square <= trust.exact_square)
+        return det != 0 ? det > 0 : is_inside_by_rule({a, b, c, d, e}, trust);
+    const double closer = insphere_error(p, q, r, s, square) + trust.guard.margin();
+    if (det > closer) return true;
+    if (-det > closer) return false;
+    const int sign = insphere_exact({a, b, c, d, e}, trust);
+    return sign != 0 ? sign > 0 : is_inside_by_rule({a, b, c, d, e}, trust);
 }
 
 }  // namespace liftmesh

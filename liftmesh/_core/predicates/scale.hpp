@@ -38,12 +38,13 @@ struct Scale {
     double first = 1, second = 1;  // two factors: 2^1273 overflows
     Guard guard = Guard::in_window();
 
-    explicit Scale(const Range& range) {
+    // The least exponent may be that of another filter's window.
+    explicit Scale(const Range& range, int least_allowed = Guard::least_exponent) {
         if (range.empty()) return;
         const int least = std::ilogb(range.least());
         const int greatest = std::ilogb(range.greatest());
-        if (least >= Guard::least_exponent && greatest < Guard::greatest_exponent) return;
-        if (greatest - least >= Guard::greatest_exponent - 1 - Guard::least_exponent) {
+        if (least >= least_allowed && greatest < Guard::greatest_exponent) return;
+        if (greatest - least >= Guard::greatest_exponent - 1 - least_allowed) {
             guard = Guard::anywhere();
             return;
         }

@@ -179,7 +179,7 @@ Refined Refinement::result() {
             if (wanted_.lengths) unmeasured_.push_back({its.base2, its.base, stamp_[slot_of(t)]});
             const bool is_lost = its.base2 < least2;
             if (its.is_sharp || is_lost)
-                cause = is_between_constraints(is_lost ? surely_shortest(t) : its.base)
+                cause = is_blamed(is_lost ? surely_shortest(t) : its.base)
                             ? Cause::between_constraints
                         : is_capped_ ? Cause::cap
                                      : Cause::precision;

@@ -79,6 +79,7 @@ class Refinement {
     bool is_listed_for_area(Edge base);
     bool is_listed_for_length(Edge base, double length) const;
     bool is_between_constraints(Edge base) const;
+    bool is_blamed(Edge base) const;
     // Of sharp triangles, whether this one is not split for its angle.
     bool is_left(Edge base) const { return is_between_constraints(base) || is_tiny(base); }
     bool is_tiny(Point a, Point b, double ulps = least_ulps) const;

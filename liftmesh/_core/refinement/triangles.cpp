@@ -45,6 +45,19 @@ bool Refinement::is_between_constraints(Edge base) const {
     return to_a < 1.001 * to_b && to_b < 1.001 * to_a;
 }
 
+// Whether the pieces themselves meet in a small angle: rows on them may be rounded to elsewhere.
+bool Refinement::is_blamed(Edge base) const {
+    if (!is_between_constraints(base)) return false;
+    const std::int32_t one = divided_[slots().tail(base)], other = divided_[slots().head(base)];
+    const Vertex corner = corner_of(one, other);
+    const auto along = [&](std::int32_t piece) {
+        const constrained::Piece& its = pieces_[static_cast<std::size_t>(piece)];
+        const Vertex first = vertex_of(its.first);
+        return between(corner, first == corner ? vertex_of(its.second) : first);
+    };
+    return Corner(along(one), along(other)).is_less(of_sixty_degrees2);
+}
+
 // Whether points are so near to each other that a new one beside them would be rounded too far.
 bool Refinement::is_tiny(Point a, Point b, double ulps) const {
     const double least = measures_.scaled(ulps * std::max(ulp_at(a), ulp_at(b)));

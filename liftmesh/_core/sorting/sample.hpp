@@ -21,4 +21,23 @@ inline std::uint64_t random_number(std::uint64_t i, std::uint64_t seed) {
     return bits ^ (bits >> 31);
 }
 
+// A biased random order of insertion (N. Amenta, S. Choi and G. Rote, "Incremental constructions
+// con BRIO", 2003): each of its rounds has about 2^`bits` - 1 times as many as all before it, and
+// keeps their order. The rounds come from trailing zeros of random numbers, with the secret as
+// their seed.
+inline std::vector<Vertex> biased_random_order(std::size_t count, int bits, std::uint64_t secret) {
+    std::array<std::vector<Vertex>, 65> rounds;
+    for (std::size_t v = 0; v < count; ++v) {
+        const int round = std::countr_zero(random_number(v, secret)) / bits;
+        rounds[static_cast<std::size_t>(round)].push_back(static_cast<Vertex>(v));
+    }
+    std::vector<Vertex> order;
+    order.reserve(count);
+    for (auto round = rounds.rbegin(); round != rounds.rend(); ++round) {
+        order.insert(order.end(), round->begin(), round->end());
+        *round = {};
+    }
+    return order;
+}
+
 }  // namespace liftmesh

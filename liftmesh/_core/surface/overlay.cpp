@@ -4,7 +4,7 @@
 #include "predicates/orient2d.hpp"
 #include "predicates/wide.hpp"
 #include "surface/common_part.hpp"
-#include "surface/face_pair.hpp"
+#include "surface/flood.hpp"
 
 namespace liftmesh {
 
@@ -128,11 +128,9 @@ template <class Real>
 class Overlay {
  public:
     Overlay(const Relief& first, const Relief& second, Patience& patience)
-        : first_(first),
-          second_(second),
+        : reliefs_{&first, &second},
           patience_(patience),
-          start_(first.mesh().count, outside),
-          seen_(second.mesh().count) {
+          flood_(*this, first.mesh().count, second.mesh().count, patience) {
         Greatest greatest;
         greatest.add(first);
         greatest.add(second);
@@ -140,14 +138,7 @@ class Overlay {
         height_ = Unit(greatest.height, 100);
     }
 
-    void run(std::int32_t face, std::int32_t other) {
-        begin(face, other);
-        while (!pending_.empty() && !patience_.ends()) {
-            const std::int32_t next = pending_.back();
-            pending_.pop_back();
-            flood(next);
-        }
-    }
+    void run(std::int32_t face, std::int32_t other) { flood_.run(face, other); }
 
     // The same in triangles, in each of which both faces have a point. All faces of the second are
     // reached that touch a face of the first, in the triangle or not: so the first should be the
@@ -159,8 +150,7 @@ class Overlay {
                                    place_(Point{at[4], at[5]})};
             part_ = &part;
             run(parts.faces[i], parts.others[i]);
-            for (const std::int32_t each : begun_) start_[static_cast<std::size_t>(each)] = outside;
-            begun_.clear();
+            flood_.forget();
         }
     }
 
@@ -181,62 +171,25 @@ class Overlay {
                steepness_.value() <= most_rounding * area * rise_;
     }
 
- private:
-    Face face_of(const Relief& relief, std::int32_t simplex) const {
-        Face face = liftmesh::face_of(relief, simplex);
+    // For the flood.
+
+    Face face(std::size_t mesh, std::int32_t simplex) const {
+        Face face = liftmesh::face_of(*reliefs_[mesh], simplex);
         for (SurfaceCorner& corner : face.corners)
             corner = {place_(corner.at), height_(corner.height)};
         face.extent = place_(face.extent);
         return face;
     }
 
-    void begin(std::int32_t face, std::int32_t other) {
-        start_[static_cast<std::size_t>(face)] = other;
-        pending_.push_back(face);
-        if (part_) begun_.push_back(face);
+    std::int32_t neighbor(std::size_t mesh, std::int32_t number, const Face& face,
+                          std::size_t side) const {
+        return reliefs_[mesh]->mesh().neighbor(number, static_cast<int>(face.of_mesh(side)));
     }
 
-    // All faces of the second that touch a face of the first.
-    void flood(std::int32_t number) {
-        const Face face = face_of(first_, number);
-        ++floods_;
-        reached_.assign(1, start_[static_cast<std::size_t>(number)]);
-        seen_[static_cast<std::size_t>(reached_[0])] = floods_;
-        while (!reached_.empty() && !patience_.ends(16)) {
-            const std::int32_t other = reached_.back();
-            reached_.pop_back();
-            const Face over = face_of(second_, other);
-            const FacePair pair(face, over);
-            if (first_.is_shown(number) && second_.is_shown(other)) measure(pair);
-            for (std::size_t side = 0; side < 3; ++side) {
-                hand_on(neighbor(first_, number, face, side), other, pair, side);
-                reach(neighbor(second_, other, over, side), pair, side);
-            }
-        }
-    }
+    bool goes_on(Point tail, Point head) const { return !part_ || touches(*part_, tail, head); }
 
-    static std::int32_t neighbor(const Relief& relief, std::int32_t number, const Face& face,
-                                 std::size_t side) {
-        return relief.mesh().neighbor(number, static_cast<int>(face.of_mesh(side)));
-    }
-
-    void reach(std::int32_t next, const FacePair& pair, std::size_t side) {
-        if (next < 0 || seen_[static_cast<std::size_t>(next)] == floods_) return;
-        if (!pair.touches(1, side)) return;
-        seen_[static_cast<std::size_t>(next)] = floods_;
-        reached_.push_back(next);
-    }
-
-    // The next face of the first begins with the same one, if that touches the side between.
-    void hand_on(std::int32_t next, std::int32_t other, const FacePair& pair, std::size_t side) {
-        if (next < 0 || start_[static_cast<std::size_t>(next)] >= 0) return;
-        if (!pair.touches(0, side)) return;
-        const Face& face = pair.face(0);
-        if (!part_ || touches(*part_, face.at(tail_of(side)), face.at(head_of(side))))
-            begin(next, other);
-    }
-
-    void measure(const FacePair& pair) {
+    void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {
+        if (!reliefs_[0]->is_shown(number) || !reliefs_[1]->is_shown(other)) return;
         if (!pair.overlap()) return;
         const Volumes part = CommonPart<Real>(pair).measure(part_);
         overlaps_ = overlaps_ || !part_ || part.area > 0;
@@ -248,14 +201,12 @@ class Overlay {
         rise_ = std::max(rise_, part.rise);
     }
 
-    const Relief &first_, &second_;
+ private:
+    std::array<const Relief*, 2> reliefs_;
     Patience& patience_;
+    Flood<Overlay> flood_;
     Unit place_{1, 0}, height_{1, 0};
-    std::vector<std::int32_t> start_;  // for each face of the first, one of the second
-    std::vector<std::int64_t> seen_;   // for each of the second, the flood that reached it last
-    std::int64_t floods_ = 0;
     const Triangle* part_ = nullptr;
-    std::vector<std::int32_t> pending_, reached_, begun_;
     Total above_, below_, area_, rounding_, steepness_;
     double rise_ = 0;
     bool overlaps_ = false;

@@ -1,15 +1,10 @@
 // What lies between two surfaces: the faces of both are laid over each other.
 //
-// For each face of one the faces of the other that touch it are found by a flood: across every side
-// that touches it, too. The triangulations cover convex regions, so what touches a face is
-// connected, and so are the faces that touch the other region: each hands the next one a face to
-// begin with. Whether a side touches a face is decided by exact orientations. So no pair is missed,
-// and one that is found needlessly has no area.
-//
-// The part that two faces have in common follows from the same orientations (face_pair.hpp), and is
-// measured in doubles, relative to a corner (common_part.hpp). If that is not enough for a 2^40th
-// of all that was measured, as in slivers and between surfaces that almost coincide, double words
-// are. Sums are exact and rounded once: the order of the faces changes no bit.
+// All pairs that touch are found by a flood (flood.hpp). The part that two faces have in common
+// follows from the same orientations (face_pair.hpp), and is measured in doubles, relative to a
+// corner (common_part.hpp). If that is not enough for a 2^40th of all that was measured, as in
+// slivers and between surfaces that almost coincide, double words are. Sums are exact and rounded
+// once: the order of the faces changes no bit.
 #pragma once
 
 #include "surface/relief.hpp"

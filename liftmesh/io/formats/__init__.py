@@ -16,6 +16,7 @@ def _code(module: str, name: str) -> LazyFunction:
 
 
 _AXES = _code("io.axes", "validate_axes")
+_FEATURES = _code("vector.clouds", "validate_feature_options")
 
 _GLTF: dict[str, Any] = {
     "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
@@ -219,6 +220,16 @@ FORMATS = (
         entries=("markers",),
     ),
     Format(
+        name="ugrid",
+        suffixes=(".nc",),
+        read=None,
+        write=_code("io.formats.ugrid", "write_ugrid"),
+        description="UGRID 1.0 in NetCDF, meshes of ocean and flood models: faces and values",
+        keeps=("points", "faces", "attributes", "crs", "float64"),
+        needs=("faces", "finite"),
+        loses=_code("io.formats.ugrid", "dropped_parts"),
+    ),
+    Format(
         name="pcd",
         suffixes=(".pcd",),
         read=_code("io.formats.pcd", "read_pcd"),
@@ -261,6 +272,32 @@ FORMATS = (
         expands=True,
         selects=True,
         options=_code("raster.reader", "validate_raster_options"),
+    ),
+    Format(
+        name="geojson",
+        suffixes=(".geojson", ".json"),
+        read=_code("vector.clouds", "read_geojson"),
+        write=None,
+        description="GeoJSON: points with their values",
+        expands=True,
+        options=_FEATURES,
+        gzip=True,
+    ),
+    Format(
+        name="geopackage",
+        suffixes=(".gpkg",),
+        read=_code("vector.clouds", "read_geopackage"),
+        write=None,
+        description="GeoPackage: points with their values, TIN and polyhedral surfaces",
+        options=_FEATURES,
+    ),
+    Format(
+        name="shapefile",
+        suffixes=(".shp",),
+        read=_code("vector.clouds", "read_shapefile"),
+        write=None,
+        description="shapefiles: points with their values, MultiPatch surfaces",
+        options=_FEATURES,
     ),
     Format(
         name="e57",

@@ -3,8 +3,9 @@
 A drawing is a sequence of pairs of lines, a code and a value. Of its entities these are read: faces
 (3DFACE, and polyface meshes), points, and lines with straight parts (LINE, POLYLINE, LWPOLYLINE),
 whose parts are edges. Equal corners of faces and lines are one row, in the order of their first
-appearance; points are rows of their own, before these. Curves, blocks and entities in a coordinate
-system of their own are counted and left out. The pairs are read one by one, so that memory has the
+appearance; points are rows of their own, before these. Polylines of a plane that is seen from below
+(extrusion 0, 0, -1) are turned. Curves, blocks, layouts on paper and other planes are counted and
+left out. The pairs are read one by one, so that memory has the
 numbers alone.
 
 Faces are written as 3DFACE, edges as LINE, with digits that round-trip, as DXF of R12.
@@ -35,16 +36,19 @@ Tags: TypeAlias = dict[int, list[float]]
 _BINARY = b"AutoCAD Binary DXF"
 _PIECE, _LONGEST = 1 << 18, 1 << 20  # bytes that are read at a time, and of a line
 _MOST_WHOLE = 2.0**31
-_MOST_KINDS = 1000
+_MOST_KINDS, _LISTED = 1000, 8
 _AT_ONCE = 1 << 16  # rows that are written at a time
 _POINT, _FACE, _LINE, _LIGHT, _HEAVY, _VERTEX = (
     *("POINT", "3DFACE", "LINE", "LWPOLYLINE", "POLYLINE", "VERTEX"),
 )  # fmt: skip
 _TAKEN = {_POINT, _FACE, _LINE, _LIGHT, _HEAVY, _VERTEX}
-_NUMBERS = {*range(10, 14), *range(20, 24), *range(30, 34), 38, 42, 70, *range(71, 75), 210, 220}
+_NUMBERS = {
+    *range(10, 14), *range(20, 24), *range(30, 34), 38, 42, 67, 70, *range(71, 75), 210, 220, 230,
+}  # fmt: skip
 _FIRST, _SECOND = (10, 20, 30), (11, 21, 31)
 _CLOSED, _SPATIAL, _GRID, _POLYFACE = 1, 8, 16, 64  # flags of polylines
-_OF_FACE = 128  # flag of a vertex, without that of a place
+_OF_FACE, _FRAME = 128, 16  # flags of a vertex: without that of a place; of a spline's frame
+_ON_PAPER = 67
 
 
 def read_dxf(stream: BinaryIO, name: str) -> Cloud:
@@ -125,6 +129,11 @@ def _whole(tags: Tags, code: int = 70) -> int:
     return int(value) if abs(value) < _MOST_WHOLE else 0
 
 
+def _side(tags: Tags) -> int:
+    """Return -1 for what is drawn in the plane, but seen from below: there x and z are turned."""
+    return -1 if tags.get(230, [1.0])[0] < 0 else 1
+
+
 class _Drawing:
     """What the entities so far hold."""
 
@@ -133,7 +142,8 @@ class _Drawing:
         self._points, self._corners = array("d"), array("d")
         self._faces, self._edges = array("q"), array("q")  # numbers of corners
         self._left_out: Counter[str] = Counter()
-        self._open: tuple[int, float] | None = None  # flags and elevation of a POLYLINE
+        # Of a POLYLINE flags, elevation, and -1 if it is seen from below.
+        self._open: tuple[int, float, int] | None = None
         self._chain: list[tuple[float, float, float]] = []
         self._records: list[list[int]] = []
 
@@ -141,20 +151,28 @@ class _Drawing:
         """Take an entity."""
         if kind == _VERTEX and self._open is not None:
             self._take_vertex(tags, line)
-        elif kind == "SEQEND":
-            self._end()
-        elif kind not in _TAKEN or kind == _VERTEX:
-            self._leave_out(shortened(kind))
-        elif kind in (_LIGHT, _HEAVY) and self._is_turned(tags):
-            self._leave_out(f"{kind} in a system of its own")
-        elif kind == _HEAVY:
-            self._end()
-            flags = _whole(tags)
-            self._open = (flags, tags.get(30, [0.0])[0])
-            if flags & _GRID:
-                self._leave_out("mesh of a POLYLINE")
-        else:
+            return
+        self._end()  # SEQEND may be missing
+        if kind == "SEQEND":
+            return
+        reason = self._refused(kind, tags)
+        if reason:
+            self._leave_out(reason)
+        if kind == _HEAVY:
+            flags = _GRID if reason else _whole(tags)
+            self._open = (flags, tags.get(30, [0.0])[0], _side(tags))
+        elif not reason:
             self._take_simple(kind, tags, line)
+
+    def _refused(self, kind: str, tags: Tags) -> str:
+        """Say what an entity is that is left out."""
+        if kind not in _TAKEN or kind == _VERTEX:
+            return shortened(kind)
+        if _whole(tags, _ON_PAPER):
+            return f"paper {kind}"
+        if kind in (_LIGHT, _HEAVY) and self._is_turned(tags):
+            return f"turned {kind}"
+        return "POLYLINE grid" if kind == _HEAVY and _whole(tags) & _GRID else ""
 
     def _leave_out(self, kind: str) -> None:
         known = kind in self._left_out or len(self._left_out) < _MOST_KINDS
@@ -179,6 +197,8 @@ class _Drawing:
                 raise FormatError(
                     f"{self._name}: line {line}: {kind} has {len(x)} x and {len(y)} y"
                 )
+            if _side(tags) < 0:
+                x, height = [-each for each in x], -height
             self._chain = [(*each, height) for each in zip(x, y, strict=True)]
             self._count_arcs(tags)
             self._end_chain(is_closed=bool(_whole(tags) & _CLOSED))
@@ -186,7 +206,7 @@ class _Drawing:
     def _count_arcs(self, tags: Tags) -> None:
         arcs = sum(each != 0 for each in tags.get(42, []))
         if arcs:
-            self._left_out["bend of an arc"] += arcs
+            self._left_out["arc"] += arcs
 
     def _place(self, tags: Tags, code: int, line: int) -> tuple[float, float, float]:
         x, y, z = (tags.get(code + 10 * k, [None])[0] for k in range(3))
@@ -198,23 +218,24 @@ class _Drawing:
         return x, y, 0.0 if z is None else z
 
     def _take_vertex(self, tags: Tags, line: int) -> None:
-        flags, height = self._open or (0, 0.0)
+        flags, height, side = self._open or (0, 0.0, 1)
         own = _whole(tags)
-        if flags & _GRID:
+        if flags & _GRID or (own & _FRAME and not flags & _POLYFACE):
             return
         if flags & _POLYFACE and own & _OF_FACE and not own & _POLYFACE:
             corners = (abs(_whole(tags, code)) for code in range(71, 75))
             self._records.append([each for each in corners if each])
             return
         x, y, z = self._place(tags, 10, line)
-        self._chain.append((x, y, z if flags & (_SPATIAL | _POLYFACE) else height))
+        is_spatial = flags & (_SPATIAL | _POLYFACE)
+        self._chain.append((x, y, z) if is_spatial else (side * x, y, side * height))
         self._count_arcs(tags)
 
     def _end(self) -> None:
         """End a POLYLINE."""
         if self._open is None:
             return
-        flags, self._open = self._open[0], None
+        (flags, *_), self._open = self._open, None
         if not flags & (_POLYFACE | _GRID):
             self._end_chain(is_closed=bool(flags & _CLOSED))
             return
@@ -249,10 +270,13 @@ class _Drawing:
 
     def cloud(self) -> Cloud:
         """Return points, then the corners of faces and lines."""
+        self._end()
         points = _rows(self._points)
         corners = _rows(self._corners)
         if not len(points) and not len(corners):
-            raise FormatError(f"{self._name}: there are no faces, lines and points in it")
+            others = ", ".join(counted(n, kind) for kind, n in self._left_out.most_common(_LISTED))
+            but = f", but {others}" if others else ""
+            raise FormatError(f"{self._name}: there are no faces, lines and points in it{but}")
         kept, place = weld(corners)
         rows = (place + len(points)).astype(np.int32)
         faces = rows[np.frombuffer(self._faces, np.int64)].reshape(-1, 3)

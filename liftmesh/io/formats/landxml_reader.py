@@ -255,7 +255,14 @@ class _Document:
             return self._made(_padded(self._survey.rows()), self._left_out)
         if self._survey.count:
             self._left_out["survey point"] = self._survey.count
-        return self._of_surface() if self._points.count else self._of_sources()
+        if self._points.count:
+            return self._of_surface()
+        if self._faces.count:
+            raise FormatError(f"{self._name}: there are faces, but no points")
+        if not self._data.count and not self._lines.count:
+            chosen = self._surfaces[0] if self._wanted is None else self._wanted
+            raise FormatError(f"{self._name}: there is nothing in the surface {quoted(chosen)}")
+        return self._of_sources()
 
     def _is_survey(self) -> bool:
         """Whether the points of the survey are chosen; raise if it is not clear what is."""
@@ -290,7 +297,7 @@ class _Document:
         corners = Ragged(faces.sizes, order[place].astype(np.int32))
         edges, _ = _edges(points, self._lines)
         kept = edges[(edges < len(points)).all(axis=1)]
-        self._left_out["breakline segment beside the points"] = len(edges) - len(kept)
+        self._left_out["stray breakline segment"] = len(edges) - len(kept)
         made = triangulated(corners, len(points), self._name) if len(corners.sizes) else None
         return self._made(points, self._left_out, face_counts(corners), faces=made, edges=kept)
 

@@ -45,6 +45,7 @@ _OTHERS = ("E2L", "E3L", "E6T", "E8Q", "E9Q")  # elements
 _PARAMETERS = ("NUM_MATERIALS_PER_ELEM", "MESHNAME", "MESHNM")
 _MOST_CARDS = 1000
 _NODES = 10  # of a string in a line
+_AT_ONCE = 1 << 18  # nodes that are looked for
 
 
 def read_2dm(stream: BinaryIO, name: str) -> Cloud:
@@ -145,22 +146,27 @@ class _Reading:
         rows, lines = self._of(card, lambda sizes: sizes > size, what)
         starts = np.cumsum(rows.sizes) - rows.sizes
         nodes = gathered(rows.values, starts + 1, np.full(len(starts), size))
-        corners = Ragged(np.full(len(starts), size), self._places(nodes, lines, size))
+        places = self._places(nodes, lambda k: int(lines[k // size]))
+        corners = Ragged(np.full(len(starts), size), places)
         has = rows.sizes > size + 1
         materials = np.zeros(len(starts), np.int64)
         materials[has] = self._whole(rows.values[starts[has] + size + 1], "a material")
         return triangulated(corners, len(self._order), self._name), materials
 
-    def _places(self, numbers: Array, lines: Integers, size: int) -> Rows:
-        """Return the rows of nodes; `size` of them are named in each line."""
-        place = np.minimum(np.searchsorted(self._numbers, numbers), len(self._numbers) - 1)
-        if (unknown := np.flatnonzero(self._numbers[place] != numbers)).size:
-            wrong = int(unknown[0])
-            raise FormatError(
-                f"{self._name}: line {lines[wrong // size]}: the node {numbers[wrong]:.15g} is not "
-                "there"
-            )
-        return self._order[place].astype(np.int32)
+    def _places(self, numbers: Array, line_of: Callable[[int], int]) -> Rows:
+        """Return the rows of nodes."""
+        found = np.empty(len(numbers), np.int32)
+        for first in range(0, len(numbers), _AT_ONCE):
+            some = numbers[first : first + _AT_ONCE]
+            place = np.minimum(np.searchsorted(self._numbers, some), len(self._numbers) - 1)
+            if (unknown := np.flatnonzero(self._numbers[place] != some)).size:
+                wrong = int(unknown[0])
+                raise FormatError(
+                    f"{self._name}: line {line_of(first + wrong)}: the node {some[wrong]:.15g} is "
+                    "not there"
+                )
+            found[first : first + _AT_ONCE] = self._order[place]
+        return found
 
     def _strings(self) -> tuple[Rows, Rows | None]:
         """Return the edges of nodestrings, and their numbers, if all have one."""
@@ -175,14 +181,23 @@ class _Reading:
         is_node = np.ones(len(values), np.bool_)
         is_node[ends[has_number] + 1] = False
         is_last = (values < 0)[is_node]
-        line = np.repeat(lines, rows.sizes)[is_node]
-        nodes = self._places(np.abs(values[is_node]), line, 1)
-        begins = np.flatnonzero(~is_last)
-        edges = np.stack([nodes[begins], nodes[begins + 1]], axis=1)
+        numbers = self._whole(values[ends[has_number] + 1], "a number of a string", np.int32)
+        named = values[is_node]
+
+        def line_of(node: int) -> int:
+            place = np.flatnonzero(is_node)[node]
+            return int(lines[np.searchsorted(line_ends, place, side="right")])
+
+        del values, rows
+        nodes = self._places(np.abs(named, out=named), line_of)
+        del named
+        begins = ~is_last[:-1]
+        edges = np.empty((np.count_nonzero(begins), 2), np.int32)
+        edges[:, 0], edges[:, 1] = nodes[:-1][begins], nodes[1:][begins]
         if not has_number.all() or not len(ends):
             return edges, None
-        string: Array = (np.cumsum(is_last) - is_last)[begins]
-        return edges, self._whole(values[ends + 1], "a number of a string", np.int32)[string]
+        string = np.cumsum(is_last, dtype=np.int32)[:-1][begins]
+        return edges, numbers[string]
 
 
 def write_2dm(stream: BinaryIO, cloud: Cloud) -> None:

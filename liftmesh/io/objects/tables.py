@@ -41,7 +41,7 @@ from liftmesh.io.text_tables import is_number, shortened
 
 _CONVERSIONS = ("collect", "compute", "to_pandas", "to_dataframe", "read")
 _OPTIONS = ("columns", "flat", "nodata")
-_WHERE = "the table"
+WHERE = "the table"
 
 
 def refuse(source: object) -> Cloud:
@@ -59,7 +59,7 @@ def to_cloud(source: Any, options: TableOptions | None = None) -> Cloud:
     options = options or TableOptions()
     values, described = _opened(source)
     try:
-        return _cloud(values, options, described)
+        return of_columns(values, options, described)
     except FormatError as error:  # of the rooms for files
         raise InputError(error.message.marked) from error
 
@@ -143,7 +143,7 @@ def _of_laspy(source: Any) -> tuple[list[tuple[str, Any]], dict[str, Any]]:
     return columns, {"crs": system}
 
 
-def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any) -> Cloud:
+def of_columns(values: list[tuple[str, Any]], options: TableOptions, described: Any) -> Cloud:
     """Make a cloud of columns, once their names and types are understood."""
     columns = _named([name for name, _ in values], options, bool(described))
     read = {k: _as_numbers(values[k][1]) for k in range(len(values)) if k not in columns.left_out}
@@ -152,7 +152,7 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
     unread += described.get("unread", ())
     if not options.names_all and "z" not in columns.names:
         words = [columns.names[k] for k, each in read.items() if _holds_number(each, values[k][1])]
-        columns.check_height([*columns_read, *words], _WHERE)
+        columns.check_height([*columns_read, *words], WHERE)
     for part in POSITION:
         if part in columns.names and (part not in columns_read or columns_read[part].ndim != 1):
             raise _no_numbers(part, *values[columns.names.index(part)])
@@ -173,14 +173,14 @@ def _cloud(values: list[tuple[str, Any]], options: TableOptions, described: Any)
 
 def _named(names: list[str], options: TableOptions, has_coordinates: bool) -> Columns:
     if not any(names):
-        return unnamed(len(names), options, _WHERE)
+        return unnamed(len(names), options, WHERE)
     if has_coordinates and not options.chosen and options.names is None:
         options = TableOptions(
             chosen={each: each for each in POSITION if each in names},
             missing=options.missing,
             flat=options.flat,
         )
-    return understood(names, options, _WHERE)
+    return understood(names, options, WHERE)
 
 
 def _unread(columns: Columns, k: int, values: Any) -> str:
@@ -213,7 +213,7 @@ def _no_numbers(part: str, name: str, values: Any) -> FormatError:
     k = next(odd, 0 if is_text and len(values) else None)
     example = "" if k is None else f" (row {k}: {shortened(repr([*values][k]))})"
     return FormatError(
-        f"{_WHERE}: {part} is the column {name!r}, which holds no numbers{example}: convert it to "
+        f"{WHERE}: {part} is the column {name!r}, which holds no numbers{example}: convert it to "
         f"numbers, or name another with {Option('columns', f'{part}=..')}"
     )
 
@@ -231,7 +231,7 @@ def _points(
         )
     if columns.negated is not None:
         points[:, 2] = 0.0 - points[:, 2]
-    doubts = ColumnAmbiguity(_WHERE, Columns(tuple(parts), tuple(parts)), options)
+    doubts = ColumnAmbiguity(WHERE, Columns(tuple(parts), tuple(parts)), options)
     doubts.examine(points[:, : len(parts)])
     doubts.check()
     return points
@@ -272,7 +272,10 @@ def _of_objects(array: Array) -> Floats | None:
     numbers_only = all(_is_missing(each) or _is_number(each) for each in array.flat)
     if not numbers_only or array.ndim != 1:
         return None
-    floats = [np.nan if _is_missing(each) else float(each) for each in array]
+    try:
+        floats = [np.nan if _is_missing(each) else float(each) for each in array]
+    except OverflowError:  # a whole number beyond all doubles
+        return None
     return np.array(floats, dtype=np.float64)
 
 

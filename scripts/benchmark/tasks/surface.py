@@ -4,6 +4,7 @@
     python scripts/bench.py surface --tasks rasters --pixels 100000000 --json found.json
     python scripts/bench.py surface --tasks contours --levels 169
     python scripts/bench.py surface --tasks heights --threads 1 2       on an idle machine
+    python scripts/bench.py surface --tasks differences --n 500000      of 10^6 faces each
 
 Heights at unsorted points, rasters and contours of one surface over uniform points, whose heights
 are a wave. Every program gets the triangulation ready, but gdal_grid, which reads a file of the
@@ -12,8 +13,10 @@ the points first, as liftmesh does; PDAL's loop is rebuilt (`heights/faceraster.
 seconds of the processor, the best of the rounds, in turn; a first call, which may make an index,
 comes before. SciPy and matplotlib take no more than `--most` points and pixels, and seconds are for
 a million of them. liftmesh takes its turns with each number of threads: one table says by how much
-the clock gains, and the last one has the ratios that are promised of the first number. Programs
-that are not installed are left out: apt-get install g++ libcgal-dev gdal-bin.
+the clock gains, and the last one has the ratios that are promised of the first number. Differences
+are those of two such surfaces with other points; shapely intersects the triangles of `--most`
+points of both. Programs that are not installed are left out: apt-get install g++ libcgal-dev
+gdal-bin.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from time import perf_counter
 from typing import Any, TypeAlias
 
 import numpy as np
+import shapely
 from benchmark import cgal
 from benchmark.contest import SEED
 from benchmark.measuring import (
@@ -54,7 +58,7 @@ Take: TypeAlias = Callable[[], float]
 
 SIDE = 1000.0
 MILLION = 1e6
-TASKS = ("heights", "rasters", "contours")
+TASKS = ("heights", "rasters", "contours", "differences")
 THREADS_GAIN = 1.7  # of heights, by the clock, with two
 
 
@@ -132,6 +136,7 @@ GOALS = (
     Goal("rasters", SCAN, "PDAL's faceraster loop", 3),
     Goal("rasters", ALL, GDAL, 15, (READING, WRITING)),
     Goal("contours", OURS, "matplotlib", 10),
+    Goal("differences", OURS, "shapely, areas alone", 10),
 )
 
 
@@ -176,7 +181,12 @@ def contestants(
 ) -> Iterator[Contestant]:
     """List who takes part in the tasks that are asked for."""
     surface = liftmesh.triangulate(rows)
-    makers = {"heights": of_heights, "rasters": of_rasters, "contours": of_contours}
+    makers = {
+        "heights": of_heights,
+        "rasters": of_rasters,
+        "contours": of_contours,
+        "differences": of_differences,
+    }
     for task in options.tasks:
         yield from makers[task](surface, options, folder)
 
@@ -280,6 +290,27 @@ def of_contours(
     yield Contestant("contours", "matplotlib", 0, timed(other))
 
 
+def of_differences(
+    surface: liftmesh.Surface, options: Namespace, _folder: Path
+) -> Iterator[Contestant]:
+    """The surface less one of as many other points."""
+    rows = terrain(options.n)
+    rows[:, :2] = rows[:, 1::-1]
+    other, count = liftmesh.triangulate(rows), len(rows)
+    yield Contestant("differences", OURS, count, timed(lambda: liftmesh.difference(surface, other)))
+    alone = timed(lambda: surface.cut_and_fill(other))
+    yield Contestant("differences", f"{OURS}, volumes alone", count, alone)
+    some = min(options.most, count)
+    few = [liftmesh.triangulate(each[:some]) for each in (surface.vertices, rows)]
+    triangles = [shapely.polygons(each.vertices[each.faces][..., :2]) for each in few]
+
+    def overlaid() -> Any:
+        one, two = shapely.STRtree(triangles[1]).query(triangles[0], predicate="intersects")
+        return shapely.area(shapely.intersection(triangles[0][one], triangles[1][two]))
+
+    yield Contestant("differences", "shapely, areas alone", some, timed(overlaid))
+
+
 def measured(those: list[Contestant], rounds: int) -> list[Result]:
     """Let all take turns; the first turn does not count."""
     best = [(float("inf"), float("inf"))] * len(those)
@@ -326,7 +357,8 @@ def table_of_threads(results: list[Result], options: Namespace) -> Table:
     numbers += [f"gain of {count}" for count in more]
     table = empty_table(title, ("task", "program"), numbers)
     clocks = {(x.task, x.name, x.threads): x.comparable_clock for x in results}
-    for task, name in dict.fromkeys((x.task, x.name) for x in results if is_ours(x)):
+    of_more = [x for x in results if is_ours(x) and x.threads == options.threads[-1]]
+    for task, name in dict.fromkeys((x.task, x.name) for x in of_more):
         seconds = [clocks[task, name, count] for count in options.threads]
         gains = [f"{clocks[task, name, first] / max(each, 1e-9):.2f}" for each in seconds[1:]]
         table.add_row(task, name, *(f"{each:.3f}" for each in seconds), *gains)

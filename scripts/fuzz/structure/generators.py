@@ -13,6 +13,7 @@ from fuzz.structure.parts import Chance
 from fuzz.structure.ply import ply
 from fuzz.structure.points import compressed, ele, node, pcd, poly, pts, xyzrgb
 from fuzz.structure.raster import geotiff, grid
+from fuzz.structure.shapes import geojson, geopackage, shapefile
 from fuzz.structure.text import ascii_stl, binary_stl, dxf, mesh2d, obj, off, table
 from fuzz.structure.xml import landxml
 
@@ -43,6 +44,9 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "landxml": landxml,
     "2dm": mesh2d,
     "dxf": dxf,
+    "geojson": geojson,
+    "geopackage": geopackage,
+    "shapefile": shapefile,
     "geotiff": geotiff,
     "grid": grid,
 }

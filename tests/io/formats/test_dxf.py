@@ -74,7 +74,7 @@ def test_lines_are_edges_and_points_are_rows() -> None:
         [[0, 0, 4], [2, 2, 4]],
         [[2, 2, 4], [9, 9, 4]],
     ]
-    assert found.metadata["not_read"] == ("1 bend of an arc",)
+    assert found.metadata["not_read"] == ("1 arc",)
 
 
 def test_what_is_left_out_is_counted() -> None:
@@ -89,8 +89,8 @@ def test_what_is_left_out_is_counted() -> None:
     assert found.points.tolist() == [[1, 2, 3]]
     assert found.metadata["not_read"] == (
         "1 CIRCLE",
-        "1 mesh of a POLYLINE",
-        "1 LWPOLYLINE in a system of its own",
+        "1 POLYLINE grid",
+        "1 turned LWPOLYLINE",
         "1 INSERT",
     )
 
@@ -128,6 +128,48 @@ def test_bad_files_name_the_line(case: str) -> None:
     text, cause = BAD[case]
     with pytest.raises(FormatError, match=cause):
         loaded(text)
+
+
+def test_polylines_seen_from_below_are_mirrored() -> None:
+    """Of plane entities x, y and elevation are in a system of their own: here that of -z."""
+    made, space = drawing()
+    below = {"extrusion": (0, 0, -1)}
+    space.add_lwpolyline([(1, 2), (3, 5)], dxfattribs={**below, "elevation": 7})
+    space.add_polyline2d([(1, 2), (4, 5)], dxfattribs={**below, "elevation": (0, 0, 7)})
+    space.add_line((1, 2, 3), (3, 5, 3), dxfattribs=below)  # in that of the world, as all lines
+    found = loaded(made)
+    expected = [[*each.ocs().to_wcs((1, 2, 7))] for each in space.query("LWPOLYLINE")]
+    assert found.points[0].tolist() == expected[0] == [-1, 2, -7]
+    ends = [[[-1, 2, -7], [-3, 5, -7]], [[-1, 2, -7], [-4, 5, -7]], [[1, 2, 3], [3, 5, 3]]]
+    assert corners_of(found, found.edges) == ends
+
+
+def test_polylines_without_an_end_are_kept() -> None:
+    """SEQEND may be missing, and other entities may stand between the vertices and it."""
+    vertex = "0\nVERTEX\n10\n{}\n20\n0\n30\n5\n"
+    line = "0\nPOLYLINE\n70\n8\n" + vertex.format(1) + vertex.format(2)
+    for text in (line, line + POINT, line + "0\nLINE\n10\n8\n20\n8\n11\n9\n21\n9\n0\nSEQEND\n"):
+        found = loaded(entities(text))
+        assert corners_of(found, found.edges)[0] == [[1, 0, 5], [2, 0, 5]]
+
+
+def test_what_is_on_paper_and_frames_of_splines_are_left_out() -> None:
+    made, space = drawing()
+    made.layout("Layout1").add_line((0, 0), (297, 210))
+    space.add_line((0, 0), (1, 1))
+    found = loaded(made)
+    assert len(found.edges) == 1
+    title = "0\nLINE\n67\n1\n10\n0\n20\n0\n11\n297\n21\n210\n"
+    sheet = "0\nPOLYLINE\n67\n1\n70\n8\n0\nVERTEX\n67\n1\n10\n1\n20\n0\n0\nSEQEND\n67\n1\n"
+    found = loaded(entities(title + sheet + POINT))
+    assert found.points.tolist() == [[1, 2, 3]]
+    assert found.metadata["not_read"] == ("1 paper LINE", "1 paper POLYLINE")
+    vertex = "0\nVERTEX\n10\n{}\n20\n0\n70\n{}\n"
+    spline = "0\nPOLYLINE\n70\n4\n" + vertex.format(9, 16) + vertex.format(1, 8)
+    found = loaded(entities(spline + vertex.format(2, 8) + "0\nSEQEND\n"))
+    assert corners_of(found, found.edges) == [[[1, 0, 0], [2, 0, 0]]]
+    with pytest.raises(FormatError, match=r"no faces, lines and points in it, but 2 INSERTs"):
+        loaded(entities("0\nINSERT\n2\na\n" * 2))
 
 
 def test_line_ends_and_blanks() -> None:

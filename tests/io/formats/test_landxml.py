@@ -53,7 +53,7 @@ def test_points_are_northing_easting_height_and_faces_name_ids() -> None:
         "2 Alignments elements",
         "1 Boundary element",
         "1 invisible face",
-        "1 breakline segment beside the points",
+        "1 stray breakline segment",
     }
 
 
@@ -172,6 +172,8 @@ BAD = {
     "an empty point": (document(surface(points='<P id="1"/>')), "without northing"),
     "no id": (document(surface(points="<P>1 2 3</P>")), "the id of a point is ''"),
     "an id twice": (document(surface(points=POINTS.replace('"9"', '"7"'))), "points have the id 7"),
+    "faces without points": (document(surface(points=" ")), "there are faces, but no points"),
+    "an empty surface": (document('<Surface name="EG"/>'), "there is nothing in the surface 'EG'"),
     "a line of four": (
         document(surface(lines=LINES.replace("9 9 9", "9"))),
         "has 7 numbers: expected northing",

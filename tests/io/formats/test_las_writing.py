@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import struct
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -449,6 +450,24 @@ def test_chunks_that_do_not_fit_together_leave_no_file(tmp_path: Path) -> None:
     with pytest.raises(FormatError, match="ply files are not written in chunks"):
         write_chunks(tmp_path / "file.ply", iter([cloud]))
     assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize("kind", ["las", "laz"])
+@pytest.mark.parametrize("error", [OSError(5, "unreadable"), KeyboardInterrupt()])
+def test_chunks_that_end_in_an_error_leave_the_old_file(
+    kind: str, error: BaseException, tmp_path: Path
+) -> None:
+    cloud = read(encoded(tile(20, point_format=6, version="1.4")))
+    path = tmp_path / f"file.{kind}"
+    path.write_bytes(b"old")
+
+    def chunks() -> Iterator[Cloud]:
+        yield from [cloud, cloud]
+        raise error
+
+    with pytest.raises(type(error)):
+        write_chunks(path, chunks())
+    assert {each: each.read_bytes() for each in tmp_path.iterdir()} == {path: b"old"}
 
 
 class _Full(io.BytesIO):

@@ -71,6 +71,7 @@ BAD = {
     "an empty card": (MESH.replace("NS -40 3", "NS"), "line 12: 'NS' is without numbers"),
     "no end": (MESH.replace("-10 7", "10"), "line 13: a string without a negative end"),
     "a string beyond": (MESH.replace("NS 30", "NS 31"), "line 13: the node 31 is not there"),
+    "a node beyond": (MESH.replace("ND 30", f"ND {2**63}"), "e.18 is not an index"),
     "a marker": (MESH.replace("-10 7", "-10 7000000000"), "7000000000 is not an index"),
 }
 

@@ -107,13 +107,23 @@ def test_other_geometries_are_refused(shapes: list, cause: str) -> None:
             call(gpd.GeoDataFrame(geometry=shapes))
 
 
-def test_files_of_geometries_say_how_they_become_clouds(tmp_path: Path) -> None:
-    frame(class_=[1, 2, 3, 4]).to_file(tmp_path / "a.gpkg")
-    with pytest.raises(liftmesh.FormatError, match=r"'gpkg', but points that geopandas.read_file"):
-        liftmesh.read(tmp_path / "a.gpkg")
-    found = liftmesh.as_cloud(gpd.read_file(tmp_path / "a.gpkg"))
-    assert found.points.tolist() == XYZ.tolist()
-    assert (found.crs, found.attributes["class_"].tolist()) == ("EPSG:25832", [1, 2, 3, 4])
+@pytest.mark.parametrize("suffix", ["gpkg", "geojson", "shp"])
+def test_files_of_geometries_are_clouds(tmp_path: Path, suffix: str) -> None:
+    table = frame(class_=[1, 2, 3, 4], kind=["a", "b", "c", "d"], red=[9] * 4)
+    table.to_file(tmp_path / f"a.{suffix}")
+    found = liftmesh.read(tmp_path / f"a.{suffix}")
+    expected = liftmesh.as_cloud(gpd.read_file(tmp_path / f"a.{suffix}"))
+    assert found.points.tolist() == expected.points.tolist() == XYZ.tolist()
+    assert found.crs == expected.crs == "EPSG:25832"
+    assert found.attributes.keys() == expected.attributes.keys()
+    for name, values in expected.attributes.items():
+        assert found.attributes[name].tolist() == values.tolist()
+    assert any("column kind" in each for each in found.metadata["not_read"])
+
+
+def test_files_of_other_geometries_say_how_they_become_clouds(tmp_path: Path) -> None:
+    with pytest.raises(liftmesh.FormatError, match=r"'fgb', but points that geopandas.read_file"):
+        liftmesh.read(tmp_path / "a.fgb")
 
 
 def test_empty_points_are_not_finite() -> None:

@@ -240,9 +240,8 @@ class _Header:
         is_uncounted = is_same and not any(before)
         returns = [0] * _RETURNS if is_uncounted else self._returns.tolist()
         fits = self._points < 1 << 32
-        is_older = self._layout.point_format < _LAYERED or any(
-            older[:1]
-        )  # some say so in all formats
+        # Some programs count points in the older field in all formats.
+        is_older = self._layout.point_format < _LAYERED or any(older[:1])
         is_left_out = is_same and counted > 0 and self._version[1] >= 4 and not any(older)
         is_older &= fits and not is_left_out
         older = [self._points, *returns[:_LEGACY_RETURNS]] if is_older else [0] * 6

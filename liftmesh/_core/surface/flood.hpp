@@ -1,0 +1,87 @@
+// The pairs of faces of two triangulations that touch each other, by a flood: for each face of one
+// all of the other that touch it are found, across every side that touches it, too. Triangulations
+// cover convex regions, so what touches a face is connected, and so are the faces that touch the
+// other region: each hands the next one a face to begin with. Whether a side touches a face is
+// decided by exact orientations. So no pair is missed, and one that is found needlessly has no
+// area.
+#pragma once
+
+#include "delaunay/ties.hpp"
+#include "surface/face_pair.hpp"
+
+namespace liftmesh {
+
+// `Meshes` has face(mesh, number) and neighbor(mesh, number, face, side), where `mesh` is 0 or 1,
+// goes_on(tail, head), whether to cross a side of the first, and visit(number, other, pair).
+template <class Meshes>
+class Flood {
+ public:
+    Flood(Meshes& meshes, std::size_t first, std::size_t second, Patience& patience)
+        : meshes_(meshes), patience_(patience), start_(first, outside), seen_(second) {}
+
+    // From two faces that touch; stops if the patience ends.
+    void run(std::int32_t face, std::int32_t other) {
+        begin(face, other);
+        while (!pending_.empty() && !patience_.ends()) {
+            const std::int32_t next = pending_.back();
+            pending_.pop_back();
+            visit(next);
+        }
+    }
+
+    // Forgets which faces of the first were visited since it was last asked.
+    void forget() {
+        for (const std::int32_t each : begun_) start_[static_cast<std::size_t>(each)] = outside;
+        begun_.clear();
+    }
+
+ private:
+    void begin(std::int32_t face, std::int32_t other) {
+        start_[static_cast<std::size_t>(face)] = other;
+        pending_.push_back(face);
+        begun_.push_back(face);
+    }
+
+    // All faces of the second that touch a face of the first.
+    void visit(std::int32_t number) {
+        const Face face = meshes_.face(0, number);
+        ++visits_;
+        reached_.assign(1, start_[static_cast<std::size_t>(number)]);
+        seen_[static_cast<std::size_t>(reached_[0])] = visits_;
+        while (!reached_.empty() && !patience_.ends(16)) {
+            const std::int32_t other = reached_.back();
+            reached_.pop_back();
+            const Face over = meshes_.face(1, other);
+            const FacePair pair(face, over);
+            meshes_.visit(number, other, pair);
+            for (std::size_t side = 0; side < 3; ++side) {
+                hand_on(meshes_.neighbor(0, number, face, side), other, pair, side);
+                reach(meshes_.neighbor(1, other, over, side), pair, side);
+            }
+        }
+    }
+
+    void reach(std::int32_t next, const FacePair& pair, std::size_t side) {
+        if (next < 0 || seen_[static_cast<std::size_t>(next)] == visits_) return;
+        if (!pair.touches(1, side)) return;
+        seen_[static_cast<std::size_t>(next)] = visits_;
+        reached_.push_back(next);
+    }
+
+    // The next face of the first begins with the same one, if that touches the side between.
+    void hand_on(std::int32_t next, std::int32_t other, const FacePair& pair, std::size_t side) {
+        if (next < 0 || start_[static_cast<std::size_t>(next)] >= 0) return;
+        if (!pair.touches(0, side)) return;
+        const Face& face = pair.face(0);
+        if (meshes_.goes_on(face.at(tail_of(side)), face.at(head_of(side)))) begin(next, other);
+    }
+
+    Meshes& meshes_;
+    Patience& patience_;
+    std::vector<std::int32_t> start_;  // for each face of the first, one of the second
+    std::vector<std::int64_t> seen_;   // for each of the second, the visit that reached it last
+    std::int64_t visits_ = 0;
+    std::vector<std::int32_t> pending_, reached_, begun_;
+};
+
+}  // namespace liftmesh

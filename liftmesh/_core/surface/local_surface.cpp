@@ -1,0 +1,34 @@
+#include "surface/local_surface.hpp"
+
+namespace liftmesh {
+
+bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
+    const Triangulated& mesh = relief.mesh();
+    std::vector<std::int32_t> ranks;
+    if (!rank_rows(mesh.points, mesh.simplices, mesh.count, ranks, interrupt, RowOrder::curve))
+        return false;
+    const std::size_t used =
+        ranks.size() - static_cast<std::size_t>(std::count(ranks.begin(), ranks.end(), -1));
+    const Triangles given{mesh.simplices, mesh.neighbors, nullptr, mesh.count};
+    if (!order_triangles(given, ranks.data(), used, triangles_, interrupt)) return false;
+    for (std::size_t i = 0; i < 3 * mesh.count; ++i)
+        triangles_.simplices[i] = ranks[static_cast<std::size_t>(triangles_.simplices[i])];
+    corners_.resize(used);
+    for (std::size_t row = 0; row < ranks.size(); ++row)
+        if (ranks[row] >= 0)
+            corners_[static_cast<std::size_t>(ranks[row])] = {
+                mesh.points[row], relief.height_of(static_cast<std::int32_t>(row))};
+    shown_.resize(mesh.count);
+    for (std::size_t i = 0; i < mesh.count; ++i)
+        shown_[static_cast<std::size_t>(triangles_.names[i])] =
+            relief.is_shown(static_cast<std::int32_t>(i));
+    return true;
+}
+
+Face LocalSurface::face(std::int32_t face) const {
+    const SurfaceCorner &a = corner(vertex(face, 0)), &b = corner(vertex(face, 1)),
+                        &c = corner(vertex(face, 2));
+    return {{a, b, c}, 0, 0};
+}
+
+}  // namespace liftmesh
