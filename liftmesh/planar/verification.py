@@ -236,7 +236,7 @@ def _are_tetrahedra(points: Any, simplices: Any) -> bool:
         shape = np.shape(given)
     except ValueError:  # ragged
         return False
-    return len(shape) == 2 and shape[1] == 4
+    return isinstance(shape, tuple) and len(shape) == 2 and shape[1] == 4  # classes have others
 
 
 def _space_triangulation(

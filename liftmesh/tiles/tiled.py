@@ -553,36 +553,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Raster:
         """Compute a raster in memory, reading the faces window by window.
 
+        Returns the Raster of `Surface.raster`, bit for bit; errors also of `iter_blocks`.
+        In full: `liftmesh.terrain.rasters.rasterize`.
+
         Parameters
         ----------
-        resolution, progress, **options
-            As for `Surface.raster`; progress is called with the fraction of the pixels done.
-
-        Returns
-        -------
-        Raster
-            The values of `Surface.raster`, bit for bit.
-
-        Raises
-        ------
-        InputError
-            As for `Surface.raster`.
-        FormatError, OSError
-            As for `iter_blocks`.
-
-        See Also
-        --------
-        Surface.raster : The same for a surface in memory.
-        save_raster : Write one that memory does not hold.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
-        >>> liftmesh.tile_surface(points, tempfile.mkdtemp()).raster(2).values
-        array([[2., 6.],
-               [2., 6.]])
+        resolution, progress, **options : as for `Surface.raster`
         """
         return surface_raster.rasterize(self, resolution, progress, options)
 
@@ -684,37 +660,12 @@ class TiledSurface(TiledSurfaceData, Tiled):
     ) -> Surface:
         """Cut the faces along a polygon, and make a surface in memory of what is inside.
 
+        Returns the Surface of `Surface.clip`, bit for bit; errors also of `iter_blocks`.
+        In full: `liftmesh.terrain.clipping.clip`.
+
         Parameters
         ----------
-        polygon : object
-            As for `Surface.clip`. The shards that touch its box are read.
-        threads, progress
-            As for `triangulate`.
-
-        Returns
-        -------
-        Surface
-            The vertices and faces of `Surface.clip`, bit for bit.
-
-        Raises
-        ------
-        InputError, MissingDependencyError
-            As for `Surface.clip`.
-        FormatError, OSError
-            As for `iter_blocks`; a file of a polygon cannot be read.
-
-        See Also
-        --------
-        Surface.clip : The same for a surface in memory, and what is outside.
-
-        Examples
-        --------
-        >>> import tempfile
-        >>> import liftmesh
-        >>> points = [[0, 0, 0], [4, 0, 8], [0, 4, 0], [4, 4, 8]]
-        >>> tiled = liftmesh.tile_surface(points, tempfile.mkdtemp())
-        >>> tiled.clip([[1, 1], [3, 1], [3, 3], [1, 3]]).bounds
-        (1.0, 1.0, 3.0, 3.0)
+        polygon, threads, progress : as for `Surface.clip`; the shards that touch its box are read
         """
         return surface_clip.clipped(self, polygon, threads, progress)
 

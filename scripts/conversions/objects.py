@@ -7,6 +7,7 @@ keeps stands in the table of FORMATS.md, and nothing else may be lost.
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -23,7 +24,7 @@ import xarray as xr
 from conversions.passages import Arrival, Passage
 from laspy.vlrs.known import WktCoordinateSystemVlr
 
-from liftmesh import Cloud, InputError, Surface, as_cloud, triangulate
+from liftmesh import Cloud, DataWarning, InputError, Surface, as_cloud, triangulate
 from liftmesh.base.colors import stated_depth
 from liftmesh.io.columns import ALPHA, COLOR, NORMAL, POSITION
 from liftmesh.io.format import DOUBLE, fits_whole
@@ -228,6 +229,13 @@ def _is_dimension(header: Any, name: str, values: Array) -> bool:
     return is_name and is_number and values.ndim == 1
 
 
+def to_surface(cloud: Cloud) -> Surface:
+    """Triangulate, also where the faces that the cloud has fold over."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DataWarning)
+        return triangulate(replace(cloud, edges=None), nonfinite="skip")
+
+
 def to_scene(cloud: Cloud) -> trimesh_library.Scene:
     if not isinstance(cloud.metadata.get("name", ""), str):
         raise InputError("trimesh takes the name of a geometry from its metadata")
@@ -285,9 +293,7 @@ MAKERS: dict[str, dict[str, Callable[[Cloud], Any]]] = {
         "Open3D tensor PointCloud": to_tensor_points,
         "Open3D Tensor": lambda cloud: o3d.core.Tensor(np.array(cloud.points)),
     },
-    "own mesh": {
-        "Surface": lambda cloud: triangulate(replace(cloud, edges=None), nonfinite="skip")
-    },
+    "own mesh": {"Surface": to_surface},
     "object with to_cloud()": {"object with to_cloud()": CloudLike},
     "object with vertices and faces": {"object with vertices": to_mesh_like},
     "array-like": {"array-like object": lambda cloud: ArrayLike(cloud.points)},
@@ -330,5 +336,5 @@ def _of_new_faces(cloud: Cloud, back: Cloud) -> dict[str, Any]:
 
 
 def _through_surface(convert: Callable[[Surface], Any], cloud: Cloud) -> Arrival:
-    surface = triangulate(replace(cloud, edges=None), nonfinite="skip")
+    surface = to_surface(cloud)
     return Arrival(as_cloud(convert(surface)), sent=surface.to_cloud())

@@ -141,7 +141,10 @@ def geojson(cloud: Cloud, path: Path) -> None:
     ]
     name = cloud.crs and {"type": "name", "properties": {"name": cloud.crs}}
     tree = {"type": "FeatureCollection", "crs": name, "features": features}
-    path.write_text(json.dumps(tree))
+    try:
+        path.write_text(json.dumps(tree))
+    except TypeError as error:
+        raise InputError("JSON does not hold this") from error
 
 
 def geopackage(cloud: Cloud, path: Path) -> None:
@@ -164,7 +167,7 @@ def shapefile(cloud: Cloud, path: Path) -> None:
     for name, values in columns.items():
         if not name.isprintable() or not 0 < len(name.encode("utf-8", "replace")) < 11:
             raise InputError("dBase has no such names")
-        if isinstance(values[0], bool):
+        if all(isinstance(each, bool) for each in values):
             held[name] = ("L", 1, ["T" if each else "F" for each in values])
         else:
             held[name] = ("N", 32, [*map(repr, values)])

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "bounded.hpp"
-#include "constrained/places.hpp"
 #include "constrained/regions.hpp"
 #include "kinds.hpp"
+#include "predicates/crossings.hpp"
 #include "refinement/refine.hpp"
 #include "rows.hpp"
 #include "verify/verify.hpp"
@@ -128,7 +128,7 @@ void add_constraints(const double* coordinates, std::size_t rows, Digests& diges
             const liftmesh::Point p = input[static_cast<std::size_t>(edges[end])];
             pairs.insert(pairs.end(), {p.x, p.y});
         }
-    liftmesh::constrained::find_crossings(pairs.data(), places.size() / 2, places.data());
+    liftmesh::find_crossings(pairs.data(), places.size() / 2, places.data());
     for (double& place : places)
         if (std::isnan(place)) place = std::numeric_limits<double>::quiet_NaN();
     add_all(digests.of["crossings"], places);

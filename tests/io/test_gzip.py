@@ -150,5 +150,8 @@ def test_every_format_of_text_may_be_compressed() -> None:
             "vtu",
             "msh",
             "su2",
+            "ugrid",
+            "geopackage",
+            "shapefile",
         ),
     }

@@ -342,7 +342,7 @@ def test_points_of_other_layouts(points: NDArray[np.floating]) -> None:
     assert liftmesh.verify(np.c_[points, points[:, 0]], liftmesh.delaunay(points).simplices)
 
 
-@pytest.mark.parametrize("simplices", [[0, 1, 2], [[0, 1]], [[0, 1, 2, 3]], [[0.0, 1.0, 2.0]]])
+@pytest.mark.parametrize("simplices", [[0, 1, 2], [[0, 1]], [[0, 1, 2, 3, 4]], [[0.0, 1.0, 2.0]]])
 def test_other_shapes_are_refused(simplices: object) -> None:
     with pytest.raises(InputError, match=r"simplices need the shape \(m, 3\)"):
         liftmesh.verify(POINTS, simplices)

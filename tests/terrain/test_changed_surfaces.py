@@ -284,7 +284,7 @@ def test_named_values_are_added() -> None:
         ({"attributes": {"a": [[1], [2, 3]]}}, "attribute 'a' cannot be converted to an array"),
         ({"vertices": ROWS[:, :2]}, r"vertices need the shape \(60, 3\), not \(60, 2\)"),
         ({"vertices": ROWS[:5]}, r"vertices need the shape \(60, 3\)"),
-        ({"crs": 25832}, "crs is 25832"),
+        ({"crs": 1.5}, "crs is 1.5"),
     ],
 )
 def test_what_does_not_fit_is_refused(changes: dict[str, Any], said: str) -> None:

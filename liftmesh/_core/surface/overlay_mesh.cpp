@@ -40,7 +40,7 @@ class Overlaid {
         return false;
     }
 
-    std::int32_t face_of(const Piece& piece, std::size_t surface) const {
+    std::int32_t face_of(const OverlayPiece& piece, std::size_t surface) const {
         return surface == 0 ? piece.face : piece.other;
     }
 
@@ -50,7 +50,7 @@ class Overlaid {
     }
 
     // Which corner of a piece is the crossing of the same sides as in another one; `count` if none.
-    std::size_t crossing_in(const Piece& piece, const std::array<std::int32_t, 2>& from,
+    std::size_t crossing_in(const OverlayPiece& piece, const std::array<std::int32_t, 2>& from,
                             const std::array<std::size_t, 2>& sides) const {
         std::array<std::size_t, 2> own = sides;
         for (std::size_t f : {0, 1}) {
@@ -73,7 +73,7 @@ class Overlaid {
         names_ = allocate<std::int32_t>(pieces_.corners);
         is_used_.assign(all, 0);
         crossings_.reserve(pieces_.pieces.size());
-        for (const Piece& piece : pieces_.pieces) {
+        for (const OverlayPiece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
             for (std::size_t i = 0; i < piece.count; ++i) {
                 const PieceCorner corner = piece.corners[i];
@@ -91,7 +91,7 @@ class Overlaid {
         return true;
     }
 
-    bool name_crossing(const Piece& piece, std::size_t i, std::size_t before) {
+    bool name_crossing(const OverlayPiece& piece, std::size_t i, std::size_t before) {
         const PieceCorner corner = piece.corners[i];
         const std::array<std::size_t, 2> sides{corner.side(0), corner.side(1)};
         const std::array<std::int32_t, 2> from{piece.face, piece.other};
@@ -108,7 +108,7 @@ class Overlaid {
             crossings_.push_back({p, q, r, t});
             return before + crossings_.size() < most_numbers;
         }
-        const Piece* const known = pieces_.find(owner[0], owner[1]);
+        const OverlayPiece* const known = pieces_.find(owner[0], owner[1]);
         if (!known) return false;
         const std::size_t place = crossing_in(*known, from, sides);
         if (place == known->count) return false;
@@ -117,7 +117,7 @@ class Overlaid {
     }
 
     // The lesser and the greater end of a side.
-    std::pair<std::int32_t, std::int32_t> ends_of(const Piece& piece, std::size_t surface,
+    std::pair<std::int32_t, std::int32_t> ends_of(const OverlayPiece& piece, std::size_t surface,
                                                   std::size_t side) const {
         const LocalSurface& of = surfaces_[surface];
         const std::int32_t face = face_of(piece, surface), tail = of.vertex(face, tail_of(side)),
@@ -230,7 +230,7 @@ class Overlaid {
         std::fill_n(found_.neighbors.get(), 3 * count, unlinked);
         sides_ = allocate<Side>(pieces_.corners);
         next_ = 0;
-        for (const Piece& piece : pieces_.pieces) {
+        for (const OverlayPiece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
             const std::size_t n = piece.count;
             const std::int32_t* const rows = names_.get() + piece.first;
@@ -244,7 +244,7 @@ class Overlaid {
 
     // What is between two corners of a piece, seen from the chord: the Delaunay triangle at that,
     // and what is beyond it. Returns where the chord is.
-    Side divide(const Piece& piece, std::size_t i, std::size_t j) {
+    Side divide(const OverlayPiece& piece, std::size_t i, std::size_t j) {
         const std::int32_t* const rows = names_.get() + piece.first;
         std::size_t apex = i + 1;
         for (std::size_t m = i + 2; m < j; ++m)
@@ -260,7 +260,7 @@ class Overlaid {
         return sides + 1;
     }
 
-    void join_within(const Piece& piece, Side side, std::size_t i, std::size_t j) {
+    void join_within(const OverlayPiece& piece, Side side, std::size_t i, std::size_t j) {
         if (i + 1 == j)
             sides_[piece.first + i] = side;
         else
@@ -273,7 +273,7 @@ class Overlaid {
     }
 
     bool link() {
-        for (const Piece& piece : pieces_.pieces) {
+        for (const OverlayPiece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
             for (std::size_t i = 0; i < piece.count; ++i)
                 if (!link_side(piece, i)) return unsound();
@@ -286,7 +286,7 @@ class Overlaid {
     }
 
     // The triangles on both sides of a side of a piece.
-    bool link_side(const Piece& piece, std::size_t i) {
+    bool link_side(const OverlayPiece& piece, std::size_t i) {
         const Side own = sides_[piece.first + i];
         std::array<std::int32_t, 2> beyond{piece.face, piece.other};
         for (std::size_t f : {0, 1}) {
@@ -301,7 +301,7 @@ class Overlaid {
         }
         const bool is_same = beyond[0] == piece.face;
         if (is_before(is_same, beyond[is_same], face_of(piece, is_same))) return true;
-        const Piece* const next = pieces_.find(beyond[0], beyond[1]);
+        const OverlayPiece* const next = pieces_.find(beyond[0], beyond[1]);
         if (!next) return false;
         const std::size_t n = piece.count, m = next->count;
         const std::int32_t tail = names_[piece.first + i], head = names_[piece.first + (i + 1) % n];

@@ -48,13 +48,13 @@ unsigned sides_with(const FacePair& pair, std::size_t face, PieceCorner corner) 
 
 }  // namespace
 
-bool outline_of(const FacePair& pair, Piece& piece) {
+bool outline_of(const FacePair& pair, OverlayPiece& piece) {
     const FacePair::Outline outline = pair.outline();
     std::size_t count = 0;
     for (std::size_t i = 0; i < outline.count; ++i) {
         const PieceCorner corner = limit(pair, outline.corners[i]);
         if (count > 0 && piece.corners[count - 1].same_place(corner)) continue;
-        if (count == Piece::most) {
+        if (count == OverlayPiece::most) {
             if (corner.same_place(piece.corners[0])) continue;
             return false;
         }
@@ -122,7 +122,7 @@ class Collector {
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {
         if (!surfaces_[0].is_shown(number) || !surfaces_[1].is_shown(other)) return;
         if (!pair.overlap()) return;
-        Piece piece{number, other, 0, {}, 0};
+        OverlayPiece piece{number, other, 0, {}, 0};
         if (!outline_of(pair, piece)) {
             found_.is_sound = false;
             return;
@@ -133,7 +133,7 @@ class Collector {
     }
 
  private:
-    void add_height(const FacePair& pair, const Piece& piece, PieceCorner corner) {
+    void add_height(const FacePair& pair, const OverlayPiece& piece, PieceCorner corner) {
         const std::size_t of = corner.face();
         const std::int32_t face = of == 0 ? piece.face : piece.other;
         double& height =
@@ -155,14 +155,14 @@ bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face,
     flood.run(face, other);
     if (patience.ends(0)) return false;
     found.starts.assign(surfaces[0].count(), Pieces::none);
-    Piece* const all = found.pieces.data();
+    OverlayPiece* const all = found.pieces.data();
     for (std::size_t first = 0, last = 0; first < found.pieces.size(); first = last) {
         if (patience.ends()) return false;
         const std::int32_t number = all[first].face;
         while (last < found.pieces.size() && all[last].face == number) ++last;
         found.starts[static_cast<std::size_t>(number)] = static_cast<std::uint32_t>(first);
         std::sort(all + first, all + last,
-                  [](const Piece& a, const Piece& b) { return a.other < b.other; });
+                  [](const OverlayPiece& a, const OverlayPiece& b) { return a.other < b.other; });
         for (std::size_t i = first; i < last; ++i) {
             all[i].first = static_cast<std::uint32_t>(found.corners);
             found.corners += all[i].count;

@@ -44,7 +44,7 @@ class PieceCorner {
     std::uint8_t bits_ = 0;
 };
 
-struct Piece {
+struct OverlayPiece {
     static constexpr std::size_t most = 6;
 
     std::int32_t face, other;
@@ -54,7 +54,7 @@ struct Piece {
 };
 
 // Of faces that overlap. False if their turns contradict each other, as of faces without area.
-bool outline_of(const FacePair& pair, Piece& piece);
+bool outline_of(const FacePair& pair, OverlayPiece& piece);
 
 // The height of the second face at a corner of the first, or the other way round.
 double height_over(const FacePair& pair, std::size_t face, std::size_t k);
@@ -67,13 +67,13 @@ double height_along(const SurfaceCorner& tail, const SurfaceCorner& head, Point 
 struct Pieces {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    std::vector<Piece> pieces;
+    std::vector<OverlayPiece> pieces;
     std::size_t corners = 0;                     // of all
     std::vector<std::uint32_t> starts;           // of each first face; `none` if it has none
     std::array<std::vector<double>, 2> heights;  // of the other surface at vertices; NaN for none
     bool is_sound = true;
 
-    const Piece* find(std::int32_t face, std::int32_t other) const {
+    const OverlayPiece* find(std::int32_t face, std::int32_t other) const {
         const std::size_t start = starts[static_cast<std::size_t>(face)];
         for (std::size_t i = start; i < pieces.size() && pieces[i].face == face; ++i)
             if (pieces[i].other == other) return &pieces[i];

@@ -21,6 +21,7 @@ from liftmesh.crs.description import is_number, look_up, parse_crs
 from liftmesh.errors import FormatError, InputError, MissingDependencyError
 from liftmesh.io.columns import faces_of
 from liftmesh.io.format import DOUBLE, dropped_values, fits_whole
+from liftmesh.io.markup import is_possible
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -62,9 +63,10 @@ def write_ugrid(stream: BinaryIO, cloud: Cloud) -> None:
 
 
 def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
-    """Return the attributes that are not written."""
+    """Return what is not written: attributes, and a coordinate system that is no text."""
     kept = _attributes(cloud)
-    return [dropped_values(name) for name in cloud.attributes if name not in kept]
+    system = ["crs"] if cloud.crs is not None and not is_possible(cloud.crs) else []
+    return [*system, *(dropped_values(name) for name in cloud.attributes if name not in kept)]
 
 
 def _add(
@@ -115,7 +117,7 @@ def _at_nodes(crs: str | None) -> dict[str, str]:
 
 def _system(crs: str | None) -> dict[str, Any]:
     """Return what is said of the coordinate system, with the parameters that pyproj knows."""
-    if crs is None:
+    if crs is None or not is_possible(crs):
         return {}
     own = {"epsg_code": crs} if is_number(crs) else {"crs_wkt": crs}
     try:
