@@ -25,7 +25,6 @@ from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.raster.pixels import Transform
-    from liftmesh.raster.raster import Raster
 
 SUFFIXES = (".png", ".r16")
 SIZES = "Unreal takes 127, 253, 505, 1009, 2017, 4033 or 8129, Unity 33, 65 and so on to 4097"
@@ -44,16 +43,17 @@ def suits_engines(size: int) -> bool:
     return size in _UNREAL + _UNITY
 
 
-def save(raster: Raster, path: Path, voids: Voids) -> tuple[float, float]:
-    """Write heights as a heightmap; return scale and offset."""
+def save(
+    values: Array, transform: Transform, path: Path, voids: Voids, about: Mapping[str, Any]
+) -> tuple[float, float]:
+    """Write heights as a heightmap, and what else is known of them; return scale and offset."""
     check_option("voids", voids, Voids)
-    samples, scale, offset = _samples(raster.values, voids)
-    a, b, _, d, e, _ = raster.transform
+    samples, scale, offset = _samples(values, voids)
+    a, b, _, d, e, _ = transform
     across, down = float(np.hypot(a, d)), float(np.hypot(b, e))
     if path.suffix.lower() == ".r16":
-        pixels = {"pixel_size": [across, down], "transform": [*map(float, raster.transform)]}
-        known = {**pixels, "unit": raster.unit, "crs": raster.crs}
-        _write_bare(path, samples, {"scale": scale, "offset": offset, **known})
+        pixels = {"pixel_size": [across, down], "transform": [*map(float, transform)]}
+        _write_bare(path, samples, {"scale": scale, "offset": offset, **pixels, **about})
     else:
         said = f"height = {scale!r} * value + {offset!r}; pixels of {across!r} x {down!r}"
         with replacing(path) as stream:

@@ -196,7 +196,8 @@ class Raster(FrozenResult):
         target = Path(at_home(path))
         check_name(target, may_be_heightmap=True)
         if heightmap.is_heightmap(target):
-            scaling = heightmap.save(self, target, voids)
+            about = {"unit": self.unit, "crs": self.crs}
+            scaling = heightmap.save(self.values, self.transform, target, voids, about)
             return written_file(target, "heightmap", scaling=scaling)
         is_cog = as_switch("cog", cog)
         crs = written_system(self.crs, self.quantity)
