@@ -17,7 +17,7 @@ int insphere_by_scaled_filter(const SpacePoint (&points)[5]) {
                                        {points[3], points[4]}};
     double largest = 0;
     for (const SpaceSteps& step : steps)
-        largest = std::max(largest, largest_of(step.x, step.y, step.z));
+        largest = std::max(largest, largest_magnitude(step.x, step.y, step.z));
     if (!std::isfinite(largest) || largest < 0x1p-960) return 0;
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     for (SpaceSteps& step : steps) step.x *= scale, step.y *= scale, step.z *= scale;

@@ -62,7 +62,7 @@ struct SpaceSteps {
 
 inline constexpr double sphere_bound = 387 * 0x1p-53;
 
-inline double largest_of(double a, double b, double c) {
+inline double largest_magnitude(double a, double b, double c) {
     return std::max(std::max(std::fabs(a), std::fabs(b)), std::fabs(c));
 }
 
@@ -72,8 +72,8 @@ inline int volume_sign(const SpacePoint& a, const SpacePoint& b, const SpacePoin
     const SpaceSteps p(a, d), q(b, d), r(c, d);
     const double det = p.z * (q.y * r.x - q.x * r.y) + q.z * (r.y * p.x - r.x * p.y) +
                        r.z * (p.y * q.x - p.x * q.y);
-    const double x = largest_of(p.x, q.x, r.x), y = largest_of(p.y, q.y, r.y);
-    const double z = largest_of(p.z, q.z, r.z);
+    const double x = largest_magnitude(p.x, q.x, r.x), y = largest_magnitude(p.y, q.y, r.y);
+    const double z = largest_magnitude(p.z, q.z, r.z);
     const double error = bound * x * y * z + trust.guard.margin();
     if (det > error) return 1;
     if (-det > error) return -1;
@@ -103,9 +103,9 @@ inline SphereFilter insphere_filter(const SpaceSteps& p, const SpaceSteps& q, co
 // For points that all differ little along some axis.
 inline double insphere_error(const SpaceSteps& p, const SpaceSteps& q, const SpaceSteps& r,
                              const SpaceSteps& s, double square) {
-    const double x = std::max(largest_of(p.x, q.x, r.x), std::fabs(s.x));
-    const double y = std::max(largest_of(p.y, q.y, r.y), std::fabs(s.y));
-    const double z = std::max(largest_of(p.z, q.z, r.z), std::fabs(s.z));
+    const double x = std::max(largest_magnitude(p.x, q.x, r.x), std::fabs(s.x));
+    const double y = std::max(largest_magnitude(p.y, q.y, r.y), std::fabs(s.y));
+    const double z = std::max(largest_magnitude(p.z, q.z, r.z), std::fabs(s.z));
     return sphere_bound * (x * y) * (z * square);
 }
 

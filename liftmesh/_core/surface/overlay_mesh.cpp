@@ -11,7 +11,7 @@ namespace liftmesh {
 namespace {
 
 // A side of a triangle, three times its number and the corner opposite.
-using Side = std::uint32_t;
+using OverlaySide = std::uint32_t;
 
 class Overlaid {
  public:
@@ -228,7 +228,7 @@ class Overlaid {
         found_.bits = allocate<std::uint8_t>(count);
         std::fill_n(found_.bits.get(), count, std::uint8_t{0});
         std::fill_n(found_.neighbors.get(), 3 * count, unlinked);
-        sides_ = allocate<Side>(pieces_.corners);
+        sides_ = allocate<OverlaySide>(pieces_.corners);
         next_ = 0;
         for (const OverlayPiece& piece : pieces_.pieces) {
             if (patience_.ends()) return false;
@@ -244,7 +244,7 @@ class Overlaid {
 
     // What is between two corners of a piece, seen from the chord: the Delaunay triangle at that,
     // and what is beyond it. Returns where the chord is.
-    Side divide(const OverlayPiece& piece, std::size_t i, std::size_t j) {
+    OverlaySide divide(const OverlayPiece& piece, std::size_t i, std::size_t j) {
         const std::int32_t* const rows = names_.get() + piece.first;
         std::size_t apex = i + 1;
         for (std::size_t m = i + 2; m < j; ++m)
@@ -254,20 +254,20 @@ class Overlaid {
         corners[0] = rows[i];
         corners[1] = rows[apex];
         corners[2] = rows[j];
-        const auto sides = static_cast<Side>(3 * t);
+        const auto sides = static_cast<OverlaySide>(3 * t);
         join_within(piece, sides + 2, i, apex);
         join_within(piece, sides, apex, j);
         return sides + 1;
     }
 
-    void join_within(const OverlayPiece& piece, Side side, std::size_t i, std::size_t j) {
+    void join_within(const OverlayPiece& piece, OverlaySide side, std::size_t i, std::size_t j) {
         if (i + 1 == j)
             sides_[piece.first + i] = side;
         else
             join(side, divide(piece, i, j));
     }
 
-    void join(Side one, Side other) {
+    void join(OverlaySide one, OverlaySide other) {
         found_.neighbors[one] = static_cast<std::int32_t>(other / 3);
         found_.neighbors[other] = static_cast<std::int32_t>(one / 3);
     }
@@ -287,7 +287,7 @@ class Overlaid {
 
     // The triangles on both sides of a side of a piece.
     bool link_side(const OverlayPiece& piece, std::size_t i) {
-        const Side own = sides_[piece.first + i];
+        const OverlaySide own = sides_[piece.first + i];
         std::array<std::int32_t, 2> beyond{piece.face, piece.other};
         for (std::size_t f : {0, 1}) {
             const std::size_t side = piece.corners[i].next_side(f);
@@ -308,7 +308,7 @@ class Overlaid {
         const std::int32_t* const rows = names_.get() + next->first;
         for (std::size_t j = 0; j < m; ++j) {
             if (rows[j] != head || rows[j + 1 == m ? 0 : j + 1] != tail) continue;
-            const Side other = sides_[next->first + j];
+            const OverlaySide other = sides_[next->first + j];
             join(own, other);
             if (needs_constraint(own, other)) {
                 mark(own);
@@ -319,10 +319,12 @@ class Overlaid {
         return false;
     }
 
-    void mark(Side side) { found_.bits[side / 3] |= static_cast<std::uint8_t>(1u << side % 3); }
+    void mark(OverlaySide side) {
+        found_.bits[side / 3] |= static_cast<std::uint8_t>(1u << side % 3);
+    }
 
     // Whether the corner of a triangle beyond a side is in the circle of the triangle before it.
-    bool needs_constraint(Side one, Side other) const {
+    bool needs_constraint(OverlaySide one, OverlaySide other) const {
         const std::int32_t* const corners = found_.simplices.get() + 3 * (one / 3);
         return is_inside(corners[0], corners[1], corners[2], found_.simplices[other]);
     }
@@ -341,7 +343,7 @@ class Overlaid {
     Patience patience_;
     Buffer<std::int32_t> names_;  // of the corners of all pieces
     Buffer<Point> places_;        // of each name
-    Buffer<Side> sides_;          // from each corner on
+    Buffer<OverlaySide> sides_;   // from each corner on
     std::vector<std::uint8_t> is_used_;
     std::vector<Crossing> crossings_;
     std::vector<std::int32_t> rows_;  // of each name
