@@ -227,8 +227,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        checkpoints, interpolation, threads : as for `height_above`; without, vertices are left out
-        progress : callable, of the share of the vertices that were left out
+        checkpoints, interpolation, threads, progress : as for `height_above`; None: leave rows out
         """
         ways: Any = {"interpolation": interpolation, "threads": threads, "progress": progress}
         return accuracy.accuracy_of(self, checkpoints, **ways)
@@ -370,8 +369,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels, values, interval, contour_base, threads : as for `contours`
-        progress : as for `triangulate`
+        levels, values, interval, contour_base, threads, progress : as for `contours`, `triangulate`
         """
         ways: Any = {"interval": interval, "contour_base": contour_base, "threads": threads}
         return filled.filled_contours(self, levels, values=values, progress=progress, **ways)
