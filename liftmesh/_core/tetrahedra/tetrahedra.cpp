@@ -60,7 +60,8 @@ class TetrahedraWriter {
     bool turn() {
         return for_each_slot([this](std::size_t t) {
             if (!is_finite(t)) return;
-            auto& [v, across] = all_[t];
+            auto& v = all_[t].vertex;
+            auto& across = all_[t].across;
             bool is_odd = false;
             const auto exchange = [&](unsigned i, unsigned j) {
                 std::swap(v[i], v[j]);
