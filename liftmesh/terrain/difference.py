@@ -71,8 +71,9 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     -----
     Which sides cross is decided exactly; a crossing is rounded once. Where both surfaces are
     exchanged, heights change their signs, and no other bit; neither does the order of the rows.
-    Where surfaces nearly coincide, as two that were rounded differently, crossings may come
-    together: then sides are split until none cross, which takes some twenty times as long.
+    Where crossings may come together, sides are split until none cross, which takes some twenty
+    times as long. So it is where surfaces nearly coincide, and where a vertex of one is hardly
+    beside a side of the other, as is common where both have coordinates in decimals (centimetres).
 
     Examples
     --------
