@@ -24,6 +24,7 @@ from liftmesh.base.options import refused
 from liftmesh.planar.points import as_complex, rows_of
 
 if TYPE_CHECKING:
+    import open3d as o3d
     import trimesh
 
     from liftmesh import _kernel
@@ -198,8 +199,98 @@ class Heights:
         return (self.radii[end] - first) * (self.radii[end] + first)
 
 
+class HullMesh(FrozenResult):
+    """What hulls are converted to, all by way of a cloud with faces."""
+
+    __slots__ = ()
+
+    def to_cloud(self) -> Cloud:
+        """Convert the hull to a cloud with faces."""
+        raise NotImplementedError
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """Convert the hull to a trimesh mesh with the vertices and faces of ``to_cloud``.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            The mesh.
+
+        See Also
+        --------
+        LowerHull.to_cloud, ConvexHull.to_cloud : As a cloud with faces.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_trimesh().faces.shape
+        (1, 3)
+        """
+        from liftmesh.io.objects.trimesh import to_mesh  # noqa: PLC0415
+
+        return to_mesh(self.to_cloud())
+
+    def to_open3d(self) -> o3d.geometry.TriangleMesh:
+        """Convert the hull to an Open3D mesh with the vertices and faces of ``to_cloud``.
+
+        Returns
+        -------
+        open3d.geometry.TriangleMesh
+            The mesh.
+
+        See Also
+        --------
+        LowerHull.to_cloud, ConvexHull.to_cloud : As a cloud with faces.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
+        >>> liftmesh.convex_hull(corners).to_open3d().is_watertight()
+        True
+        """
+        from liftmesh.io.objects.open3d import to_legacy  # noqa: PLC0415
+
+        return to_legacy(self.to_cloud())
+
+    def save(self, path: Any, **options: Any) -> WriteResult:
+        """Write the hull to a mesh file.
+
+        Parameters
+        ----------
+        path : path or binary file
+            Where to write; the suffix determines the format.
+        **options
+            As for `liftmesh.write`.
+
+        Returns
+        -------
+        WriteResult
+            Summary of what was written.
+
+        Raises
+        ------
+        FormatError
+            The format is unknown, or the file cannot be written.
+
+        See Also
+        --------
+        write : Writes any cloud or mesh.
+
+        Examples
+        --------
+        >>> import io, liftmesh
+        >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted()
+        >>> hull.save(io.BytesIO(), format="ply").format
+        'ply'
+        """
+        from liftmesh.io.write import write  # noqa: PLC0415
+
+        return write(path, self.to_cloud(), **options)
+
+
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class LowerHull(FrozenResult):
+class LowerHull(HullMesh):
     """The lower convex hull of points in space, as a mesh. Its arrays are read-only.
 
     Parameters
@@ -285,63 +376,6 @@ class LowerHull(FrozenResult):
 
         metadata = {} if self.apex is None else {"apex": self.apex}
         return Cloud(self.vertices, faces=self.faces, metadata=metadata)
-
-    def to_trimesh(self) -> trimesh.Trimesh:
-        """Convert the hull to a trimesh mesh with the same vertices and faces.
-
-        Returns
-        -------
-        trimesh.Trimesh
-            The mesh.
-
-        See Also
-        --------
-        LowerHull.to_cloud : As a cloud with faces.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted().to_trimesh().faces.shape
-        (1, 3)
-        """
-        from liftmesh.io.objects.trimesh import to_mesh  # noqa: PLC0415
-
-        return to_mesh(self.to_cloud())
-
-    def save(self, path: Any, **options: Any) -> WriteResult:
-        """Write the hull to a mesh file.
-
-        Parameters
-        ----------
-        path : path or binary file
-            Where to write; the suffix determines the format.
-        **options
-            As for `liftmesh.write`.
-
-        Returns
-        -------
-        WriteResult
-            Summary of what was written.
-
-        Raises
-        ------
-        FormatError
-            The format is unknown, or the file cannot be written.
-
-        See Also
-        --------
-        write : Writes any cloud or mesh.
-
-        Examples
-        --------
-        >>> import io, liftmesh
-        >>> hull = liftmesh.delaunay([[0, 0], [1, 0], [0, 1]]).lifted()
-        >>> hull.save(io.BytesIO(), format="ply").format
-        'ply'
-        """
-        from liftmesh.io.write import write  # noqa: PLC0415
-
-        return write(path, self.to_cloud(), **options)
 
 
 REJECTIONS = ("4.3 (i)", "4.3 (ii)", "4.3 (iii)", "4.3 (iv)", "4.3 (v)", "4.4")

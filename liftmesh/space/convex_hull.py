@@ -9,20 +9,17 @@ import numpy as np
 
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import of_one_array
-from liftmesh.base.frozen import FrozenResult, check_numbers
+from liftmesh.base.frozen import check_numbers
 from liftmesh.base.options import NonFinite
+from liftmesh.planar.lifting import HullMesh
 from liftmesh.space.tetrahedra import tetrahedralize
 
 if TYPE_CHECKING:
-    import open3d as o3d
-    import trimesh
-
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.write import WriteResult
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
-class ConvexHull(FrozenResult):
+class ConvexHull(HullMesh):
     """The convex hull of points in space, as a watertight mesh. Its arrays are read-only.
 
     Parameters
@@ -99,88 +96,6 @@ class ConvexHull(FrozenResult):
         rows, faces = np.unique(self.faces, return_inverse=True)
         corners = faces.reshape(-1, 3).astype(np.int32)
         return Cloud(np.asarray(self.points[rows], dtype=np.float64), faces=corners)
-
-    def to_trimesh(self) -> trimesh.Trimesh:
-        """Convert the hull to a trimesh mesh with the vertices and faces of `to_cloud`.
-
-        Returns
-        -------
-        trimesh.Trimesh
-            The mesh, which is watertight.
-
-        See Also
-        --------
-        ConvexHull.to_cloud : As a cloud with faces.
-
-        Examples
-        --------
-        >>> import liftmesh, numpy as np
-        >>> cube = np.indices((3, 3, 3)).reshape(3, -1).T
-        >>> mesh = liftmesh.convex_hull(cube).to_trimesh()
-        >>> mesh.is_watertight, float(mesh.volume)
-        (True, 8.0)
-        """
-        from liftmesh.io.objects.trimesh import to_mesh  # noqa: PLC0415
-
-        return to_mesh(self.to_cloud())
-
-    def to_open3d(self) -> o3d.geometry.TriangleMesh:
-        """Convert the hull to an Open3D mesh with the vertices and faces of `to_cloud`.
-
-        Returns
-        -------
-        open3d.geometry.TriangleMesh
-            The mesh.
-
-        See Also
-        --------
-        ConvexHull.to_cloud : As a cloud with faces.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
-        >>> liftmesh.convex_hull(corners).to_open3d().is_watertight()
-        True
-        """
-        from liftmesh.io.objects.open3d import to_legacy  # noqa: PLC0415
-
-        return to_legacy(self.to_cloud())
-
-    def save(self, path: Any, **options: Any) -> WriteResult:
-        """Write the hull to a mesh file.
-
-        Parameters
-        ----------
-        path : path or binary file
-            Where to write; the suffix determines the format.
-        **options
-            As for `liftmesh.write`.
-
-        Returns
-        -------
-        WriteResult
-            Summary of what was written.
-
-        Raises
-        ------
-        FormatError
-            The format is unknown, or the file cannot be written.
-
-        See Also
-        --------
-        write : Writes any cloud or mesh.
-
-        Examples
-        --------
-        >>> import io, liftmesh
-        >>> corners = [[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]]
-        >>> liftmesh.convex_hull(corners).save(io.BytesIO(), format="ply").format
-        'ply'
-        """
-        from liftmesh.io.write import write  # noqa: PLC0415
-
-        return write(path, self.to_cloud(), **options)
 
 
 @of_one_array
