@@ -327,6 +327,7 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "LowerHull.above", PLANAR, on_hull(lambda hull: hull.above), PLAIN
     yield "LowerHull.to_cloud", PLANAR, on_hull(lambda hull: hull.to_cloud()), PLAIN
     yield "LowerHull.to_trimesh", PLANAR, on_hull(lambda hull: hull.to_trimesh()), PLAIN
+    yield "LowerHull.to_open3d", PLANAR, on_hull(lambda hull: hull.to_open3d()), ()
     yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
 
 
