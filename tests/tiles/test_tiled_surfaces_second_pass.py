@@ -47,7 +47,10 @@ LAYOUTS: list[dict[str, Any]] = [
 @pytest.mark.parametrize(
     "wanted",
     [
-        *({"quantity": each} for each in ("height", "slope", "aspect", "hillshade", "longest-edge")),
+        *(
+            {"quantity": each}
+            for each in ("height", "slope", "aspect", "hillshade", "longest-edge")
+        ),
         *({"interpolation": each} for each in ("nearest", "laplace", "sibson")),
     ],
     ids=str,
