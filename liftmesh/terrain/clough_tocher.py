@@ -114,7 +114,8 @@ class CloughTocher:
             next_row += 2 * middle[k][:, own] * a * b
             third = deep[i][:, own] * a + deep[j][:, own] * b
             found[:, own] = edge + c * (3 * next_row + c * (3 * third + c * centre[:, own]))
-        return first + found
+        whole: Floats = first + found
+        return whole
 
     def _across(self, corners: Rows, faces: Rows, k: int) -> tuple[Floats, Floats]:
         """Weigh i and j in the direction across the side opposite corner k; the centroid has 1.

@@ -232,7 +232,8 @@ def _slopes(gradients: ArrayLike, shape: tuple[int, ...]) -> Floats:
         raise InputError(
             f"{Option('gradients')} have the shape {given.shape}, not {(*shape, 2)}: {remedy}"
         )
-    return given.reshape(shape[0], -1, 2).swapaxes(0, 1).copy()  # the caller may write to it
+    slopes: Floats = given.reshape(shape[0], -1, 2).swapaxes(0, 1).copy()
+    return slopes
 
 
 def _check_delaunay(surface: SurfaceData, option: str, given: str) -> None:

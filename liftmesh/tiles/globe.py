@@ -34,9 +34,9 @@ from liftmesh.io.atomic import replacing
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud
 from liftmesh.tiles.quantized_mesh import STEPS, QuantizedTile, encoded
 from liftmesh.tiles.simplified import (
+    Deviation,
     Sides,
     corners_of,
-    deviation,
     few_points,
     inside_of,
     side_of,
@@ -103,8 +103,8 @@ def write_quantized_mesh(
         Over x and y, in a known coordinate system, with heights in metres.
     folder : path
         Where to write ``layer.json`` and a file for each tile, ``level/column/row.terrain``. It is
-        made if it does not exist; files of these names are replaced, when all new ones are
-        complete.
+        made if it does not exist; files of these names, and all tiles of an earlier layer there,
+        are replaced when all new ones are complete.
     max_error : float
         The vertical distance of the vertices of the surface from tiles of the finest level, at
         most, in metres, but for the steps of 16 bits. Tiles of the level above are within twice
@@ -172,7 +172,7 @@ def write_quantized_mesh(
             f"smaller {Option('zoom')} than {finest}"
         )
     done = 0
-    with staged(root, _LAYER) as stage:
+    with staged(root, _LAYER, ".terrain") as stage:
         for level in reversed(range(finest + 1)):
             for column, row in globe.begin(level):
                 check()
@@ -314,7 +314,7 @@ class _Globe:
         if part is None:
             return tile, 0.0
         at = np.column_stack([(places[:, :2] + origin) * scale, stored])
-        return tile, deviation(part_of_cloud(Cloud(at), surface.faces), part, box)
+        return tile, Deviation(part_of_cloud(Cloud(at), surface.faces)).of(part, box)
 
     def _of(self, origin: Any, places: Any, stored: Floats, faces: Any) -> QuantizedTile:
         width = 180 / 2.0**self._level
