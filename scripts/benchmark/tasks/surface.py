@@ -25,6 +25,7 @@ import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -125,7 +126,7 @@ class Goal:
 
 
 LINEAR, LAPLACE, SIBSON = (f"{OURS}, {method}" for method in ("linear", "laplace", "sibson"))
-METPY = "MetPy, natural neighbours"
+METPY, _METPY = "MetPy, natural neighbours", "metpy.interpolate"
 SCAN, ALL = f"{OURS}, scan alone", f"{OURS}, triangulation too"
 GDAL, READING, WRITING = "gdal_grid, with its files", "gdal_grid reads", "GDAL writes"
 GOALS = (
@@ -236,15 +237,14 @@ def interpolators(
 def metpys(surface: liftmesh.Surface, asked: np.ndarray[Any, Any]) -> Call | None:
     """Make MetPy's natural neighbours at points, whose circles are known; None without MetPy."""
     try:
-        from metpy.interpolate.geometry import find_natural_neighbors
-        from metpy.interpolate.points import natural_neighbor_point
+        geometry, points = map(import_module, (f"{_METPY}.geometry", f"{_METPY}.points"))
     except ImportError:
         return None
     x, y, z = surface.vertices.T
     solved = Delaunay(surface.triangulation.points)
-    members, centers = find_natural_neighbors(solved, asked)
+    members, centers = geometry.find_natural_neighbors(solved, asked)
     return lambda: [
-        natural_neighbor_point(x, y, z, asked[k], solved, near, centers)
+        points.natural_neighbor_point(x, y, z, asked[k], solved, near, centers)
         for k, near in members.items()
     ]
 
