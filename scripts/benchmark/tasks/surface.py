@@ -12,11 +12,11 @@ points and writes a raster: reading and writing are timed by themselves, and sub
 the points first, as liftmesh does; PDAL's loop is rebuilt (`heights/faceraster.cpp`). Counted are
 seconds of the processor, the best of the rounds, in turn; a first call, which may make an index,
 comes before. SciPy and matplotlib take no more than `--most` points and pixels, MetPy, which gets
-the circles around each point ready too, a hundredth of these, and seconds are for a million. liftmesh takes its turns with each number of threads: one table says by how much
-the clock gains, and the last one has the ratios that are promised of the first number. Differences
-are those of two such surfaces with other points; shapely intersects the triangles of `--most`
-points of both. Programs that are not installed are left out: apt-get install g++ libcgal-dev
-gdal-bin.
+the circles around each point ready too, a hundredth of these, and seconds are for a million.
+liftmesh takes its turns with each number of threads: one table says by how much the clock gains,
+and the last one has the ratios that are promised of the first number. Differences are those of two
+such surfaces with other points; shapely intersects the triangles of `--most` points of both.
+Programs that are not installed are left out: apt-get install g++ libcgal-dev gdal-bin.
 """
 
 from __future__ import annotations
