@@ -237,7 +237,7 @@ def part_of(
         return 0
     rows = np.concatenate([each["row"] for each in corners])
     _, first, place = np.unique(rows, return_index=True, return_inverse=True)
-    points = np.concatenate([_points_of(each) for each in corners])[first]
+    points = np.concatenate([points_of(each) for each in corners])[first]
     begins = np.cumsum([0, *(len(each) for each in corners)])
     parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
     try:
@@ -290,7 +290,8 @@ def _overlaps(along: Floats, low: float, high: float) -> Array:
     return overlaps
 
 
-def _points_of(vertices: Array) -> Floats:
+def points_of(vertices: Array) -> Floats:
+    """Return where the vertices of a shard are."""
     return np.stack([vertices[name] for name in ("x", "y", "z")], axis=1)
 
 

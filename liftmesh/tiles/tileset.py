@@ -65,7 +65,6 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled import TiledSurface
 
 _MOST_LEVELS = 6
-_HELD = 1 << 20  # faces of the surface that are kept until the tiles above have their errors
 _SPACE = "EPSG:4978"  # geocentric, as viewers of 3D Tiles have it
 TILESET = "tileset.json"
 
@@ -232,7 +231,6 @@ class _Pyramid:
     errors: list[float]
     triangles: list[int]
     sides: dict[tuple[int, int, int], Cloud] = field(default_factory=dict)
-    parts: dict[tuple[int, int], Surface | None] = field(default_factory=dict)
     done: int = field(default=0)
 
     @classmethod
@@ -281,7 +279,8 @@ class _Pyramid:
 
     def _finest(self, column: int, row: int) -> Simplified:
         """Make a tile of the faces that touch it."""
-        box, part = self._box(column, row), self._part(column, row)
+        box = self._box(column, row)
+        part = self.terrain.part(box)
         if part is not None and not self.terrain.beyond:
             check_filled(part, box)
         sides = Sides(
@@ -328,20 +327,10 @@ class _Pyramid:
         found, few = 0.0, Deviation(made.surface)
         for i in range(column * width, (column + 1) * width):
             for j in range(row * width, (row + 1) * width):
-                part = self._part(i, j)
-                if part is not None:
-                    found = max(found, few.of(part, self._box(i, j)))
+                box = self._box(i, j)
+                if (part := self.terrain.part(box)) is not None:
+                    found = max(found, few.of(part, box))
         return found
-
-    def _part(self, column: int, row: int) -> Surface | None:
-        """Return the faces that touch a cell of the finest level, which upper levels ask again."""
-        key = (column, row)
-        if key not in self.parts:
-            self.parts[key] = self.terrain.part(self._box(column, row))
-            held = [0 if each is None else len(each.faces) for each in self.parts.values()]
-            while sum(held) > _HELD and len(held) > 1:
-                del self.parts[next(iter(self.parts))], held[0]
-        return self.parts[key]
 
     def _box(self, column: int, row: int) -> Bounds:
         """Return a cell of the finest level."""
