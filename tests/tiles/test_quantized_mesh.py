@@ -192,7 +192,7 @@ def test_a_surface_in_tiles_gives_the_same_bytes(
     """Moved in blocks of few faces, with a hull that is bent on the globe, and places beyond it."""
     monkeypatch.setattr(terrain_parts, "_BLOCK", 100)
     monkeypatch.setattr(terrain_parts, "_KEPT", 300)
-    points = hills().vertices[::3] + [-150_000, 200_000, 0]  # where lines bend
+    points = hills().vertices[::3] + np.array([-150_000, 200_000, 0])  # where lines bend
     tiled = liftmesh.tile_surface(points, tmp_path / "shards", tile_rows=300, crs="EPSG:25832")
     whole = liftmesh.triangulate(points, crs="EPSG:25832")
     found = [
@@ -208,7 +208,7 @@ def test_a_surface_in_tiles_gives_the_same_bytes(
 
 
 def test_holes_are_filled(tmp_path: Path) -> None:
-    square = np.array([[0, 0], [1500, 0], [1500, 1500], [0, 1500]]) + [501_000, 5_401_000]
+    square = np.array([[0, 0], [1500, 0], [1500, 1500], [0, 1500]]) + np.array([501_000, 5_401_000])
     surface = hills().clip(square, invert=True)
     write_quantized_mesh(surface, tmp_path, max_error=6, zoom=12)
     for path in tmp_path.glob("12/*/*.terrain"):
