@@ -1,4 +1,4 @@
-"""``liftmesh accuracy``: errors of a surface at checkpoints, or at each vertex without it."""
+"""``liftmesh accuracy``: errors of a surface at checkpoints, or at each vertex left out in turn."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Surfaces that commands read, trim and ask at places of ``--at`` or ``--along``."""
+"""Surfaces that commands read and trim, and the places of ``--at`` and ``--along`` on them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""File formats: names, reader and writer, requirements, and what a file preserves.
+"""`Format`: a file format's names, reader and writer, what it needs, and what its files preserve.
 
 A format declares what a cloud must have to be written (`Format.needs`) and which parts of a cloud
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the

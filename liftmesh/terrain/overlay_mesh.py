@@ -1,4 +1,4 @@
-"""Surfaces over the overlay of two triangulations, which the kernel lays over each other.
+"""Surfaces over the overlay of two triangulations, which the kernel computes.
 
 `_core/surface/overlay_mesh.hpp` triangulates what faces of both have in common. What is missing in
 the convex hull, as beyond borders that rounding has bent, follows from the rim alone: all sides of

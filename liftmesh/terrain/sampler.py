@@ -1,4 +1,4 @@
-"""What the heights of a surface, or values in their place, are at points: prepared once.
+"""`Sampler`: heights of a surface, or other values, at points; prepared once for many queries.
 
 Beyond the faces there is none, but for what a caller asks to be there: the value of the nearest
 vertex, or that of the nearest place on the hull. Both are of vertices of faces only.

@@ -36,7 +36,6 @@ from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
 from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
 from liftmesh.io.read import read_rows
-from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import resolve_plane
@@ -417,7 +416,7 @@ def _solve(
             raise  # not about these points: raised by `progress`
         raise _nonfinite_error(points, planar, heights) from None
     skipped = solution.skipped
-    _refuse_overflow(points, skipped[lifting.is_weighable(skipped)])
+    _refuse_overflow(points, skipped[lifting.has_weight(skipped)])
     return solution
 
 

@@ -1,4 +1,4 @@
-"""Clouds of files of shapes: points with their values, and surfaces of triangles.
+"""Clouds from vector files: points with their values, and surfaces of triangles.
 
 Points and MultiPoints are rows, and the values of their features columns, understood as those of a
 table are (`io.objects.tables`): without heights in space, a column may have them. Patches of
