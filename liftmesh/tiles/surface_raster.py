@@ -107,13 +107,13 @@ def _plan(
     if plan.quantity == "longest-edge":
         reason = "which rasters of tiles do not have: take a surface in memory"
         raise refused("quantity", plan.quantity, reason, mark=", ")
-    check_interpolation(plan.interpolation)
+    check_in_tiles(plan.interpolation)
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
     return plan
 
 
-def check_interpolation(interpolation: Interpolation) -> None:
+def check_in_tiles(interpolation: Interpolation) -> None:
     """Raise for an interpolation that a part of a surface does not have."""
     if interpolation == "c1":
         raise InputError(
