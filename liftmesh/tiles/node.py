@@ -65,7 +65,7 @@ def joined(parts: Sequence[Frontier]) -> Frontier:
     return Frontier(np.concatenate([part.records for part in parts]), np.concatenate(rims))
 
 
-def merge_nodes(
+def merge(
     part: Frontier,
     cell: Sequence[float],
     foreign: Floats,

@@ -33,7 +33,7 @@ from liftmesh.tiles.node import (
     box_of,
     choose_vertices,
     joined,
-    merge_nodes,
+    merge,
     numbered_by_place,
 )
 from liftmesh.tiles.options import Done, RunContext, Runner, label, row_files
@@ -252,7 +252,7 @@ def _decided(
     if context.has_values:
         part, corners = numbered_by_place(part)
     boxes = np.load(context.scratch / "boxes.npy")[plan.others(name)]
-    merged = merge_nodes(
+    merged = merge(
         part,
         plan.cells[name],
         boxes[boxes[:, 0] <= boxes[:, 2]],

@@ -135,7 +135,7 @@ def test_a_large_file_among_many_small_ones(tmp_path: Path) -> None:
         np.save(paths[-1], rows)
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(schedule, "merge_nodes", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         liftmesh.tile(paths, tmp_path / "out", tile_rows=4_000)
     assert max(sizes) < 5_000
 
@@ -145,7 +145,7 @@ def counted(sizes: list[int]) -> Any:
 
     def merge(part: node.Frontier, *arguments: Any, **options: Any) -> node.Merged:
         sizes.append(len(part))
-        return node.merge_nodes(part, *arguments, **options)
+        return node.merge(part, *arguments, **options)
 
     return merge
 
@@ -157,7 +157,7 @@ def test_survey_lines_are_merged_level_by_level(tmp_path: Path) -> None:
     points = np.column_stack((along.ravel(), lines.ravel())) + rng.normal(0, 0.3, (20_000, 2))
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(schedule, "merge_nodes", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=500)
     assert found.nsimplex == liftmesh.delaunay(points).nsimplex
     assert max(sizes) < 3_500
@@ -206,7 +206,7 @@ def test_tiles_that_are_too_large_are_cut_again(
     monkeypatch.setattr(build, "_SAMPLED", 1)
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(schedule, "merge_nodes", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=1_000)
     assert max(sizes) <= 2_000
     assert found.verify(points).canonical
@@ -244,7 +244,7 @@ def test_one_position_repeated_very_often_takes_no_room(tmp_path: Path) -> None:
     points[[7, 8]] = 0.5
     sizes: list[int] = []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(schedule, "merge_nodes", counted(sizes))
+        patch.setattr(schedule, "merge", counted(sizes))
         found = liftmesh.tile(points, tmp_path, tile_rows=4_000, nonfinite="skip")
     expected = liftmesh.delaunay(points, nonfinite="skip")
     assert max(sizes) < 4_500
