@@ -1,4 +1,4 @@
-"""Kinds of triangulations: by what their points are lifted, and the options that say so.
+"""Kinds of triangulations: the lifts of their points, and the options that choose them.
 
 Delaunay triangulations are the lower hull of z = x^2 + y^2, and the farthest-point triangulation is
 the upper hull, or the lower hull of z = -x^2 - y^2.
@@ -212,7 +212,7 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
 
 
 def as_metric(metric: ArrayLike) -> Floats:
-    """Validate the option ``metric``."""
+    """Validate the option ``metric``, the matrix of a quadratic form: no other distance is."""
     matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
     flaw = ""
     if not np.isfinite(matrix).all():
