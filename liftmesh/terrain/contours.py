@@ -33,7 +33,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.streams import at_home
-from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
+from liftmesh.terrain.crossings import LevelLines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.values import Values, over_known
 from liftmesh.vector.files import check_written, write_lines
@@ -340,7 +340,7 @@ def contour_lines(
         warnings.warn(message, DataWarning, stacklevel=3)
     if smooth is not None:
         check_tolerance(smooth, wanted)
-        lines = Lines(points, starts, is_closed, places.astype(np.int64))
+        lines = LevelLines(points, starts, is_closed, places.astype(np.int64))
         points = smoothed(lines, _sides_of(surface), wanted, smooth)
     return Contours(points, starts, wanted[places], is_closed, is_index[places], crs)
 

@@ -59,7 +59,7 @@ from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError, Option
 from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.read import read_rows
+from liftmesh.io.read import read_for_surface
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import solve, triangulation_of
@@ -106,8 +106,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     ----------
     cloud : path, Cloud, Surface or object
         Anything that `triangulate` takes, as a raster of heights; or a `Surface`. One that follows
-        lines keeps them: their edges, and with these all their vertices, since how far a line may
-        be moved has no bound. So does a mesh that states edges, as `Surface.save` writes them.
+        lines keeps them: their edges, and with these all their vertices, also in the middle of
+        straight lines, since how far a line may be moved has no bound. So does a mesh that states
+        edges, as `Surface.save` writes them.
         Where faces are left out, as in holes or of a surface that was trimmed, the sides around
         them stay in the same way: simplify first, then trim, if that are too many.
     max_error : float, optional
@@ -241,7 +242,7 @@ def _source(cloud: object, crs: str | None, options: ReadOptions) -> Surface | C
     if isinstance(cloud, Surface) and all(each is None for each in options.values()):
         source = cloud
     else:
-        source = read_rows(cloud, **options)
+        source = read_for_surface(cloud, **options)
     return source if crs is None else replace(source, crs=crs)
 
 
