@@ -18,6 +18,7 @@ BENCHMARKS = {
     "progress": "the cost of a progress callback",
     "weighted": "weights, metrics and farthest points beside CGAL and SciPy",
     "constraints": "edges of constrained triangulations, beside CGAL, CDT and triangle",
+    "changing": "points inserted into, and removed from, what is there, beside CGAL",
     "refine": "angles and sizes of meshes beside triangle and Gmsh",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",

@@ -41,7 +41,8 @@ def sheet(columns: int, high: float = 4.6) -> tuple[Figure, list[Axes]]:
 
 def draw(axes: Axes, tri: liftmesh.ConstrainedTriangulation, color: str) -> None:
     """Fill the triangles, and draw the constraints over their sides."""
-    corners = tri.points[tri.simplices]
+    rows = np.sort(tri.simplices, axis=1)
+    corners = tri.points[rows[np.lexsort(rows.T)]]  # whatever order the kernel has them in
     axes.add_collection(PolyCollection(corners, facecolors=color, edgecolors=INK, linewidths=0.15))
     lines = LineCollection(list(tri.points[tri.constraints]), colors=ACCENT, linewidths=0.8)
     axes.add_collection(lines)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -30,7 +31,7 @@ from liftmesh.base.options import (
     refused,
     shown,
 )
-from liftmesh.errors import InputError, Option
+from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.streams import at_home
 from liftmesh.terrain.crossings import LevelLines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
@@ -301,6 +302,11 @@ def contour_lines(
         Neither levels nor interval are given, or both; a number is not finite, or the interval
         or the tolerance not positive, or this too large; there are more than a million levels.
 
+    Warns
+    -----
+    DataWarning
+        One level is given, not in a list, and has no line: an interval may have been meant.
+
     See Also
     --------
     Surface.profile : Heights along a line.
@@ -327,6 +333,11 @@ def contour_lines(
     points, starts, places, closed = relief.contours(wanted, *limit)
     crs = plane_system(surface)
     is_closed = closed.view(np.bool_)
+    if interval is None and np.ndim(levels) == 0 and not len(places) and len(surface.faces):
+        low, high = relief.height_range(*limit)
+        message = f"no face has the height {levels}, they have {low:.6g} to {high:.6g}: for lines"
+        message = f"{message} at all multiples, give {Option('interval', ...)}"
+        warnings.warn(message, DataWarning, stacklevel=3)
     if smooth is not None:
         check_tolerance(smooth, wanted)
         lines = LevelLines(points, starts, is_closed, places.astype(np.int64))

@@ -106,8 +106,9 @@ def simplify(  # noqa: PLR0913 - options are keywords
     ----------
     cloud : path, Cloud, Surface or object
         Anything that `triangulate` takes, as a raster of heights; or a `Surface`. One that follows
-        lines keeps them: their edges, and with these all their vertices, since how far a line may
-        be moved has no bound. So does a mesh that states edges, as `Surface.save` writes them.
+        lines keeps them: their edges, and with these all their vertices, also in the middle of
+        straight lines, since how far a line may be moved has no bound. So does a mesh that states
+        edges, as `Surface.save` writes them.
         Where faces are left out, as in holes or of a surface that was trimmed, the sides around
         them stay in the same way: simplify first, then trim, if that are too many.
     max_error : float, optional

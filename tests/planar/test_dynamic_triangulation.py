@@ -143,6 +143,22 @@ def check_set(tri: DynamicTriangulation) -> None:
     assert as_triples(tri.points, tri.simplices) == fresh(present)
 
 
+def test_single_points_go_where_others_have_been_and_where_none_was() -> None:
+    rng = np.random.default_rng(17)
+    crowd = rng.uniform(0, 1e-6, (1500, 2))
+    tri = DynamicTriangulation(np.concatenate([rng.uniform(0, 1, (1500, 2)), crowd]))
+    for places in (
+        rng.uniform(0, 1, (60, 2)),
+        rng.uniform(0, 1e-6, (60, 2)),
+        [[9, -7], [1e300, 3]],
+    ):
+        numbers = np.concatenate([tri.insert([each]) for each in places])
+        assert tri.find(places).tolist() == numbers.tolist()
+        tri.remove(np.union1d(numbers[::2], tri.vertices[:100]))
+    tri.insert(crowd[:50] + 0.5)
+    check(tri)
+
+
 def test_numbers_of_removed_points_are_given_again() -> None:
     tri = DynamicTriangulation([[0, 0], [1, 0], [0, 1], [-0.0, 0.0]])
     assert tri.vertices.tolist() == [0, 1, 2]

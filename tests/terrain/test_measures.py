@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from fractions import Fraction
 from pathlib import Path
 
@@ -15,6 +16,7 @@ from oracles.surfaces import ExactSurface, turn
 from surfaces import LATTICE, drawn, exactly, meadow, rotated
 
 import liftmesh
+from liftmesh import DataWarning
 
 
 def exact_volumes(oracle: ExactSurface, level: Fraction) -> tuple[Fraction, Fraction, Fraction]:
@@ -178,3 +180,13 @@ def test_areas_in_space_scale_with_the_coordinates(exponent: int) -> None:
     assert found == np.ldexp(expected, 2 * exponent)
     steep = np.array([[0, 0, 0], [1, 0, 1e300], [0, 1, 0]])
     assert liftmesh.triangulate(steep).area() == pytest.approx(5e299)
+
+
+def test_one_level_without_a_line_may_be_meant_as_an_interval() -> None:
+    slope = liftmesh.triangulate([[0, 0, 100], [4, 0, 108], [0, 4, 100]])
+    with pytest.warns(DataWarning, match=r"height 0\.5, they have 100 to 108: .* interval=$"):
+        assert len(slope.contours(0.5)) == 0
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert len(slope.contours([0.5])) == 0
+        assert len(slope.contours(104)) == 1

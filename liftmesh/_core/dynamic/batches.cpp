@@ -1,6 +1,6 @@
-// Many points at once. A few go one by one, in the order of a Hilbert curve, so that the way to
-// each is short. Where an eighth of the points changes, divide and conquer makes everything anew in
-// less time, and the same triangles.
+// Many points at once. A few go one by one, in the order of a Hilbert curve unless they are very
+// few, so that the way to each is short. Where an eighth of the points changes, divide and conquer
+// makes everything anew in less time, and the same triangles.
 
 #include "delaunay/delaunay.hpp"
 #include "dynamic/triangulation.hpp"
@@ -50,7 +50,7 @@ Status Triangulation::insert(const Input& input, Vertex* found, Interrupt& inter
     if (rows.size() < input.rows) return Status::interrupted;
     for (const Row row : rows) {
         if (patience.ends(few)) return Status::interrupted;
-        found[row] = last = insert(input[row], last);
+        found[row] = last = insert(input[row], input.rows < few ? ghost : last);
     }
     return Status::ok;
 }

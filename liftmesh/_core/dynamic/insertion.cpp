@@ -74,6 +74,7 @@ void Triangulation::connect_star(Vertex v) {
 
 Vertex Triangulation::insert(Point p, Vertex hint) {
     if (!has_triangles()) return insert_on_line(p);
+    if (!is_present(hint) && hints_.are_due(size_)) make_hints();
     const Place place = locate(p, hint);
     if (place.vertex != ghost) return last_ = place.vertex;
     const Edge split = constraint_at(p, place.triangle);
@@ -196,6 +197,7 @@ Vertex Triangulation::add_vertex(Point p) {
     }
     const Vertex v = order_[size_++];
     points_[v] = p;
+    hints_.note(p, v);
     range_.add(p);
     const Scale scale(range_);
     if (scale.moves || !scale.guard.vouches()) guard_ = Guard::anywhere();

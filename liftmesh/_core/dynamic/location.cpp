@@ -1,7 +1,8 @@
 // Location by the visibility walk, which ends in every regular triangulation (Edelsbrunner 1990).
 // With constraints it may go in a circle, but for the edges being tried in random order (Devillers,
 // Pion and Teillaud, "Walking in a triangulation", 2002).
-// Without a hint it starts at the nearest of some sampled vertices (Muecke, Saias and Zhu, "Fast
+// Without a hint it starts at a vertex in the same cell of a grid (hints.hpp), or at the nearest of
+// some sampled vertices (Muecke, Saias and Zhu, "Fast
 // randomized point location without preprocessing", 1996).
 #include "dynamic/triangulation.hpp"
 #include "predicates/orient2d.hpp"
@@ -51,8 +52,16 @@ Vertex Triangulation::nearest_of_sample(Point p) const {
     return nearest;
 }
 
+void Triangulation::make_hints() {
+    Bounds box = Bounds::nothing();
+    for (std::size_t i = 0; i < size_; ++i) box.add(pair(points_[order_[i]]));
+    hints_.make(size_, box);
+    for (std::size_t i = 0; i < size_; ++i) hints_.note(points_[order_[i]], order_[i]);
+}
+
 Place Triangulation::locate(Point p, Vertex hint) const {
-    const Vertex start = is_present(hint) ? hint : nearest_of_sample(p);
+    Vertex start = is_present(hint) ? hint : hints_.near(p, points_);
+    if (!is_present(start)) start = nearest_of_sample(p);
     TriangleId t = triangle_of(corner_[start]);
     if (slots_.is_ghost(t)) t = triangle_of(slots_.twin(edge(t, 2)));
     Edge from = nothing;

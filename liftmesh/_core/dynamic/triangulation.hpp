@@ -28,6 +28,7 @@
 #include "base/status.hpp"
 #include "delaunay/delaunay.hpp"
 #include "dynamic/constraints.hpp"
+#include "dynamic/hints.hpp"
 #include "dynamic/patch.hpp"
 #include "dynamic/slots.hpp"
 #include "predicates/incircle.hpp"
@@ -139,6 +140,7 @@ class Triangulation {
     bool conflicts(TriangleId t, Point p) const;
     bool is_outside(TriangleId ghost_triangle, Point p) const;
     Vertex nearest_of_sample(Point p) const;
+    void make_hints();
     void connect_star(Vertex v);
     Edge constraint_at(Point p, TriangleId t) const;
     Vertex fill(Point p, Edge split);
@@ -172,6 +174,7 @@ class Triangulation {
     std::vector<Vertex> order_, place_;
     std::size_t size_ = 0;  // of those that are present
     Vertex last_ = ghost;
+    Hints hints_;
     Range range_;
     Guard guard_ = Guard::in_window();
     Constraints constraints_;
