@@ -151,11 +151,13 @@ class Overlaid {
             if (!is_finite(places_[name])) return unsound();
             sites.push_back({places_[name], static_cast<Row>(name)});
         }
+        const Buffer<double> rises = allocate<double>(crossings_.size());
         for (std::size_t i = 0; i < crossings_.size(); ++i) {
             if (patience_.ends()) return false;
             const Point place = place_of(crossings_[i]);
             if (!is_finite(place)) return unsound();
             places_[all + i] = place;
+            rises[i] = rise_at(crossings_[i], place);
             sites.push_back({place, static_cast<Row>(all + i)});
         }
         const auto is_less = [](const Site& a, const Site& b) {
@@ -174,8 +176,7 @@ class Overlaid {
             if (row > 0 && place == sites[row - 1].point) return unsound();
             range.add(place);
             found_.points[row] = place;
-            found_.rises[row] =
-                name < all ? rise_at(name, first) : rise_at(crossings_[name - all], place);
+            found_.rises[row] = name < all ? rise_at(name, first) : rises[name - all];
             rows_[name] = static_cast<std::int32_t>(row);
         }
         const Scale scale(range);
