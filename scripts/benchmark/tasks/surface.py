@@ -319,6 +319,9 @@ def of_differences(
     rows[:, :2] = rows[:, 1::-1]
     other, count = liftmesh.triangulate(rows), len(rows)
     yield Contestant("differences", OURS, count, timed(lambda: liftmesh.difference(surface, other)))
+    near = [liftmesh.triangulate(np.round(each, 2)) for each in (terrain(options.n), rows)]
+    decimals = timed(lambda: liftmesh.difference(*near))
+    yield Contestant("differences", f"{OURS}, in centimetres", count, decimals)
     alone = timed(lambda: surface.cut_and_fill(other))
     yield Contestant("differences", f"{OURS}, volumes alone", count, alone)
     some = min(options.most, count)
