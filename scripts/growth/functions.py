@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 import io
 import operator
+import tempfile
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -234,6 +235,12 @@ def saved(thing: Any) -> object:
     return thing.save(io.BytesIO(), format="ply")
 
 
+def saved_cells(found: liftmesh.Tetrahedralization) -> object:
+    """Write tetrahedra to a folder that goes away."""
+    with tempfile.TemporaryDirectory() as folder:
+        return found.save(f"{folder}/cells.vtu")
+
+
 def halves(points: Points) -> Work:
     """Prepare the selection of every second row of a cloud that has everything."""
     rows = np.arange(len(points))
@@ -344,6 +351,8 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
     yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
     yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify())
+    kept = on_tetrahedra(saved_cells)
+    yield "Tetrahedralization.save", SOLID, kept, ()
     yield "convex_hull", SOLID, on_points(liftmesh.convex_hull), ("random heights",)
     yield "ConvexHull.vertices", SOLID, on_solid(lambda hull: hull.vertices), ()
     for name in ("to_cloud", "to_trimesh", "to_open3d"):

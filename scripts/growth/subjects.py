@@ -139,6 +139,7 @@ WITHOUT_DATA = {
     "Frame": "made by triangulate from a plane; its methods are watched",
     "LowerHull": "a result; its methods are watched",
     "ConvexHull": "a result, made by convex_hull; its methods are watched",
+    "Tetrahedralization.to_pyvista": "PyVista copies arrays",
     "Tetrahedralization": "a result, made by tetrahedralize; its methods are watched",
     "Raster": "a result, made by Surface.raster; its methods are watched",
     "RefineResult": "a result, made by refine; its methods are watched",

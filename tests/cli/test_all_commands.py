@@ -27,7 +27,7 @@ from liftmesh.cli.terminal import bytes_text
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "height", "profile",
     "accuracy", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
-    "voronoi", "constrain", "refine", "paper",
+    "voronoi", "constrain", "refine", "tetrahedralize", "hull", "paper",
 ]  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from liftmesh.cli.wording import usage_message
 COMMANDS = [
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",
     "raster", "contour", "volume", "difference", "clip", "solid", "tileset", "voronoi", "constrain",
-    "refine", "paper",
+    "refine", "tetrahedralize", "hull", "paper",
 ]  # fmt: skip
 FOREIGN = re.compile(
     r"input should|valid integer|value error|invalid value|no such|missing argument|"
