@@ -26,7 +26,7 @@ _MEASURES = (
     "n_points", "n_outside", "rmse", "mean", "std", "confidence_95", "percentile_95", "min", "max",
 )  # fmt: skip
 
-Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at")]
+Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at", has_layers=True)]
 
 
 @outputs.guards("target")
