@@ -446,6 +446,15 @@ def scipys_in_space() -> Iterator[tuple[Any, ...]]:
     grown = in_space(lambda tri: tri.add_points(tri.points[::2] / 2))
     yield "scipy.SpaceDelaunay.add_points", SOLID, grown, ()
     yield "scipy.SpaceDelaunay.close", SOLID, in_space(liftmesh.scipy.SpaceDelaunay.close), ()
+    yield "scipy.SpaceVoronoi", SOLID, on_points(liftmesh.scipy.SpaceVoronoi), ("random heights",)
+    diagram = on(lambda points: liftmesh.scipy.SpaceVoronoi(points, incremental=True), fresh=True)
+    lists = ("regions", "ridge_vertices", "ridge_dict", "ridge_points", "point_region")
+    for name in (*lists, "region_vertices", "ridge_corners"):
+        read = operator.attrgetter(name)
+        yield f"scipy.SpaceVoronoi.{name}", SOLID, diagram(read), ()
+    grown = diagram(lambda found: found.add_points(found.points[::2] / 2))
+    yield "scipy.SpaceVoronoi.add_points", SOLID, grown, ()
+    yield "scipy.SpaceVoronoi.close", SOLID, diagram(liftmesh.scipy.SpaceVoronoi.close), ()
 
 
 FUNCTIONS = (
