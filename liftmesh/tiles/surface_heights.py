@@ -16,7 +16,7 @@ from liftmesh._typing import Floats, Integers
 from liftmesh.base.options import Interpolation, check_option
 from liftmesh.terrain.sampling import points_above
 from liftmesh.terrain.surface_data import places_on
-from liftmesh.tiles.surface_raster import Parts, check_interpolation
+from liftmesh.tiles.surface_raster import Parts, check_in_tiles
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_data import TiledSurfaceData
@@ -27,7 +27,7 @@ def heights_at(
 ) -> Floats:
     """Interpolate heights at points, (..., 2)."""
     check_option("interpolation", interpolation, Interpolation)
-    check_interpolation(interpolation)
+    check_in_tiles(interpolation)
     pairs = places_on(tiled, points)
     places = pairs.reshape(-1, 2)
     heights = np.full(len(places), np.nan)
