@@ -379,6 +379,7 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "Tetrahedralization.save", SOLID, kept, ()
     yield "convex_hull", SOLID, on_points(liftmesh.convex_hull), ("random heights",)
     yield "ConvexHull.vertices", SOLID, on_solid(lambda hull: hull.vertices), ()
+    yield "compare hulls", SOLID, on_solid(liftmesh.compare), ()
     for name in ("to_cloud", "to_trimesh", "to_open3d"):
         yield f"ConvexHull.{name}", SOLID, on_solid(operator.methodcaller(name)), ()
     yield "ConvexHull.save", SOLID, on_solid(saved), ()

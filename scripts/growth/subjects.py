@@ -139,6 +139,7 @@ WITHOUT_DATA = {
     "FilledContours": "a result, made by Surface.filled_contours; its methods are watched",
     "Profile": "a result, made by Surface.profile; its methods are watched",
     "Frame": "made by triangulate from a plane; its methods are watched",
+    "HullComparison": "a result, made by compare of a hull",
     "LowerHull": "a result; its methods are watched",
     "ConvexHull": "a result, made by convex_hull; its methods are watched",
     "Tetrahedralization.to_pyvista": "PyVista copies arrays",
