@@ -23,6 +23,7 @@ from .cells.voronoi import (
 )
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
+from .comparison.solid import HullComparison as HullComparison
 from .disks.apollonius import ApolloniusGraph as ApolloniusGraph, apollonius as apollonius
 from .errors import (
     CrossingError as CrossingError,

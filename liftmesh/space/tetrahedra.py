@@ -143,7 +143,8 @@ def _degenerate(
     return DegenerateInputError(
         f"all {distinct} distinct points lie on one plane, that of rows {first}, {second} and "
         f"{third}: tetrahedra need a point off it; triangulate the points in their plane, with "
-        f"liftmesh.triangulate and {Option('plane', 'fit')}"
+        f"liftmesh.triangulate and {Option('plane', 'fit')}, whose boundary is the hull of a flat "
+        "cloud"
     )
 
 
