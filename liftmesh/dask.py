@@ -1,4 +1,4 @@
-"""Triangulations and surfaces in tiles on the workers of Dask: the answer of one call.
+"""Triangulations and surfaces in tiles on the workers of Dask, identical to those of one call.
 
 The files are those of `liftmesh.tile` and `liftmesh.tile_surface`, byte for byte. Workers exchange
 them through the scratch folder, which all must see, so only a sample of the points, names and
@@ -35,7 +35,7 @@ from liftmesh.tiles.options import (
     SURFACE_ROW_BYTES,
     TILE_ROWS,
     Options,
-    SurfaceOptions,
+    TiledSurfaceOptions,
     label,
     rows_within,
 )
@@ -239,7 +239,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
+    surface = TiledSurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )

@@ -17,7 +17,7 @@ from liftmesh.comparison.hull import trimesh_hull
 from liftmesh.comparison.proofs import Evidence
 from liftmesh.comparison.report import Comparison
 from liftmesh.errors import InputError
-from liftmesh.io.read import read_rows
+from liftmesh.io.read import read_for_surface
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import resolve_apex
@@ -125,7 +125,7 @@ def _triangulate(
         _refuse_members(source)
         again, seconds = _timed(source.points, "skip")
         return again if source.simplices.flags.writeable else source, seconds
-    cloud = read_rows(source)
+    cloud = read_for_surface(source)
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 
 

@@ -40,8 +40,8 @@ from liftmesh.raster.blocks import (
     bands_of,
     bytes_decoded,
     check_blocks,
+    warnings_as_errors,
     window_of,
-    without_warnings,
 )
 from liftmesh.raster.pixels import Affine, system_of, world_of
 
@@ -54,17 +54,17 @@ _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in 
 
 
 @dataclass(frozen=True, slots=True)
-class RasterOptions:
+class BandOptions:
     """Checked options: the band, and what stands for a missing value; None if nothing is said."""
 
     band: int = 1
     missing: tuple[float, ...] | None = None
 
 
-_DEFAULTS = RasterOptions()
+_DEFAULTS = BandOptions()
 
 
-def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> BandOptions:
     """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
@@ -75,7 +75,7 @@ def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterO
             "give the number that stands for a missing value in the raster, or 'none' if there is "
             "none",
         )
-    return RasterOptions(as_count("band", band, 1), numbers)
+    return BandOptions(as_count("band", band, 1), numbers)
 
 
 def read_raster(
@@ -84,7 +84,7 @@ def read_raster(
     *,
     max_bytes: int | None = None,
     selection: Selection | None = None,
-    options: RasterOptions = _DEFAULTS,
+    options: BandOptions = _DEFAULTS,
 ) -> Cloud:
     """Read the samples that have a value; those left out are counted, with a value or without."""
     data = stream.read()
@@ -125,7 +125,7 @@ def decoding(name: str) -> Iterator[None]:
 class _OpenRaster:
     """An open raster, of rasterio or an ASCII grid, of which one band is read."""
 
-    def __init__(self, file: Any, options: RasterOptions, name: str) -> None:
+    def __init__(self, file: Any, options: BandOptions, name: str) -> None:
         self._file = file
         self._band = band = options.band
         self._missing = options.missing or ()
@@ -198,7 +198,7 @@ class _OpenRaster:
         if not window.samples:
             return
         for band in bands_of(window, self._file.block_shapes[self._band - 1]):
-            with without_warnings(self._name):
+            with warnings_as_errors(self._name):
                 values, mask = self._decoded(band)
             mask &= ~np.isnan(values)
             self._valid += int(np.count_nonzero(mask))

@@ -1,4 +1,4 @@
-"""Rows of a surface of tops without spikes, as of canopies and roofs, by a freeze distance.
+"""The rows of a spike-free surface over canopies and roofs, by a freeze distance.
 
 A pulse that slips between leaves returns from deep inside a crown, and makes a spike in a surface
 of first returns. So layers of rows come from above: each is triangulated with what is kept of those

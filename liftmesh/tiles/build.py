@@ -1,4 +1,4 @@
-"""tile() and tile_surface(): in tiles, in bounded memory, what one call would return.
+"""tile() and tile_surface(): the result of one call, computed tile by tile in bounded memory.
 
 One run scans, plans, partitions, triangulates and merges, and publishes. The scratch folder says
 what the run is of (``job.json``): the hashes of all chunks of the source, and the options that its
@@ -29,7 +29,7 @@ from liftmesh.base.options import (
 from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.lock import check_apart, clear, locked, release_copies
-from liftmesh.tiles.options import JOB, TILE_ROWS, Groups, Options, RunContext, SurfaceOptions
+from liftmesh.tiles.options import JOB, TILE_ROWS, Groups, Options, RunContext, TiledSurfaceOptions
 from liftmesh.tiles.plan import Plan, frequent, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.schedule import Serial, is_recorded, released
@@ -286,7 +286,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
+    surface = TiledSurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
@@ -334,7 +334,7 @@ class Run:
     chunks: Sequence[SourceChunk]
     tile_rows: int
     skips: bool
-    surface: SurfaceOptions | None = None
+    surface: TiledSurfaceOptions | None = None
 
     def finish(self, runner: Runner) -> None:
         """Do everything, or what is left to do."""

@@ -16,7 +16,7 @@ from liftmesh._typing import Floats, Integers
 from liftmesh.base.options import Interpolation, check_option
 from liftmesh.terrain.sampling import points_above
 from liftmesh.terrain.surface_data import places_on
-from liftmesh.tiles.surface_raster import Parts, check_interpolation
+from liftmesh.tiles.surface_raster import Parts, check_in_tiles
 
 if TYPE_CHECKING:
     from liftmesh.tiles.tiled_data import TiledSurfaceData
@@ -27,7 +27,7 @@ def heights_at(
 ) -> Floats:
     """Interpolate heights at points, (..., 2)."""
     check_option("interpolation", interpolation, Interpolation)
-    check_interpolation(interpolation)
+    check_in_tiles(interpolation)
     pairs = places_on(tiled, points)
     places = pairs.reshape(-1, 2)
     heights = np.full(len(places), np.nan)
@@ -39,7 +39,7 @@ def heights_at(
         if not isinstance(part, int):
             heights[rows] = part.sample(places[rows], interpolation, threads=threads)
         elif part:
-            waiting += _halves(rows, places)
+            waiting += halves(rows, places)
     shaped: Floats = heights.reshape(pairs.shape[:-1])
     return shaped[()]
 
@@ -53,7 +53,7 @@ def heights_above(
     return heights
 
 
-def _halves(rows: Integers, places: Floats) -> list[Integers]:
+def halves(rows: Integers, places: Floats) -> list[Integers]:
     """Cut points in two across the longer side of their box."""
     axis = int(np.argmax(np.ptp(places[rows], axis=0)))
     middle = len(rows) // 2

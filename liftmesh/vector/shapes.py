@@ -1,4 +1,4 @@
-"""Lines and polygons of whatever is not a plain array: files, GeoJSON, objects of other libraries.
+"""Lines and polygons from files, GeoJSON and objects of other libraries.
 
 Objects count by what they offer: ``__geo_interface__``, as those of shapely and geopandas do, or
 the discretised curves of a ``trimesh.path.Path2D``. Heights are left out.

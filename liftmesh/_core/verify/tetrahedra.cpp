@@ -123,7 +123,7 @@ class TetrahedraVerifier {
             const int sign =
                 side(corner(first), corner(first + 1), corner(first + 2), corner(first + 3));
             if (sign <= 0)
-                found.flaws.add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::flat, {t, 0});
+                found.flaws.add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::degenerate, {t, 0});
         });
     }
 
@@ -151,7 +151,7 @@ class TetrahedraVerifier {
         if (!done) return false;
         const std::vector<std::size_t> starts = std::move(by_least).starts();
         const bool is_solid =
-            !verdict_.flaws.any(SpaceFlaw::negative) && !verdict_.flaws.any(SpaceFlaw::flat);
+            !verdict_.flaws.any(SpaceFlaw::negative) && !verdict_.flaws.any(SpaceFlaw::degenerate);
         return for_each(points_.count,
                         [&](std::size_t v, Found& found) {
                             pair(std::span(&all[starts[v]], starts[v + 1] - starts[v]), is_solid,
@@ -185,7 +185,7 @@ class TetrahedraVerifier {
         ++found.facets;
         for (std::size_t i = 1; i < same.size(); ++i)
             if (same[i].is_odd == same[i - 1].is_odd)
-                found.flaws.add(SpaceFlaw::repeated_facets, {same[i].place, same[i - 1].place});
+                found.flaws.add(SpaceFlaw::non_manifold_facets, {same[i].place, same[i - 1].place});
         if (same.size() == 1)
             found.boundary.push_back(same.front().place);
         else if (is_solid && same.front().is_odd != same.back().is_odd)
@@ -222,7 +222,7 @@ class TetrahedraVerifier {
             !for_each_in_blocks(edges.size(), interrupt_,
                                 [&](std::size_t i) { check_edge(edges, i); }))
             return false;
-        if (!verdict_.flaws.any(SpaceFlaw::open_edges)) check_turn(edges);
+        if (!verdict_.flaws.any(SpaceFlaw::non_manifold_edges)) check_turn(edges);
         return true;
     }
 
@@ -236,7 +236,7 @@ class TetrahedraVerifier {
         const bool is_repeated = i > 0 && edges[i - 1].tail == tail && edges[i - 1].head == head;
         const auto back = from(edges, head, tail);
         if (is_repeated || back == edges.end() || back->tail != head || back->head != tail) {
-            add(SpaceFlaw::open_edges, points_.rows[tail], points_.rows[head]);
+            add(SpaceFlaw::non_manifold_edges, points_.rows[tail], points_.rows[head]);
             return;
         }
         const auto [a, b, c] = facet(boundary_[number]);

@@ -1,4 +1,4 @@
-"""The program that decodes E57 by libE57, in a process of its own.
+"""The program that decodes E57 by libE57, run in a separate process.
 
 libE57 is written in C++ and takes paths only: a damaged file may end the process that reads it.
 `PROGRAM` is given the path of modules, which must not begin with the current folder, the path of
