@@ -97,31 +97,47 @@ class SpaceSort {
         const std::size_t tasks = count_ < length ? 1 : std::size_t{1} << (key_bits - 4);
         const std::size_t each = (starts.size() - 1) / tasks;
         return pool_.run(tasks, [&](std::size_t task) {
-            sort(std::span(&placed_[starts[task * each]], &placed_[starts[(task + 1) * each]]));
+            const std::span part(&placed_[starts[task * each]],
+                                 &placed_[starts[(task + 1) * each]]);
+            interrupt_.advance(work::sorting / 2 * part.size());
+            sort(part);
         });
     }
 
-    void sort(std::span<PlacedRow> part) {
-        interrupt_.advance(work::sorting / 2 * part.size());
+    // By place, and those at one place by a curve of their own, unless that is one place again.
+    void sort(std::span<PlacedRow> part, bool is_refined = false) {
         const auto is_before = [](const PlacedRow& a, const PlacedRow& b) {
             return a.place != b.place ? a.place < b.place : a.row < b.row;
         };
-        if (patient_sort(part, is_before, interrupt_)) sort_equal_places(part);
-    }
-
-    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
-
-    void sort_equal_places(std::span<PlacedRow> part) {
+        if (!patient_sort(part, is_before, interrupt_)) return;
         for (auto first = part.begin(), last = first; first != part.end(); first = last) {
             last = std::find_if(first, part.end(),
                                 [&](const PlacedRow& p) { return p.place != first->place; });
-            if (last - first < 2) continue;
-            const auto is_before = [this](const PlacedRow& a, const PlacedRow& b) {
-                return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
-            };
-            if (!patient_sort(std::span(first, last), is_before, interrupt_)) return;
+            const std::span same(first, last);
+            constexpr std::size_t few = 64;
+            if (same.size() > few && (!is_refined || same.size() < part.size()))
+                refine(same);
+            else if (same.size() > 1)
+                sort_by_position(same);
         }
     }
+
+    void refine(std::span<PlacedRow> same) {
+        SpaceBox box;
+        for (const PlacedRow& item : same) box.add(at(item));
+        const HilbertCurveInSpace curve(box);
+        for (PlacedRow& item : same) item.place = curve(at(item));
+        sort(same, true);
+    }
+
+    void sort_by_position(std::span<PlacedRow> same) {
+        const auto is_before = [this](const PlacedRow& a, const PlacedRow& b) {
+            return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
+        };
+        patient_sort(same, is_before, interrupt_);
+    }
+
+    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
 
     bool keep_distinct() {
         order_.points = allocate<SpacePoint>(count_);
