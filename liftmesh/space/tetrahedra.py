@@ -52,7 +52,7 @@ def tetrahedralize(
         The order of the tetrahedra, which depends on the coordinates alone either way: along a
         Hilbert curve, or with "canonical" by their points, as in `delaunay`, at the cost of a sort.
     threads : int, optional
-        As for `delaunay`. Points are inserted by a single thread, whatever the number.
+        As for `delaunay`. The result does not depend on it.
     progress : callable, optional
         As for `delaunay`.
 
@@ -107,9 +107,9 @@ def tetrahedralize(
             f"{len(rows):,} rows are more than the {_MOST_ROWS:,} whose tetrahedra 32-bit facet "
             "numbers allow: thin the points"
         )
-    as_threads(threads, len(rows))
+    used = as_threads(threads, len(rows))
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped, witness = (
-        _kernel.tetrahedralize(rows, nonfinite == "skip", _SECRET, progress)
+        _kernel.tetrahedralize(rows, nonfinite == "skip", _SECRET, *used, progress)
     )
     if status == "non-finite":
         raise non_finite(row, rows[row])
