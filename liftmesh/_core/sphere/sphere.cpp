@@ -274,7 +274,8 @@ SphereResult triangulate_sphere(const Input& input, bool skip_non_finite, std::u
     }
     result.skipped = rows.skipped;
     SpaceOrder points;
-    if (!sort_in_space(std::move(rows), interrupt, points)) return result;
+    ThreadPool pool(Threads{}, interrupt);
+    if (!sort_in_space(std::move(rows), pool, points)) return result;
     result.status = Status::ok;
     if (!SphereInsertion(points, interrupt, result).run(secret))
         result.status = Status::interrupted;
