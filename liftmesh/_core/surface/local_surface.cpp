@@ -27,6 +27,15 @@ bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
     return true;
 }
 
+bool LocalSurface::is_before(const LocalSurface& other) const {
+    if (vertices() != other.vertices()) return vertices() < other.vertices();
+    for (std::size_t i = 0; i < vertices(); ++i) {
+        const Point own = corners_[i].at, its = other.corners_[i].at;
+        if (own != its) return before_xy(own, its);
+    }
+    return false;
+}
+
 Face LocalSurface::face(std::int32_t face) const {
     const SurfaceCorner &a = corner(vertex(face, 0)), &b = corner(vertex(face, 1)),
                         &c = corner(vertex(face, 2));

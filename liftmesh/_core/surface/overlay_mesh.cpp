@@ -362,22 +362,28 @@ class Overlaid {
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
                   OverlayMesh& found, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    interrupt.expect(10 * first.mesh().count);
     std::array<LocalSurface, 2> surfaces;
     if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
-    interrupt.advance(first.mesh().count);
+    std::int32_t faces[] = {surfaces[0].named(face), surfaces[1].named(other)};
+    const bool is_turned = surfaces[1].is_before(surfaces[0]);  // either way gives the same
+    if (is_turned) {
+        std::swap(surfaces[0], surfaces[1]);
+        std::swap(faces[0], faces[1]);
+    }
+    interrupt.expect(10 * surfaces[0].count());
+    interrupt.advance(surfaces[0].count());
     for (const double nearness : {few_units, 0.0}) {
         found = {};
         Pieces pieces;
-        if (!find_pieces(surfaces, surfaces[0].named(face), surfaces[1].named(other), nearness,
-                         pieces, interrupt))
-            return false;
+        if (!find_pieces(surfaces, faces[0], faces[1], nearness, pieces, interrupt)) return false;
         found.displacement = pieces.displacement;
         found.is_sound = pieces.is_sound;
         if (!found.is_sound) continue;
-        if (Overlaid(surfaces, pieces, found, interrupt).run()) return true;
+        if (Overlaid(surfaces, pieces, found, interrupt).run()) break;
         if (found.is_sound) return false;
     }
+    if (is_turned && found.is_sound)
+        for (std::size_t row = 0; row < found.rows; ++row) found.rises[row] = 0 - found.rises[row];
     return true;
 }
 
