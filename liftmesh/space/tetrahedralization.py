@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_triples
+from liftmesh.base.arrays import as_numbers, as_triples
 from liftmesh.base.frozen import FrozenResult, cached_property, check_copied
+from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.tetrahedra import verify_tetrahedra
+from liftmesh.space.interpolation import interpolated
 
 if TYPE_CHECKING:
     import pyvista
@@ -118,6 +120,57 @@ class Tetrahedralization(FrozenResult, AlphaMethods):
     def _locator(self) -> _kernel.SpaceLocator:
         arrays = self.points, self.simplices, self.neighbors
         return _kernel.SpaceLocator(*map(np.ascontiguousarray, arrays))
+
+    def interpolate(self, values: ArrayLike, xi: ArrayLike, *, fill: float = np.nan) -> Floats:
+        """Interpolate values of the rows linearly, each in the tetrahedron that contains it.
+
+        Parameters
+        ----------
+        values : (n,) or (n, k) array_like
+            The values of the rows. Those of duplicates are not used.
+        xi : array_like of shape (..., 3)
+            Places in space.
+        fill : float, default NaN
+            The value outside the convex hull, and at places that are not finite.
+
+        Returns
+        -------
+        (...) or (..., k) ndarray of float64
+            The values, with the same bits in any order of the rows; at a vertex exactly its value.
+
+        Raises
+        ------
+        InputError
+            `values` are not one for each row, or no numbers; or the last axis of `xi` is not of
+            length three.
+
+        See Also
+        --------
+        Tetrahedralization.find_simplex : The tetrahedra.
+        Surface.sample : The same in the plane.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> tetra = liftmesh.tetrahedralize(corners)
+        >>> tetra.interpolate([0, 1, 10, 100], [[0.25, 0.25, 0.25], [2, 0, 0]])
+        array([27.75,   nan])
+        """
+        given = as_numbers("values", values, "give a number for each row", verb="are")
+        if given.ndim not in (1, 2) or len(given) != len(self.points):
+            raise InputError(
+                f"values have the shape {given.shape}: give one for each of the "
+                f"{len(self.points):,} rows, or a row of them"
+            )
+        places = as_triples(xi)
+        found = self.find_simplex(places)
+        is_inside = found >= 0
+        result = np.full((*found.shape, *given.shape[1:]), float(fill))
+        if is_inside.any():
+            corners = self.simplices[found[is_inside]]
+            result[is_inside] = interpolated(self.points, corners, places[is_inside], given)
+        return result
 
     def save(self, path: Any, *, overwrite: bool = True) -> WriteResult:
         """Write the tetrahedra to a file, with every row of the points in its place.

@@ -389,6 +389,8 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
     yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
     yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify())
+    mean = on_tetrahedra(lambda tetra: tetra.interpolate(tetra.points, tetra.points[::-1]))
+    yield "Tetrahedralization.interpolate", SOLID, mean, ()
     kept = on_tetrahedra(saved_cells)
     yield "Tetrahedralization.save", SOLID, kept, ()
     yield "convex_hull", SOLID, on_points(liftmesh.convex_hull), ("random heights",)
