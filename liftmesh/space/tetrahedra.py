@@ -85,8 +85,9 @@ def tetrahedralize(
     Notes
     -----
     Incremental insertion: A. Bowyer and D. F. Watson (1981), in the biased order of N. Amenta, S.
-    Choi and G. Rote (2003) along Hilbert curves. Most sets of points have between six and seven
-    tetrahedra a point.
+    Choi and G. Rote (2003) along Hilbert curves; several threads insert along stretches of them (C.
+    Marot, J. Pellerin and J.-F. Remacle, 2019), and gain nothing where most tetrahedra are long, as
+    on a sphere. Most sets have between six and seven tetrahedra a point, and take some 350 bytes.
 
     Examples
     --------
