@@ -68,6 +68,7 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     --------
     Surface.cut_and_fill : The volumes alone, which takes less than half of the time.
     Surface.height_above : Of points.
+    TiledSurface.raster : With ``minus=``, the difference of surfaces in tiles, as a raster alone.
 
     Notes
     -----
