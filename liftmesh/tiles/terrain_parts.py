@@ -12,8 +12,8 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.base.options import Extrapolation, refused
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
-from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
+from liftmesh.terrain.triangulate import as_surface
 from liftmesh.tiles.surface_raster import Bounds, part_of, touching
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
 

@@ -17,7 +17,7 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 import liftmesh
 from liftmesh import InputError, QuantizedMeshResult, Surface, write_quantized_mesh
-from liftmesh.tiles.quantized_mesh import QuantizedTile, encoded
+from liftmesh.tiles.globe import QuantizedTile, encoded
 
 ZOOM = 14
 
