@@ -472,6 +472,14 @@ class Relief:
         threads: int,
         shared: bool,
     ) -> None: ...
+    def owners(
+        self,
+        locator: Locator,
+        queries: NDArray[np.float64],
+        faces: NDArray[np.int32],
+        threads: int,
+        shared: bool,
+    ) -> None: ...
     def scan(
         self,
         locator: Locator,

@@ -1,4 +1,4 @@
-"""Triangulations and surfaces in tiles on the workers of Dask: the answer of one call.
+"""Triangulations and surfaces in tiles on the workers of Dask, identical to those of one call.
 
 The files are those of `liftmesh.tile` and `liftmesh.tile_surface`, byte for byte. Workers exchange
 them through the scratch folder, which all must see, so only a sample of the points, names and

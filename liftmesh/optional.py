@@ -1,7 +1,7 @@
-"""Optional packages, imported on first use, and Python in a process of its own.
+"""Optional packages, imported on first use, and Python code run in a separate process.
 
-A package that is missing is named with a hint how to install it. A process of their own have
-libraries that print, end the process or hear no Ctrl-C.
+A package that is missing is named with a hint how to install it. Libraries that print, exit or
+ignore Ctrl-C run in a separate process.
 """
 
 from __future__ import annotations

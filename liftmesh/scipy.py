@@ -11,17 +11,12 @@ arrays, and the caller has copies.
 The vertices of a `Voronoi` come from the exact triangulation. Ridges and regions are found when one
 of them is first asked for; lists, which take longer than everything else, when they are.
 
-Most options of Qhull control how it deals with its rounding errors, or what it prints. An exact
-triangulation needs none of them, so they have no effect. The others move, scale, rotate or leave
-out points, or choose other triangles.
-
-SciPy is imported with this module: at the first use of ``liftmesh.scipy``.
+In space the classes are others, which `qhull/` has; SciPy is imported with them, at the first use
+of ``liftmesh.scipy``.
 """
 
 from __future__ import annotations
 
-import re
-from contextlib import suppress
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -30,23 +25,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
-from liftmesh.base.arrays import (
-    as_coordinates,
-    check_finite,
-    non_finite,
-    pair_keys,
-    pairs_of_keys,
-    read_only,
-    widened,
-)
+from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.base.options import as_switch
-from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
+from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import Solution, solve, solve_farthest
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
 from liftmesh.planar.points import edges_around
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.qhull.common import Growing, check_qhull_options, planar_rows, scipys_errors
+from liftmesh.qhull.space import SpaceDelaunay
 
 if TYPE_CHECKING:
     from scipy import spatial
@@ -55,112 +44,26 @@ if TYPE_CHECKING:
 else:
     spatial = load("scipy.spatial")
 
-__all__ = ["Delaunay", "Voronoi"]
-
-
-class DegenerateQhullError(DegenerateInputError, spatial.QhullError):  # type: ignore[misc]
-    """No triangle exists: a `DegenerateInputError` for code that expects SciPy's QhullError."""
-
-
-class NotIncrementalError(InputError, RuntimeError):
-    """Points were added to a result that is finished: a RuntimeError in SciPy."""
-
-
-class Growing:
-    """The incremental mode: points can be added until it is closed."""
-
-    _kind = "result"  # what is computed, for messages
-    _can_grow = False
-
-    if TYPE_CHECKING:  # what the classes have
-
-        @property
-        def points(self) -> Floats:
-            """The points, (n, 2) float64."""
-
-        def _compute(self, rows: Floats, *, copy: bool) -> None: ...
-
-    def add_points(
-        self,
-        points: ArrayLike,
-        restart: bool = False,  # noqa: ARG002 - part of SciPy's signature
-    ) -> None:
-        """Add points, in the incremental mode.
-
-        Their rows follow those that are there. All attributes are new afterwards; what they were
-        before stays with those who hold it. If there is an error, nothing has changed.
-
-        Parameters
-        ----------
-        points : array_like of shape (k, 2)
-            Planar points.
-        restart : bool, default False
-            Accepted for compatibility with SciPy, without effect.
-
-        Raises
-        ------
-        InputError
-            The result was made without ``incremental=True``, or has been closed (the error is a
-            RuntimeError too); or `points` are not planar points.
-        NonFiniteError
-            A point is not finite: row 0 is the first of `points`.
-
-        See Also
-        --------
-        DynamicTriangulation : Triangulates what changes alone.
-
-        Notes
-        -----
-        All points are triangulated anew, in O(n log n) for n points in all, however few are added:
-        0.2 s for a million. So add points in large groups.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> tri = liftmesh.scipy.Delaunay([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> tri.add_points([[2, 2], [1, 1]])
-        >>> tri.npoints, tri.nsimplex
-        (5, 4)
-        """
-        if not self._can_grow:
-            raise NotIncrementalError(
-                f"points can be added only to a {self._kind} made with incremental=True, until it "
-                "is closed"
-            )
-        added = planar_rows(points)
-        check_finite(added, skippable=False)
-        if len(added):
-            self._compute(np.concatenate([self.points, added]), copy=False)
-
-    def close(self) -> None:
-        """End the incremental mode: afterwards no points can be added.
-
-        See Also
-        --------
-        liftmesh.scipy.Delaunay.add_points : What it ends.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> diagram = liftmesh.scipy.Voronoi([[0, 0], [2, 0], [0, 2]], incremental=True)
-        >>> diagram.close()
-        """
-        self._can_grow = False
+__all__ = ["Delaunay", "SpaceDelaunay", "Voronoi"]
 
 
 class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     """Drop-in replacement for ``scipy.spatial.Delaunay``, and an instance of it.
 
     SciPy's interpolators, ``tsearch`` and ``delaunay_plot_2d`` take it. Differences from SciPy: the
-    triangulation is exact and canonical, and so is `find_simplex`; points are planar only;
-    ``points`` is read-only; `lift_points`, `plane_distance` and `equations` are of the paraboloid
+    triangulation is exact and canonical, and so is `find_simplex`; ``points`` is read-only;
+    `lift_points`, `plane_distance` and `equations` are of the paraboloid
     z = x^2 + y^2, which SciPy scales. As with SciPy, ``simplices`` and ``neighbors`` may be written
     to or replaced; `find_simplex` keeps to the triangulation as it was computed.
 
+    Of points with three and more columns it makes a `liftmesh.scipy.SpaceDelaunay`, which is an
+    instance of this class, too: the exact tetrahedra in space, and beyond Qhull's simplices with an
+    exact check. What is said here of edges, lifted triangles and `furthest_site` is of the plane.
+
     Parameters
     ----------
-    points : array_like of shape (n, 2)
-        Planar points.
+    points : array_like of shape (n, d)
+        Planar points, or points of more columns.
     furthest_site : bool, default False
         Whether to compute the farthest-point Delaunay triangulation: the upper hull of the lifted
         points, in which the circle of every triangle contains every point. Its vertices are the
@@ -179,6 +82,8 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     ----------
     furthest_site : bool
         As given.
+    certified : bool
+        True: the triangles are a Delaunay triangulation.
     hidden : (h,) ndarray of int32
         With `furthest_site`, the rows that are no vertices, and not at one, in ascending order;
         those at a vertex are in ``duplicates`` and ``coplanar``. Otherwise none.
@@ -197,6 +102,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     --------
     delaunay : Without SciPy, with all options.
     Triangulation : What it adds to SciPy's class.
+    liftmesh.scipy.SpaceDelaunay : What it makes of more columns.
     liftmesh.scipy.Voronoi : The dual diagram.
 
     Examples
@@ -214,7 +120,10 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
     npoints = 0
     nsimplex = 0
+    certified = True
     _kind = "triangulation"
+    _in_space = SpaceDelaunay
+    _as_rows = staticmethod(planar_rows)
 
     def __init__(
         self,
@@ -225,7 +134,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
-        rows = planar_rows(points)  # first: of columns x and y, the second is no option
+        rows = self._as_rows(points)  # first: of columns x and y, the second is no option
         self.furthest_site = as_switch("furthest_site", furthest_site)
         check_qhull_options(qhull_options)
         is_growing = as_switch("incremental", incremental)
@@ -452,6 +361,9 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
 
     _kind = "diagram"
 
+    def _as_rows(self, points: ArrayLike) -> Floats:
+        return planar_rows(points, "Voronoi")
+
     def __init__(
         self,
         points: ArrayLike,
@@ -461,7 +373,7 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         *,
         copy: bool = False,
     ) -> None:
-        rows = planar_rows(points, "Voronoi")
+        rows = self._as_rows(points)
         self.furthest_site = as_switch("furthest_site", furthest_site)
         check_qhull_options(qhull_options, "Voronoi")
         is_growing = as_switch("incremental", incremental)
@@ -550,72 +462,7 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         return ridges_by_rows(self.ridge_points, self.ridge_vertices)
 
 
-def planar_rows(points: ArrayLike, kind: str = "Delaunay") -> Floats:
-    """Convert points to contiguous rows of float64, which SciPy's compiled code reads."""
-    with suppress(ValueError):  # of rows that differ in length, which the conversion names
-        array = np.asanyarray(points)
-        points = array if array.ndim else points  # what is no array, the conversion names, too
-    if isinstance(points, np.ndarray):
-        _refuse_space(points.shape, kind)
-    rows = as_coordinates(points)
-    return np.ascontiguousarray(rows, dtype=np.float64)
-
-
-def _refuse_space(shape: tuple[int, ...], kind: str) -> None:
-    """Raise for points of more than two columns, unless rows and columns seem exchanged."""
-    if len(shape) == 2 and shape[1] > 2 and (shape[0] > 3 or shape[1] == 3):
-        raise InputError(
-            f"points have {shape[1]} columns, and liftmesh triangulates the plane: give "
-            f"points[:, :2] to take their first two, or use scipy.spatial.{kind} for {shape[1]} "
-            "dimensions"
-        )
-
-
 def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> Solution:
     """Triangulate points, with the errors that SciPy's callers expect."""
-    try:
+    with scipys_errors(rows):
         return (solve_farthest if furthest_site else solve)(rows, copy=copy)
-    except DegenerateInputError as error:
-        raise DegenerateQhullError(*error.args) from None
-    except NonFiniteError as error:  # whose remedy is an option that SciPy's class has not
-        raise non_finite(error.row, rows[error.row], skippable=False) from None
-
-
-_HARMLESS = re.compile(
-    r"d|Qt"  # a Delaunay triangulation, in triangles: SciPy's own
-    r"|Qbb|Qz|Qs|Qf|Qr|Qa"  # how the hull is built, and the lift scaled for that
-    r"|Qc|Qi"  # rows that are no vertex are listed in any case
-    r"|Qx|Qv|Q[0-9]|Q1[0-5]|C-0"  # how facets that rounding spoilt are merged
-    r"|Qw|Pp|Po|Ts|Tv|Tz|[finopsmx]|F\w"  # warnings, checks and printed output
-)
-_JOGGLES = re.compile(r"QJ.*|R\d.*")
-_OF_RESULT = {  # what there is instead, and where rows at one position are listed
-    "Delaunay": ("triangulation", "coplanar"),
-    "Voronoi": ("diagram", "duplicates"),
-}
-
-
-def check_qhull_options(options: str | None, kind: str = "Delaunay") -> None:
-    """Raise if options of Qhull would change a triangulation."""
-    if options is not None and not isinstance(options, str):
-        raise InputError(
-            f"qhull_options are a {type(options).__name__}: give a string, such as 'Qbb Qc Qz'"
-        )
-    for option in (options or "").split():
-        if not _HARMLESS.fullmatch(option):
-            raise InputError(f"qhull_options: {option!r} {_reason(option, kind)}")
-
-
-def _reason(option: str, kind: str) -> str:
-    result, listed = _OF_RESULT[kind]
-    if _JOGGLES.fullmatch(option):
-        return (
-            f"moves the points at random, for which an exact {result} has no need: leave it "
-            f"out (rows at one position stay duplicates, listed in `{listed}`)"
-        )
-    if option == "Qu":
-        return "is furthest_site=True here"
-    return (
-        f"may give another {result} than that of the points: leave it out, or use "
-        f"scipy.spatial.{kind}"
-    )

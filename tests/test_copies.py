@@ -35,6 +35,21 @@ def test_results(again: Callable[[Any], Any]) -> None:
     np.testing.assert_array_equal(again(cloud).attributes["class"], np.arange(40))
 
 
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {},
+        {"interpolation": "sibson", "values": CLOUD[:, :2]},
+        {"interpolation": "c1", "gradients": CLOUD[:, :2] - 0.5, "extrapolate": "hull"},
+    ],
+)
+@WAYS
+def test_interpolators(again: Callable[[Any], Any], wanted: dict[str, Any]) -> None:
+    asked = np.random.default_rng(5).uniform(-0.2, 1.2, (500, 2))
+    called = liftmesh.triangulate(CLOUD).interpolator(**wanted)
+    assert again(called)(asked).tobytes() == called(asked).tobytes()
+
+
 @WAYS
 def test_exceptions(again: Callable[[Any], Any]) -> None:
     twin = again(liftmesh.NonFiniteError("row 3 is not finite", row=3))

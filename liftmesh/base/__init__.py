@@ -1,1 +1,1 @@
-"""What every room builds on: clouds, arrays, options, results that stay as they are."""
+"""What every room builds on: clouds, arrays, options, immutable results."""

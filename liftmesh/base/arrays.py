@@ -118,6 +118,14 @@ def _check_shape(shape: tuple[int, ...]) -> None:
         )
 
 
+def as_any_columns(points: ArrayLike) -> Floats:
+    """Convert points of any number of columns to contiguous rows of float64."""
+    array = unmasked(_as_array(points))
+    if array.ndim != 2 or array.shape[1] < 2:
+        raise wrong_shape(array.shape)
+    return np.ascontiguousarray(widened(as_floats(array)))
+
+
 def as_rows3(points: ArrayLike) -> Floats:
     """Convert points to float64 rows x, y, z; planar rows get z = 0."""
     array = _as_array(points)

@@ -1,4 +1,4 @@
-"""Results that stay as they are: read-only arrays and dictionaries, also in copies and pickles.
+"""Immutable results: read-only arrays and dictionaries, also in copies and pickles.
 
 `copy` and `pickle` make writable arrays of read-only ones. A result is therefore copied and pickled
 through its constructor, which makes them read-only again.

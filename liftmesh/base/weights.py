@@ -1,4 +1,4 @@
-"""`Weights`: what values at points are made of, so that many values take the points once.
+"""`Weights`: which rows the values at points are made of, with which weights; found only once.
 
 A value is z = a + sum of w (z_i - a) over the rows i after the first of the point, whose value is
 a, added up in their order, and never beyond the values of these rows. So a constant stays the same

@@ -1,4 +1,4 @@
-"""`ClippedCells`: what all cells inside a domain are: rings as arrays, with their measures."""
+"""`ClippedCells`: what all kinds of clipped cells share: rings as arrays, with their measures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where polylines cross the edges of a domain, exactly, and in which cell a ring lies without any.
+"""Exact crossings of polylines with a domain; which cell contains a ring that nothing crosses.
 
 The domain counts as moved by (e, e^2), with e positive and infinitesimal. So no corner of it lies
 on a polyline, no point of a polyline on an edge, and no edge along a segment: every sign is 1 or

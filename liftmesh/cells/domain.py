@@ -1,4 +1,4 @@
-"""What cells are clipped to: a box, a polygon, or several, with holes.
+"""Domains, to which cells are clipped: a box, a polygon, or several, with holes.
 
 The kernel takes rings of corners with the inside to their left: outer rings counter-clockwise,
 holes clockwise. It decides by these coordinates exactly, and relies on rings that do not cross.

@@ -1,4 +1,4 @@
-"""Sites, and the triangulation behind their cells, or the chain of rows that are all on one line.
+"""Sites and the triangulation dual to their cells, or a chain of rows if all are on one line.
 
 Sites come in whatever holds points: arrays, clouds, tables without heights, GeoPandas.
 """

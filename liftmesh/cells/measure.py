@@ -1,4 +1,4 @@
-"""What cells hold: mass, centroid and energy, by area or by a density over the plane.
+"""Measures of cells: mass, centroid and energy, by area or by a density over the plane.
 
 A density is an image, constant in each pixel, integrated over cells exactly. By Green's theorem the
 mass of a polygon is the integral of F dy along its sides, where F(x, y) is the integral of the

@@ -1,4 +1,4 @@
-"""lloyd() and transport(): points, and weights, that are best by what their cells hold.
+"""lloyd() and transport(): points and weights optimised for the area or mass of their cells.
 
 *Lloyd's method* moves every point to the centroid of its Voronoi cell (S. P. Lloyd, "Least squares
 quantization in PCM", 1982). No step increases the energy, the integral over the domain of the

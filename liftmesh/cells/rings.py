@@ -1,4 +1,4 @@
-"""Rings of cells, by exact corners: without ties, which bound parts, and which are holes.
+"""The rings of cells, with exact corners: ties removed, outer boundaries told from holes.
 
 *Back from the perturbation.* The kernel decides ties by an infinitesimal perturbation. So its rings
 may have sides without a length, where an edge of the domain goes through a vertex or a corner lies

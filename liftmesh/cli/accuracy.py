@@ -1,4 +1,4 @@
-"""``liftmesh accuracy``: errors of a surface at checkpoints, or at each vertex without it."""
+"""``liftmesh accuracy``: errors of a surface at checkpoints, or at each vertex left out in turn."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ _MEASURES = (
     "n_points", "n_outside", "rmse", "mean", "std", "confidence_95", "percentile_95", "min", "max",
 )  # fmt: skip
 
-Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at")]
+Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at", has_layers=True)]
 
 
 @outputs.guards("target")

@@ -1,4 +1,4 @@
-"""Clouds that commands read: options, one file or several as one, and whose row an error is on."""
+"""Clouds that commands read, from one or several files; which file a faulty row came from."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is said of a cloud that was read: rows, columns, coordinate system, parts, lidar."""
+"""Notes on a cloud that was read: rows, columns, coordinate system, parts, lidar."""
 
 from __future__ import annotations
 

@@ -385,7 +385,7 @@ Json: TypeAlias = Annotated[bool, flag("Print one JSON object.", panel="Output")
 
 
 def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
-    """Return the option that says by what points are lifted, of which there may be one."""
+    """Return the lifting option (weights, radii or metric), at most one."""
     chosen = given(weights=weights, radii=radii, metric=metric)
     if len(chosen) > 1:
         raise click.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")

@@ -28,7 +28,7 @@ EXAMPLES = [
 _CSV = frozenset({"csv", "tsv"})
 _NAN = re.compile(rb"(?m)(?:^|(?<=[,\t]))nan(?=[,\t\n])")
 
-Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at")]
+Points: TypeAlias = Annotated[surfaces.Places, surfaces.places("at", has_layers=True)]
 Target: TypeAlias = Annotated[
     outputs.Target, outputs.target("Cloud file; - writes stdout.", has_writing=False)
 ]

@@ -1,4 +1,4 @@
-"""Surfaces that commands read, trim and ask at places of ``--at`` or ``--along``."""
+"""Surfaces that commands read and trim, and the places of ``--at`` and ``--along`` on them."""
 
 from __future__ import annotations
 
@@ -215,6 +215,7 @@ class Places:
     option: str  # without its dashes
     file_format: str | None
     table: dict[str, Any]
+    layer: str | None = None
 
     def are_shapes(self, path: Path) -> bool:
         """Whether a file holds shapes, and neither a table nor a cloud."""
@@ -236,7 +237,7 @@ class Places:
         if (self.file_format or path.suffix) and is_table(path, self.file_format):
             kind["flat"] = None if "columns" in self.table else flat
         try:
-            limit = options.given(max_bytes=max_bytes)
+            limit = options.given(max_bytes=max_bytes, layer=self.layer)
             cloud = inputs.read(path, {**self.table, **kind, **limit})
         except (FormatError, InputError) as error:
             error.args = (error.message.renamed(_own_names(self.option)),)
@@ -256,7 +257,11 @@ class Places:
 
         own = {key: each for key, each in self.table.items() if key in ("columns", "nodata")}
         with terminal.stage(f"reading {path.name}"):
-            cloud = points_of(path, crs, **{"flat": flat, **own})
+            try:
+                cloud = points_of(path, crs, self.layer, **{"flat": flat, **own})
+            except (FormatError, InputError) as error:
+                error.args = (error.message.renamed(_own_names(self.option)),)
+                raise
         if not_read := notes.parts_not_read(cloud):
             terminal.note(f"{path}: not read: {notes.listed(not_read)}")
         return cloud
@@ -269,11 +274,12 @@ def _renamed(error: click.BadParameter, option_name: str) -> click.BadParameter:
 def _own_names(option_name: str) -> dict[str, str]:
     """Return by option of IN that of the table which an option names."""
     names = {each: f"--{option_name}-{each.replace('_', '-')}" for each in _table_options()}
+    names["layer"] = f"--{option_name}-layer"
     other = {"format": f"--{option_name}-input-format", "header": f"--{option_name}-no-header"}
     return names | other
 
 
-def places(option_name: str) -> options.Group:
+def places(option_name: str, *, has_layers: bool = False) -> options.Group:
     """Make the group of options of the table that an option, without its dashes, names.
 
     They are those of IN with another name each, as ``--at-columns``, so that what an error about
@@ -284,7 +290,8 @@ def places(option_name: str) -> options.Group:
         plain = {key.removeprefix(f"{option_name}_"): value for key, value in given.items()}
         file_format = plain.pop("input_format")
         try:
-            return Places(option_name, file_format, inputs.table(**plain))
+            layer = plain.pop("layer", None)
+            return Places(option_name, file_format, inputs.table(**plain), layer)
         except click.BadParameter as error:
             raise _renamed(error, option_name) from error
 
@@ -292,6 +299,9 @@ def places(option_name: str) -> options.Group:
     parameters = [
         options.parameter(f"{option_name}_input_format", str | None, option("FORMAT", text))
     ]
+    if has_layers:
+        own = option("NAME", f"GeoPackage of --{option_name}: the layer to read, of several.")
+        parameters.append(options.parameter(f"{option_name}_layer", str | None, own))
     for name, each in _table_options().items():
         kind, spec = get_args(each.annotation)
         text = f"As --{name.replace('_', '-')}, of the table of --{option_name}."

@@ -1,4 +1,4 @@
-"""``liftmesh thin``: fewer rows of a cloud, in a file of their own; and how others thin theirs."""
+"""``liftmesh thin`` writes fewer rows of a cloud; other commands share its options."""
 
 from __future__ import annotations
 

@@ -26,6 +26,7 @@ EXAMPLES = [
     "liftmesh tileset survey.laz viewer/ --max-error 0.2 --levels 5 --extrapolate hull",
     "liftmesh tileset dem.tif terrain/ --quantized-mesh --max-error 1",
     "liftmesh tileset tiles/ viewer/ --max-error 1 --extent 4500,8000,5500,9000 --skirts 10",
+    "liftmesh tileset tiles/ terrain/ --quantized-mesh --max-error 1",
 ]
 
 
@@ -71,7 +72,7 @@ def run(
     of_plane = options.given(bounds=extent, levels=levels, extrapolate=extrapolate, skirts=skirts)
     of_globe = options.given(zoom=zoom)
     _check_kind(of_plane, of_globe, is_globe=quantized_mesh)
-    if source.is_dir() and not quantized_mesh:
+    if source.is_dir():
         surface: Any = surfaces.open_tiles(source, reading)
     else:
         surface = surfaces.read(source, reading)

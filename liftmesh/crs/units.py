@@ -1,4 +1,4 @@
-"""The units of a cloud's coordinates: what its system says, and the unit that a raster's band says.
+"""The units of coordinates, as the coordinate system or, of heights, the band of a raster says.
 
 A GeoTIFF may say of its band that heights are in feet, where its coordinate system has metres in
 the plane and says nothing of heights.

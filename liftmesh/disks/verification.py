@@ -1,4 +1,4 @@
-"""Whether arrays are the Delaunay graph of disks: what `verify` does with an `ApolloniusGraph`.
+"""Verification of Apollonius graphs: whether arrays are the Delaunay graph of disks.
 
 The kernel checks triangles, edges, the hull and the rows; the proof that this suffices stands at
 the top of `verify/disks.cpp`.

@@ -1,4 +1,4 @@
-"""File formats: names, reader and writer, requirements, and what a file preserves.
+"""`Format`: a file format's names, reader and writer, what it needs, and what its files preserve.
 
 A format declares what a cloud must have to be written (`Format.needs`) and which parts of a cloud
 the file preserves (`Format.keeps`). `liftmesh.write` raises for a cloud that does not meet the
@@ -233,16 +233,11 @@ def configured(
     """Set the options of a reader, once they are checked."""
     if not options:
         return reader
-    if file_format.options is None:
-        raise FormatError(
-            f"{name}: {', '.join(f'{Option(each, ...)}' for each in options)} cannot be given: "
-            f"{file_format.name} files are read without options"
-        )
-    try:
-        inspect.signature(file_format.options).bind(**options)
-    except TypeError as error:
-        taken = ", ".join(inspect.signature(file_format.options).parameters)
-        raise FormatError(f"{name}: {error}: {file_format.name} takes {taken}") from error
+    known = inspect.signature(file_format.options).parameters if file_format.options else {}
+    if file_format.options is None or not options.keys() <= known.keys():
+        wrong = ", ".join(f"{Option(each, ...)}" for each in options if each not in known)
+        others = f"take {', '.join(known)}" if known else "are read without options"
+        raise FormatError(f"{name}: {wrong} cannot be given: {file_format.name} files {others}")
     return partial(reader, options=file_format.options(**options))
 
 

@@ -1,4 +1,4 @@
-"""JSON and XML in files: what is parsed, what it takes, and how texts are written.
+"""JSON and XML in files: checked before they are parsed, and written.
 
 While JSON is parsed, the interpreter is held, and no signal is heard. So the text is limited,
 without embedded buffers, which take no time. And Python's search for reference cycles is put off:

@@ -1,4 +1,4 @@
-"""What callers say of the files that they read: the options of `read`, checked, and limits.
+"""The options of `read`: their types, their checks, and limits on what files may expand to.
 
 *Tables.* What the names of a table say is used; what only its values suggest needs an option, so
 that nothing is applied by a guess. ``columns`` has one form as text, on the command line and in

@@ -1,4 +1,4 @@
-"""Where is read from and written to: paths and binary streams, with names and exact reads.
+"""Paths and binary streams to read from and write to, with names and exact reads.
 
 A path is opened, a stream is used as it is, or taken into memory if it is a pipe. Files of text may
 be compressed with gzip, and are decompressed as they are read. Readers go back a little, to the end

@@ -1,4 +1,4 @@
-"""What is proved of tetrahedra: a certificate, as of triangles.
+"""Verification of tetrahedra: a certificate, as for triangles.
 
 The kernel checks tetrahedra, facets, the boundary and the rows.
 """

@@ -427,7 +427,7 @@ def _certify(
     is_counted = not flaws.keys() & _PREMATURE
     edges = interior_edges + boundary_edges
     if is_counted:
-        found = _disk_flaw(len(given), vertices, edges, boundary_edges)
+        found = _euler_flaw(len(given), vertices, edges, boundary_edges)
         flaws |= found if not carved else {k: v for k, v in found.items() if k != "euler"}
     missing = flaws["missing_vertices"].count if "missing_vertices" in flaws else 0
     # Of lifts that may hide rows, those without a vertex are judged if nothing else is wrong.
@@ -477,7 +477,7 @@ def _with_shape(
     return replace(certificate, planar=is_planar, delaunay=told)
 
 
-def _disk_flaw(triangles: int, vertices: int, edges: int, boundary_edges: int) -> dict[str, Flaw]:
+def _euler_flaw(triangles: int, vertices: int, edges: int, boundary_edges: int) -> dict[str, Flaw]:
     """Compare the counts with those of a triangulated disk."""
     if not triangles:
         return {"no_triangles": Flaw("no_triangles", 1, "there are no triangles")}

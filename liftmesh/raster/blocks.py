@@ -206,7 +206,7 @@ def _inflated(packed: bytes, most: int) -> int:
 
 
 @contextmanager
-def without_warnings(name: str) -> Iterator[None]:
+def warnings_as_errors(name: str) -> Iterator[None]:
     """Raise for what GDAL warns of while it decodes samples."""
     logged = _LoggedWarnings()
     with ExitStack() as held:

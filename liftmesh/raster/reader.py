@@ -48,8 +48,8 @@ from liftmesh.raster.blocks import (
     bands_of,
     bytes_decoded,
     check_blocks,
+    warnings_as_errors,
     window_of,
-    without_warnings,
 )
 from liftmesh.raster.pixels import Affine, system_of, world_of
 
@@ -206,7 +206,7 @@ class _OpenRaster:
         if not window.samples:
             return
         for band in bands_of(window, self._file.block_shapes[self._band - 1]):
-            with without_warnings(self._name):
+            with warnings_as_errors(self._name):
                 values, mask = self._decoded(band)
             mask &= ~np.isnan(values)
             self._valid += int(np.count_nonzero(mask))

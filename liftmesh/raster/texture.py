@@ -21,7 +21,7 @@ from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.options import check_expanded, limit_of
 from liftmesh.io.streams import at_home
 from liftmesh.optional import load
-from liftmesh.raster.blocks import bytes_decoded, check_blocks, window_of, without_warnings
+from liftmesh.raster.blocks import bytes_decoded, check_blocks, warnings_as_errors, window_of
 from liftmesh.raster.pixels import Affine
 from liftmesh.raster.reader import decoding
 
@@ -106,7 +106,7 @@ def _texture(file: Any, name: str, data: bytes) -> Texture:
     check_expanded(needed, limit_of(None, _DENSEST * len(data)), name, what)
     for band in file.indexes:
         check_blocks(file, band, whole, data, name)
-    with without_warnings(name):
+    with warnings_as_errors(name):
         image, mask = file.read(), file.dataset_mask()
     if file.count < 4 and (missing := int(np.count_nonzero(mask == 0))):
         raise FormatError(

@@ -211,7 +211,7 @@ class Following:
     def __post_init__(self) -> None:
         self.points = np.concatenate([self.cloud.points, self.network.rows])
 
-    def is_weighable(self, rows: Rows) -> Mask:
+    def has_weight(self, rows: Rows) -> Mask:
         """Tell which rows have a weight: all, as none is asked for."""
         return np.ones(len(rows), dtype=np.bool_)
 

@@ -43,17 +43,20 @@ class CloughTocher:
         given = np.where(np.isfinite(surface.triangulation.points), surface.triangulation.points, 0)
         exponent = int(np.frexp(np.abs(given[used]).max())[1])  # what is square stays a double
         self._points = np.ldexp(given, -exponent)
-        self._solved, self._columns = surface.triangulation, columns
+        self._solved, self._given = surface.triangulation, columns
+        # Values within 1 leave room for their sums; other exponents change no bit of these.
+        self._exponents = np.frexp(np.abs(columns[:, used]).max(axis=1))[1][:, None]
+        self._columns = np.ldexp(columns, -self._exponents)
         with np.errstate(all="ignore"):
             self._gradients = (
-                _Network(self._points, surface.faces, used).gradients(columns)
+                _Network(self._points, surface.faces, used).gradients(self._columns)
                 if gradients is None
-                else np.ldexp(gradients, exponent)
+                else np.ldexp(gradients, exponent - self._exponents[..., None])
             )
 
     def at(self, weights: Weights, faces: Rows) -> Floats:
         """Interpolate, (k, m), by linear weights and the triangles that contain the points."""
-        found: Floats = (weights @ self._columns.T).T
+        found: Floats = (weights @ self._given.T).T
         counts = np.diff(weights.indptr)
         with np.errstate(all="ignore"):
             for number in (2, 3):
@@ -65,6 +68,7 @@ class CloughTocher:
                         if number == 2
                         else self._in_faces(corners, shares, faces[some])
                     )  # where it is no double, the linear one stays
+                    smooth = np.ldexp(smooth, self._exponents)
                     found[:, some] = np.where(np.isfinite(smooth), smooth, found[:, some])
         return found
 
@@ -110,7 +114,8 @@ class CloughTocher:
             next_row += 2 * middle[k][:, own] * a * b
             third = deep[i][:, own] * a + deep[j][:, own] * b
             found[:, own] = edge + c * (3 * next_row + c * (3 * third + c * centre[:, own]))
-        return first + found
+        whole: Floats = first + found
+        return whole
 
     def _across(self, corners: Rows, faces: Rows, k: int) -> tuple[Floats, Floats]:
         """Weigh i and j in the direction across the side opposite corner k; the centroid has 1.

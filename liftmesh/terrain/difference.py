@@ -8,11 +8,12 @@ are split (`cutting.py`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Floats, Integers, Progress
+from liftmesh._typing import Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import check_progress, part_of
@@ -21,7 +22,7 @@ from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, in_space
 from liftmesh.terrain.cutting import Layer, Overlay
 from liftmesh.terrain.measures import check_pair
-from liftmesh.terrain.overlay_mesh import overlay_mesh
+from liftmesh.terrain.overlay_mesh import OverlayMesh, overlay_mesh
 from liftmesh.terrain.report import bare_report
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.triangulate import as_surface
@@ -53,7 +54,8 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
         do, it does: `raster` is a map of the differences, `filled_contours` with the level 0 has
         the polygons where the first surface is above and below, and `volume` the volumes, which
         are those of `cut_and_fill`. ``metadata["difference"]`` says how many ``rows_at_crossings``
-        there are, and their largest ``displacement`` from the sides, since they are rounded.
+        there are, and the largest ``displacement`` of rows from the sides that go through them,
+        since they are rounded.
 
     Raises
     ------
@@ -69,11 +71,11 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
 
     Notes
     -----
-    Which sides cross is decided exactly; a crossing is rounded once. Where both surfaces are
-    exchanged, heights change their signs, and no other bit; neither does the order of the rows.
-    Where crossings may come together, sides are split until none cross, which takes some twenty
-    times as long. So it is where surfaces nearly coincide, and where a vertex of one is hardly
-    beside a side of the other, as is common where both have coordinates in decimals (centimetres).
+    Which sides cross is decided exactly; a crossing is rounded once. A vertex that is beside a side
+    of the other surface by the rounding of its coordinates alone, as is common where both are in
+    decimals (centimetres), is taken to be on it. Where both surfaces are exchanged, heights change
+    their signs, and no other bit; neither does the order of the rows. Where crossings come together
+    all the same, sides are split until none cross, which takes some twenty times as long.
 
     Examples
     --------
@@ -88,24 +90,37 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     check_exact(surface.frame)
     check_progress(progress)
     laid = overlay_mesh(surface, other, part_of(progress, 0.0, _LAID))
-    if laid is None:
+    found = None if laid is None else _over(surface, laid)
+    if found is None:
         return _by_constraints(surface, other, part_of(progress, _LAID, 1.0))
     if progress is not None:
         progress(1.0)
+    return found
+
+
+def _over(surface: SurfaceData, laid: OverlayMesh) -> Surface | None:
+    """Make a surface of an overlay; None if faces of it overlap."""
+    points = in_space(surface.frame, laid.points, _finite(laid.rises))
     told = {"rows_at_crossings": laid.crossings, "displacement": laid.displacement}
-    solved, faces = laid.triangulation, laid.triangulation.simplices
-    if laid.mask is not None:
-        faces = faces[~laid.mask]
+    if laid.triangulation is None:
+        with suppress(InputError):
+            return _of_mesh(surface, points, laid.faces, told)
+        return None
     return Surface(
-        vertices=in_space(surface.frame, solved.points, _finite(laid.rises)),
-        faces=faces,
-        triangulation=solved,
+        vertices=points,
+        faces=laid.faces,
+        triangulation=laid.triangulation,
         frame=surface.frame,
-        report=bare_report(solved.npoints, len(faces)),
+        report=bare_report(len(points), len(laid.faces)),
         metadata={"difference": told},
         crs=surface.crs,
         mask=laid.mask,
     )
+
+
+def _of_mesh(surface: SurfaceData, points: Floats, faces: Rows, told: dict[str, Any]) -> Surface:
+    mesh = Cloud(points, faces=faces, crs=surface.crs, metadata={"difference": told})
+    return as_surface(mesh, plane=surface.frame.name)
 
 
 def _finite(heights: Floats) -> Floats:
@@ -136,13 +151,8 @@ def _by_constraints(
         "rows_at_crossings": int(np.count_nonzero(~is_own[rows])),
         "displacement": laid.tri.displacement,
     }
-    mesh = Cloud(
-        in_space(surface.frame, laid.tri.points[rows], heights),
-        faces=place[faces],
-        crs=surface.crs,
-        metadata={"difference": told},
-    )
-    return as_surface(mesh, plane=surface.frame.name)
+    points = in_space(surface.frame, laid.tri.points[rows], heights)
+    return _of_mesh(surface, points, place[faces], told)
 
 
 def _both(surface: SurfaceData, other: SurfaceData) -> list[tuple[SurfaceData, SurfaceData]]:

@@ -1,4 +1,4 @@
-"""Whether a cloud is a height field: one height at each position, as terrain has, but no statue.
+"""Whether a cloud is a height field, with one height at each position: terrain is, a statue is not.
 
 Some four thousand rows are chosen and triangulated. One is *folded* if the heights at its position
 and at its neighbours there differ by more than a tenth of the cloud's width, which is the side of a

@@ -1,4 +1,4 @@
-"""The places of a convex hull that are nearest to points beyond it.
+"""For points outside a convex hull, the nearest points on it.
 
 A side of the hull is visible from a point that is beyond its line. The visible sides follow one
 another, and along them a point projects first after the beginnings of sides, then before: so the

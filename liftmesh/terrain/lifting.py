@@ -64,7 +64,7 @@ class Lifting:
         return replace(self.cloud, attributes=self._with_hidden(hidden))
 
     def solve(self, planar: Floats, options: Mapping[str, Any]) -> Solution:
-        """Return the arguments of the triangulation of planar points."""
+        """Triangulate planar points; return the arrays of the result."""
         if self.weights is None:
             return delaunay.solve(planar, **options, metric=self.metric)
         shared = {name: options[name] for name in ("nonfinite", "threads", "progress")}
@@ -75,7 +75,7 @@ class Lifting:
         make = triangulation_of if self.weights is None else regular_triangulation_of
         return make(solution)
 
-    def is_weighable(self, rows: Rows) -> Mask:
+    def has_weight(self, rows: Rows) -> Mask:
         """Tell which rows are not skipped because of their weight."""
         if self.weights is None:
             return np.ones(len(rows), dtype=np.bool_)

@@ -1,4 +1,4 @@
-"""Surfaces over the overlay of two triangulations, which the kernel lays over each other.
+"""Surfaces over the overlay of two triangulations, which the kernel computes.
 
 `_core/surface/overlay_mesh.hpp` triangulates what faces of both have in common. What is missing in
 the convex hull, as beyond borders that rounding has bent, follows from the rim alone: all sides of
@@ -32,9 +32,11 @@ _FILLER = 8  # above the bits of sides
 class OverlayMesh(NamedTuple):
     """The part that both surfaces have, with rows by x, then y."""
 
-    triangulation: ConstrainedTriangulation
-    mask: Mask | None  # of triangles beyond the rim
+    points: Floats
     rises: Floats  # of the first surface over the second
+    faces: Rows
+    triangulation: ConstrainedTriangulation | None  # of which they are; None if it needs none
+    mask: Mask | None  # of triangles beyond the rim
     crossings: int  # rows that are neither's
     displacement: float
 
@@ -44,7 +46,7 @@ def overlay_mesh(
 ) -> OverlayMesh | None:
     """Lay two surfaces over each other; None if they have nothing in common, or are too near.
 
-    Rounded crossings may come together, or cross what is near; and no constraint may be needed.
+    Rounded crossings may come together, or cross what is near.
     """
     pair = touching(surface.triangulation, other.triangulation)
     if pair is None:
@@ -54,7 +56,9 @@ def overlay_mesh(
         return None
     points, rises, simplices, neighbors, bits, crossings, displacement = found
     rim, count = _Rim.of(simplices, neighbors), len(simplices)
-    if not (bits != rim.bits(count)).any() or (filler := _Filler.of(points, rim)) is None:
+    if not (bits != rim.bits(count)).any():
+        return OverlayMesh(points, rises, simplices, None, None, crossings, displacement)
+    if (filler := _Filler.of(points, rim)) is None:
         return None
     if len(filler.simplices):
         simplices, neighbors, bits = filler.join(simplices, neighbors, bits, rim)
@@ -74,7 +78,8 @@ def overlay_mesh(
         _pieces(simplices, bits),
         len(simplices),
     )
-    return OverlayMesh(solved, mask, rises, crossings, displacement)
+    faces = simplices if mask is None else simplices[~mask]
+    return OverlayMesh(points, rises, faces, solved, mask, crossings, displacement)
 
 
 def _pieces(simplices: Rows, bits: Bits) -> Pieces:

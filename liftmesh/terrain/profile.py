@@ -1,4 +1,4 @@
-"""Profiles: what lines in the plane become on a surface, with a corner at every side they cross.
+"""Profiles: lines in the plane draped over a surface, with a corner at every side they cross.
 
 The height where a line crosses a side comes from the ends of the side, the lexicographically lesser
 first, so it is the one of both faces. Where the line leaves the faces, the profile has a gap.

@@ -202,7 +202,7 @@ def _scan_faces(
 ) -> None:
     """Fill pixels with what the faces have that own their centres."""
     if plan.quantity == "longest-edge":
-        lengths = np.append(_longest_sides(surface), np.nan)
+        lengths = longest_sides(surface)
     for first, block in _blocks_of_rows(pixels):
         if plan.quantity == "longest-edge":
             faces = np.empty((*block.shape, 1), np.int32)
@@ -214,14 +214,14 @@ def _scan_faces(
             block[...] = plan.of_gradients(gradients)
 
 
-def _longest_sides(surface: SurfaceData) -> Floats:
-    """Return the length of the longest side of each triangle in the plane."""
+def longest_sides(surface: SurfaceData) -> Floats:
+    """Return the length of the longest side of each triangle in the plane, and NaN for none."""
     solved = surface.triangulation
     corners = solved.points[solved.simplices].astype(np.float64, copy=False)
     with np.errstate(over="ignore"):
         sides = corners - np.roll(corners, 1, axis=1)
         lengths: Floats = np.hypot(sides[..., 0], sides[..., 1]).max(axis=1)
-    return lengths
+    return np.append(lengths, np.nan)
 
 
 def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:

@@ -1,4 +1,4 @@
-"""What the heights of a surface, or values in their place, are at points: prepared once.
+"""`Sampler`: heights of a surface, or other values, at points; prepared once for many queries.
 
 Beyond the faces there is none, but for what a caller asks to be there: the value of the nearest
 vertex, or that of the nearest place on the hull. Both are of vertices of faces only.
@@ -7,7 +7,7 @@ vertex, or that of the nearest place on the hull. Both are of vertices of faces 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,6 +52,8 @@ class Sampler:
         if extrapolate == "nearest":
             _check_delaunay(surface, "extrapolate", extrapolate)
         self._surface, self._extrapolate = surface, extrapolate
+        self._has_values = values is not None
+        self._slopes: Floats | None = None
         self._interpolation: Interpolation = interpolation
         if values is None:
             self._shape: tuple[int, ...] = ()
@@ -64,11 +66,19 @@ class Sampler:
         self._smooth = None
         if interpolation == "c1":
             shape = len(columns[0]), *self._shape
-            slopes = None if gradients is None else _slopes(gradients, shape)
-            self._smooth = CloughTocher(surface, columns, slopes)
+            self._slopes = None if gradients is None else _slopes(gradients, shape)
+            self._smooth = CloughTocher(surface, columns, self._slopes)
         self._columns, self._whole = columns, _Columns(surface.triangulation, whole)
         is_lined = isinstance(surface.triangulation, ConstrainedTriangulation)
         self._is_walking = is_lined and interpolation == "nearest"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle what the kernel's objects are made of."""
+        shape = len(self._columns[0]), *self._shape
+        values = self._columns.T.reshape(shape) if self._has_values else None
+        slopes = None if self._slopes is None else self._slopes.swapaxes(0, 1).reshape(*shape, 2)
+        asked = self._interpolation, self._extrapolate, slopes
+        return Sampler, (self._surface, values, *asked)
 
     def at(self, points: ArrayLike, threads: int | None) -> Floats:
         """Interpolate at points, (..., 2)."""
@@ -222,7 +232,8 @@ def _slopes(gradients: ArrayLike, shape: tuple[int, ...]) -> Floats:
         raise InputError(
             f"{Option('gradients')} have the shape {given.shape}, not {(*shape, 2)}: {remedy}"
         )
-    return np.moveaxis(given.reshape(shape[0], -1, 2), 1, 0)
+    slopes: Floats = given.reshape(shape[0], -1, 2).swapaxes(0, 1).copy()
+    return slopes
 
 
 def _check_delaunay(surface: SurfaceData, option: str, given: str) -> None:

@@ -8,12 +8,13 @@ the triangle by which an edge was reached, or on threads (`_core/surface/facet.h
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats
+from liftmesh._typing import Floats, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, as_threads
 from liftmesh.crs.comparison import common_system
 from liftmesh.errors import InputError
@@ -209,7 +210,8 @@ def interpolator_of(
 
     Notes
     -----
-    Values and options are taken as they are when the function is made.
+    Values and options are taken as they are when the function is made. It can be pickled, with the
+    surface, for other processes and Dask, and has the same bits there.
 
     Examples
     --------
@@ -220,11 +222,12 @@ def interpolator_of(
     (np.float64(5.0), array([5., 9.]), array([4., 5.]))
     """
     sampler = Sampler(surface, values, interpolation, extrapolate, gradients)
+    return partial(_interpolated, sampler)
 
-    def interpolate(*points: ArrayLike, threads: int | None = None) -> Floats:
-        return sampler.at(points[0] if len(points) == 1 else _paired(points), threads)
 
-    return interpolate
+def _interpolated(sampler: Sampler, *points: ArrayLike, threads: int | None = None) -> Floats:
+    """Answer the call of an interpolator, which has to be picklable."""
+    return sampler.at(points[0] if len(points) == 1 else _paired(points), threads)
 
 
 def _paired(columns: tuple[ArrayLike, ...]) -> Floats:
@@ -354,6 +357,18 @@ def gradients_at(surface: SurfaceData, points: ArrayLike, *, threads: int | None
         *as_threads(threads, gradients.size // 2),
     )
     return gradients
+
+
+def faces_at(surface: SurfaceData, points: Floats, threads: int | None) -> Rows:
+    """Return the triangle that owns each point, whose gradient it has; -1 where there is none."""
+    faces = np.empty(points.shape[:-1], np.int32)
+    kernel_surface(surface).owners(
+        surface.triangulation._locator,  # noqa: SLF001 - as above
+        points.reshape(-1, 2),
+        faces.reshape(-1),
+        *as_threads(threads, faces.size),
+    )
+    return faces
 
 
 def slopes_at(

@@ -1,4 +1,4 @@
-"""The data of a surface, which the functions of this room take, and what several ask of it.
+"""`SurfaceData`: the fields of a surface, its units, and helpers shared by this package.
 
 Among it are the units of x, y and heights: what they are in metres, and how steep that makes a
 gradient. Surveys with metres in the plane and feet in height exist, and in feet of two kinds.

@@ -417,7 +417,7 @@ def _solve(
             raise  # not about these points: raised by `progress`
         raise _nonfinite_error(points, planar, heights) from None
     skipped = solution.skipped
-    _refuse_overflow(points, skipped[lifting.is_weighable(skipped)])
+    _refuse_overflow(points, skipped[lifting.has_weight(skipped)])
     return solution
 
 

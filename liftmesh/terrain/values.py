@@ -1,4 +1,4 @@
-"""Values of the vertices in place of heights: what surfaces do with these, they do with them."""
+"""Any surface operation on vertex values instead of heights."""
 
 from __future__ import annotations
 

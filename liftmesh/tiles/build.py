@@ -1,4 +1,4 @@
-"""tile() and tile_surface(): in tiles, in bounded memory, what one call would return.
+"""tile() and tile_surface(): the result of one call, computed tile by tile in bounded memory.
 
 One run scans, plans, partitions, triangulates and merges, and publishes. The scratch folder says
 what the run is of (``job.json``): the hashes of all chunks of the source, and the options that its

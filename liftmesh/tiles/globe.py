@@ -7,22 +7,9 @@ not fold. Each side is decided once for both tiles of a level that have it, from
 alone; and all tiles have one scale of heights. So neighbours of a level have the same numbers on
 their common side. Those of different levels need not: viewers hang skirts from them.
 
-Beyond its hull the terrain goes on as high as it is there, so that tiles are whole. Where a tile
-bends with the earth more than a viewer permits, it is divided by a grid.
-
-*A file* is in the format quantized-mesh-1.0: a header and a mesh of 16-bit numbers. Positions are
-shares of the tile and of its range of heights, as whole numbers to 32767. Each is stored as the
-difference from the one before, with the sign in the last bit. Vertices are in the order in which
-faces use them first; a corner is stored as the difference from the number of vertices that were
-used before it.
-
-The header tells viewers what may be seen: a sphere around the vertices, and the point that is
-behind the horizon when all of them are. The latter is on the way from the middle of the earth to
-that of the sphere. In coordinates where the earth is a sphere of radius 1, a vertex at distance m
-from the middle, off that way by an angle a, is hidden with it if it is at 1 / cos(a + acos(1 / m))
-(K. Ring, "Computing the horizon occlusion point", 2013).
-
-Source: github.com/CesiumGS/quantized-mesh.
+Gaps of the terrain are filled with triangles, and beyond its hull it goes on as high as it is
+there, so that tiles are whole. Where a tile bends with the earth more than a viewer permits, it is
+divided by a grid. How far the surface is from all tiles is found in the end, cell by cell.
 """
 
 from __future__ import annotations
@@ -30,14 +17,13 @@ from __future__ import annotations
 import json
 import math
 import os
-import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Array, Floats, Integers, Progress
+from liftmesh._typing import Floats, Progress
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.interruption import check
@@ -46,92 +32,30 @@ from liftmesh.crs.transformation import transform
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.io.atomic import replacing
-from liftmesh.terrain.surface_data import SurfaceData, as_cloud
+from liftmesh.terrain.surface_data import SurfaceData
+from liftmesh.tiles.quantized_mesh import STEPS, QuantizedTile, encoded
 from liftmesh.tiles.simplified import (
+    Deviation,
     Sides,
     corners_of,
-    deviation,
     few_points,
     inside_of,
     side_of,
     simplified,
 )
 from liftmesh.tiles.staging import staged
-from liftmesh.tiles.terrain_parts import WholeTerrain, part_of_cloud
+from liftmesh.tiles.terrain_parts import Kept, MovedTiles, Terrain, WholeTerrain, part_of_cloud
+from liftmesh.tiles.tiled_data import TiledSurfaceData
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
-
-STEPS = 32767
-_HEADER = struct.Struct("<3d2f4d3d")
-_AXES = np.array([6378137.0, 6378137.0, 6356752.3142451793])  # of WGS 84
-_FARTHEST = 1e6  # of the point behind the horizon, for tiles that a horizon never hides
-_WIDE = 1 << 16  # vertices that 16 bits number
-
-
-class QuantizedTile(NamedTuple):
-    """What a tile holds."""
-
-    places: Integers  # (n, 3): u, v and height, from 0 to 32767
-    faces: Integers  # (m, 3), counter-clockwise
-    low: float  # the heights that 0 and 32767 stand for, in single precision
-    high: float
-    centre: Floats  # of the tile, geocentric
-    positions: Floats  # (n, 3) of the vertices, geocentric
-
-
-def encoded(tile: QuantizedTile) -> bytes:
-    """Return the bytes of a tile."""
-    _, first = np.unique(tile.faces.ravel(), return_index=True)
-    order = tile.faces.ravel()[np.sort(first)]
-    number = np.empty(len(tile.places), dtype=np.int64)
-    number[order] = np.arange(len(order))
-    places = tile.places[order]
-    kind, width = ("<u2", 2) if len(places) <= _WIDE else ("<u4", 4)
-    parts = [_header(tile), struct.pack("<I", len(places))]
-    parts += [_zigzag(column).astype("<u2").tobytes() for column in places.T]
-    parts.append(bytes(-sum(map(len, parts)) % width))
-    corners = number[tile.faces].ravel()
-    parts += [struct.pack("<I", len(tile.faces)), _high_water(corners).astype(kind).tobytes()]
-    for axis, at in ((0, 0), (1, 0), (0, STEPS), (1, STEPS)):  # west, south, east, north
-        on = np.flatnonzero(places[:, axis] == at)
-        on = on[np.argsort(places[on, 1 - axis])]
-        parts += [struct.pack("<I", len(on)), on.astype(kind).tobytes()]
-    return b"".join(parts)
-
-
-def _zigzag(column: Integers) -> Array:
-    steps = np.diff(column, prepend=0)
-    return (steps << 1) ^ (steps >> 63)
-
-
-def _high_water(corners: Integers) -> Array:
-    """Count corners down from the vertices used before, the next new one being 0."""
-    used = np.maximum.accumulate(np.concatenate([[-1], corners]))[:-1] + 1
-    return used - corners
-
-
-def _header(tile: QuantizedTile) -> bytes:
-    low, high = tile.positions.min(axis=0), tile.positions.max(axis=0)
-    middle = low / 2 + high / 2
-    radius = float(np.linalg.norm(tile.positions - middle, axis=1).max())
-    horizon = _horizon(tile.positions / _AXES, middle / _AXES)
-    return _HEADER.pack(*tile.centre, tile.low, tile.high, *middle, radius, *horizon)
-
-
-def _horizon(points: Floats, middle: Floats) -> Floats:
-    """Return the point that is hidden when all points are, where the earth is a unit sphere."""
-    ahead = middle / max(float(np.linalg.norm(middle)), 1e-9)
-    away = np.linalg.norm(points, axis=1)
-    angle = np.arccos(np.clip(points @ ahead / away, -1, 1)) + np.arccos(1 / np.maximum(away, 1))
-    cosine = np.cos(np.minimum(angle, np.pi / 2)).min()
-    point: Floats = ahead * min(1 / max(float(cosine), 1e-12), _FARTHEST)
-    return point
-
+    from liftmesh.tiles.surface_raster import Bounds
+    from liftmesh.tiles.tiled import TiledSurface
 
 _LAYER = "layer.json"
 _PLANE, _SPACE = "EPSG:4326", "EPSG:4978"
 _COARSEST = 77067.34  # metres: what viewers take the error of level 0 to be; half of it below
+_ZERO = np.array([180.0, 90.0])  # degrees from the first tile's corner to the meridian and equator
 _FINEST = 22
 _MOST_TILES = 1 << 16
 _RADIUS = 6378137.0
@@ -169,7 +93,7 @@ class QuantizedMeshResult(FrozenResult):
 
 
 def write_quantized_mesh(
-    surface: Surface,
+    surface: Surface | TiledSurface,
     folder: str | os.PathLike[str],
     *,
     max_error: float,
@@ -180,12 +104,13 @@ def write_quantized_mesh(
 
     Parameters
     ----------
-    surface : Surface
-        Over x and y, in a known coordinate system, with heights in metres.
+    surface : Surface or TiledSurface
+        Over x and y, in a known coordinate system, with heights in metres. One in tiles is read
+        part by part, and gives the same bytes.
     folder : path
         Where to write ``layer.json`` and a file for each tile, ``level/column/row.terrain``. It is
-        made if it does not exist; files of these names are replaced, when all new ones are
-        complete.
+        made if it does not exist; files of these names, and all tiles of an earlier layer there,
+        are replaced when all new ones are complete.
     max_error : float
         The vertical distance of the vertices of the surface from tiles of the finest level, at
         most, in metres, but for the steps of 16 bits. Tiles of the level above are within twice
@@ -221,7 +146,7 @@ def write_quantized_mesh(
     stay as they are: viewers take them for heights above the ellipsoid, so heights above the sea
     are shown as much too low as the geoid is high. Beyond the hull of the surface, tiles continue
     at the height that it has there: terrain around it has to come from elsewhere. Levels above the
-    finest hold the tiles that meet the surface, and level 0 both.
+    finest hold the tiles that meet the surface, and level 0 both. Holes are filled.
 
     Neighbours on one level have the same numbers along their common side, heights included, since
     all tiles have one range of heights; its steps are a 32,767th of it. Positions are rounded to a
@@ -243,8 +168,9 @@ def write_quantized_mesh(
     finest = min(expected, _FINEST) if zoom is None else as_count("zoom", zoom, 0, _FINEST)
     check_progress(progress)
     root = Path(as_folder("folder", folder))
-    globe = _Globe.of(_degrees(surface), finest, bound)
-    errors, triangles = [0.0] * (finest + 1), [0] * (finest + 1)
+    _check(surface)
+    globe = _Globe.of(surface, finest, bound)
+    triangles = [0] * (finest + 1)
     ranges = [globe.tiles(level) for level in range(finest + 1)]
     counts = [len(columns) * len(rows) for columns, rows in ranges]
     if max(counts) > _MOST_TILES:
@@ -253,29 +179,29 @@ def write_quantized_mesh(
             f"smaller {Option('zoom')} than {finest}"
         )
     done = 0
-    with staged(root, _LAYER) as stage:
+    with staged(root, _LAYER, ".terrain") as stage:
         for level in reversed(range(finest + 1)):
             for column, row in globe.begin(level):
                 check()
-                tile, error = globe.tile(column, row)
+                tile = globe.tile(column, row)
                 path = stage / str(level) / str(column) / f"{row}.terrain"
                 path.parent.mkdir(parents=True, exist_ok=True)
                 with replacing(path) as stream:
                     stream.write(encoded(tile))
-                errors[level] = max(errors[level], error)
                 triangles[level] += len(tile.faces)
                 done += 1
                 if progress is not None:
                     progress(done / sum(counts))
+        errors = globe.errors()
         with replacing(stage / _LAYER) as stream:
             stream.write(json.dumps(_layer(globe, ranges), indent=1).encode())
     return QuantizedMeshResult(root / _LAYER, tuple(errors), tuple(counts), tuple(triangles))
 
 
-def _degrees(surface: object) -> Surface:
-    """Return a surface with longitude and latitude for x and y."""
-    if not isinstance(surface, SurfaceData):
-        raise refused("surface", surface, "give a Surface, as triangulate makes them")
+def _check(surface: object) -> None:
+    """Raise unless a surface has a place on the globe."""
+    if not isinstance(surface, SurfaceData | TiledSurfaceData):
+        raise refused("surface", surface, "give a Surface or a TiledSurface, as made of clouds")
     if surface.frame.name != "xy":
         raise InputError(
             f"tiles are of a surface over x and y: triangulate with {Option('plane', 'xy')}"
@@ -292,12 +218,30 @@ def _degrees(surface: object) -> Surface:
             f"heights are in {unit.name}, but tiles in metres: read the points with "
             f"{Option('dst_crs', ...)} a system that names metres for heights"
         )
-    corners = corners_of(surface)  # type: ignore[arg-type]  # the only one there is
-    place = np.full(len(surface.vertices), -1, dtype=np.int32)
-    place[np.unique(surface.faces)] = np.arange(len(corners), dtype=np.int32)
-    moved = transform(corners.points, surface.crs, _PLANE)[0]
-    moved[:, 2] = corners.points[:, 2]
-    return part_of_cloud(Cloud(moved), place[surface.faces])
+
+
+class _Steps:
+    """Moves points to the steps of a level, and notes between which degrees they are."""
+
+    def __init__(self, crs: str, level: int) -> None:
+        self._crs, self._scale = crs, 2.0**level * STEPS / 180
+        self._chosen: dict[str, Any] = {}
+        self.bounds = np.array([[np.inf] * 2, [-np.inf] * 2])
+
+    def __call__(self, points: Floats) -> Floats:
+        degrees = transform(points, self._crs, _PLANE, self._chosen)[0][:, :2]
+        self.bounds[0] = np.minimum(self.bounds[0], degrees.min(axis=0))
+        self.bounds[1] = np.maximum(self.bounds[1], degrees.max(axis=0))
+        return np.column_stack([(degrees + _ZERO) * self._scale, points[:, 2]])
+
+
+def _moved(surface: Surface, move: _Steps) -> WholeTerrain:
+    """Move a surface in memory; heights go on in its gaps, and beyond its hull."""
+    points, place = corners_of(surface).points, np.full(len(surface.vertices), -1, np.int32)
+    place[np.unique(surface.faces)] = np.arange(len(points), dtype=np.int32)
+    there = part_of_cloud(Cloud(move(points)), place[surface.faces])
+    around = replace(there, mask=None, faces=there.triangulation.simplices)
+    return WholeTerrain(there, "hull", around)
 
 
 def _layer(globe: _Globe, ranges: list[tuple[range, range]]) -> dict[str, Any]:
@@ -325,9 +269,9 @@ class _Globe:
     Coordinates are steps: of the finest level for the surface, of the tile's own level for tiles.
     """
 
-    def __init__(self, terrain: WholeTerrain, bounds: Floats, finest: int, bound: float) -> None:
+    def __init__(self, terrain: Terrain, bounds: Floats, finest: int, bound: float) -> None:
         self.bounds = bounds  # in degrees
-        self._terrain, self._finest, self._bound = terrain, finest, bound
+        self._terrain, self._finest, self._bound = Kept(terrain), finest, bound
         low, high = (float(each) for each in terrain.box[:, 2])
         self._low = float(np.nextafter(np.float32(low), np.float32(-np.inf)))
         self._high = float(np.nextafter(np.float32(high), np.float32(np.inf)))
@@ -335,16 +279,18 @@ class _Globe:
         self._sides: dict[tuple[int, int, int], Floats] = {}
         self._tiles: dict[tuple[int, int], Floats] = {}
         self._sides_below, self._tiles_below = self._sides, self._tiles
+        self._made: dict[tuple[int, int, int], Deviation] = {}
 
     @classmethod
-    def of(cls, surface: Surface, finest: int, bound: float) -> _Globe:
+    def of(cls, surface: Surface | TiledSurface, finest: int, bound: float) -> _Globe:
         """Lay the steps of the finest level over a surface."""
-        cloud, scale = as_cloud(surface), 2.0**finest * STEPS / 180
-        points = np.column_stack([(cloud.points[:, :2] + [180, 90]) * scale, cloud.points[:, 2]])
-        steps = part_of_cloud(replace(cloud, points=points, edges=None), surface.faces)
-        degrees = cloud.points[:, :2]
-        bounds = np.stack([degrees.min(axis=0), degrees.max(axis=0)])
-        return cls(WholeTerrain(steps, "hull"), bounds, finest, bound)
+        move = _Steps(str(surface.crs), finest)
+        terrain: Terrain = (
+            MovedTiles(surface, move)
+            if isinstance(surface, TiledSurfaceData)
+            else _moved(surface, move)
+        )
+        return cls(terrain, move.bounds, finest, bound)
 
     def tiles(self, level: int) -> tuple[range, range]:
         """Return the columns and rows of the tiles of a level that meet the surface."""
@@ -364,12 +310,15 @@ class _Globe:
         columns, rows = self.tiles(level)
         return [(column, row) for column in columns for row in rows]
 
-    def tile(self, column: int, row: int) -> tuple[QuantizedTile, float]:
-        """Make a tile; return also how far the surface is from it."""
+    def _box(self, column: int, row: int) -> Bounds:
+        """Return where a tile of this level is, in steps of the finest."""
+        width = STEPS * 2.0 ** (self._finest - self._level)
+        return column * width, row * width, (column + 1) * width, (row + 1) * width
+
+    def tile(self, column: int, row: int) -> QuantizedTile:
+        """Make a tile."""
         origin, scale = np.array([column, row]) * STEPS, 2.0 ** (self._finest - self._level)
-        (left, low), (right, high) = ((origin + each * STEPS) * scale for each in (0, 1))
-        box = (float(left), float(low), float(right), float(high))
-        part = self._terrain.part(box)
+        part = self._terrain.part(self._box(column, row)) if scale == 1 else None
         sides = Sides(
             south=self._side(0, row, column, 0, part),
             east=self._side(1, column + 1, row, STEPS, part),
@@ -391,11 +340,24 @@ class _Globe:
         heights = (vertices[:, 2] - self._low) / (self._high - self._low)
         places = np.rint(np.column_stack([vertices[:, :2], heights * STEPS])).astype(np.int64)
         stored = self._low + places[:, 2] / STEPS * (self._high - self._low)
-        tile = self._of(origin, places, stored, surface.faces)
-        if part is None:
-            return tile, 0.0
         at = np.column_stack([(places[:, :2] + origin) * scale, stored])
-        return tile, deviation(part_of_cloud(Cloud(at), surface.faces), part, box)
+        few = part_of_cloud(Cloud(at), surface.faces)
+        self._made[self._level, column, row] = Deviation(few)
+        return self._of(origin, places, stored, surface.faces)
+
+    def errors(self) -> list[float]:
+        """Return how far the surface is from the tiles of each level, reading it once more."""
+        found = [0.0] * (self._finest + 1)
+        for column, row in self.begin(self._finest):
+            check()
+            box = self._box(column, row)
+            if (part := self._terrain.part(box)) is None:
+                continue
+            for level in range(self._finest + 1):
+                up = self._finest - level
+                tile = self._made[level, column >> up, row >> up]
+                found[level] = max(found[level], tile.of(part, box))
+        return found
 
     def _of(self, origin: Any, places: Any, stored: Floats, faces: Any) -> QuantizedTile:
         width = 180 / 2.0**self._level

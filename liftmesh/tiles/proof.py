@@ -1,4 +1,4 @@
-"""Whether the triangles of a folder are the canonical triangulation of its points, part by part.
+"""A proof, part by part, that a folder's triangles are the canonical triangulation of its points.
 
 The argument of `verify` holds for parts, because half-edges cancel in any order. The points are
 read again and sorted by tile. Each tile pairs the half-edges of its own triangles and tests the

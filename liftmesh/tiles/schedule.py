@@ -1,4 +1,4 @@
-"""In which order the tasks of a tiled triangulation run, who runs them, and which rows are removed.
+"""The order in which the tasks of a tiled run are done, who runs them, and when rows are removed.
 
 A runner calls tasks and collects what they return. `Serial` calls one after the other, in this
 process; `liftmesh.dask` hands them to workers.

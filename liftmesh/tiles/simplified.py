@@ -152,20 +152,27 @@ def joined(clouds: Sequence[Cloud]) -> Cloud:
     )
 
 
-def deviation(few: Surface, source: Surface, box: Bounds) -> float:
-    """Return the largest vertical distance of faces from those of a tile, in a box of the tile."""
-    low, high = np.reshape(box, (2, 2))
-    rows = corners_of(source).points
-    rows = rows[((rows[:, :2] >= low) & (rows[:, :2] <= high)).all(axis=1)]
-    at_rows = np.abs(heights_at(few, rows[:, :2]) - rows[:, 2])
-    ends = few.vertices[_sides(few.faces)[0]]
-    near = (ends.min(axis=1)[:, :2] <= high) & (ends.max(axis=1)[:, :2] >= low)
-    ends = ends[near.all(axis=1)]
-    points, side = LineCrossings(source).of(*np.ascontiguousarray(ends[:, :, :2].swapaxes(0, 1)))
-    steps = (ends[:, 1] - ends[:, 0])[side]
-    share = points[:, 3] / np.hypot(steps[:, 0], steps[:, 1])
-    at_sides = np.abs(points[:, 2] - ends[side, 0, 2] - share * steps[:, 2])
-    return float(np.nanmax(np.concatenate([at_rows, at_sides]), initial=0))
+class Deviation:
+    """How far surfaces are from the faces of a tile, whose sides are listed once."""
+
+    def __init__(self, few: Surface) -> None:
+        self._few, self._ends = few, few.vertices[_sides(few.faces)[0]]
+
+    def of(self, source: Surface, box: Bounds) -> float:
+        """Return the largest vertical distance of the faces of a surface in a box of the tile."""
+        low, high = np.reshape(box, (2, 2))
+        rows = corners_of(source).points
+        rows = rows[((rows[:, :2] >= low) & (rows[:, :2] <= high)).all(axis=1)]
+        at_rows = np.abs(heights_at(self._few, rows[:, :2]) - rows[:, 2])
+        one, other = self._ends[:, 0, :2], self._ends[:, 1, :2]
+        near = (np.minimum(one, other) <= high) & (np.maximum(one, other) >= low)
+        ends = self._ends[near.all(axis=1)]
+        pieces = np.ascontiguousarray(ends[:, :, :2].swapaxes(0, 1))
+        points, side = LineCrossings(source).of(*pieces)
+        steps = (ends[:, 1] - ends[:, 0])[side]
+        share = points[:, 3] / np.hypot(steps[:, 0], steps[:, 1])
+        at_sides = np.abs(points[:, 2] - ends[side, 0, 2] - share * steps[:, 2])
+        return float(np.nanmax(np.concatenate([at_rows, at_sides]), initial=0))
 
 
 def _sides(faces: Rows) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Sources, cut into chunks: one way for plain points and for surfaces, whose rows have values.
+"""Sources cut into chunks: files, arrays and iterators; points alone, or rows with values.
 
 NPY files and mapped arrays are read by ranges; of plain points also Parquet files with columns x
 and y, and LAS files. What can only be read from its beginning to its end (text, PLY, LAZ,

@@ -45,7 +45,7 @@ def heights_at(
         if not isinstance(part, int):
             heights[rows] = part.sample(places[rows], interpolation, threads=threads)
         elif part:
-            waiting += _halves(rows, places)
+            waiting += halves(rows, places)
     shaped: Floats = heights.reshape(pairs.shape[:-1])
     return shaped[()]
 
@@ -59,7 +59,7 @@ def heights_above(
     return heights
 
 
-def _halves(rows: Integers, places: Floats) -> list[Integers]:
+def halves(rows: Integers, places: Floats) -> list[Integers]:
     """Cut points in two across the longer side of their box."""
     axis = int(np.argmax(np.ptp(places[rows], axis=0)))
     middle = len(rows) // 2

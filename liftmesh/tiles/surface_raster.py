@@ -26,7 +26,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.arrays import pair_keys
-from liftmesh.base.options import Interpolation, as_switch, check_progress, refused
+from liftmesh.base.options import Interpolation, as_switch, check_progress
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.streams import at_home
 from liftmesh.io.write import WriteResult, written_file
@@ -36,8 +36,9 @@ from liftmesh.raster.fill import filled_block
 from liftmesh.raster.pixels import centres_of
 from liftmesh.raster.raster import Raster, check_name, written_system
 from liftmesh.terrain.frame import resolve_plane
-from liftmesh.terrain.rasters import RasterOptions, RasterPlan
+from liftmesh.terrain.rasters import RasterOptions, RasterPlan, longest_sides
 from liftmesh.terrain.report import bare_report
+from liftmesh.terrain.sampling import faces_at
 from liftmesh.terrain.surface import Surface
 from liftmesh.tiles.schema import cloud_from
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, shard_faces, shard_vertices
@@ -104,9 +105,6 @@ def _plan(
 ) -> RasterPlan:
     west, south, low, east, north, high = box_of(tiled)
     plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
-    if plan.quantity == "longest-edge":
-        reason = "which rasters of tiles do not have: take a surface in memory"
-        raise refused("quantity", plan.quantity, reason, mark=", ")
     check_interpolation(plan.interpolation)
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
@@ -196,6 +194,10 @@ class _Windows:
             if surface is not None:
                 found = surface.sample(centres, plan.interpolation, threads=plan.threads)
                 values[...] = plan.less(centres, found)
+        elif plan.quantity == "longest-edge":
+            values[...] = np.nan
+            if surface is not None:
+                values[...] = longest_sides(surface)[faces_at(surface, centres, plan.threads)]
         else:
             gradients = np.full(centres.shape, np.nan)
             if surface is not None:
@@ -235,7 +237,7 @@ def part_of(
         return 0
     rows = np.concatenate([each["row"] for each in corners])
     _, first, place = np.unique(rows, return_index=True, return_inverse=True)
-    points = np.concatenate([_points_of(each) for each in corners])[first]
+    points = np.concatenate([points_of(each) for each in corners])[first]
     begins = np.cumsum([0, *(len(each) for each in corners)])
     parts = [place[faces + begin] for faces, begin in zip(held, begins, strict=False)]
     try:
@@ -288,7 +290,8 @@ def _overlaps(along: Floats, low: float, high: float) -> Array:
     return overlaps
 
 
-def _points_of(vertices: Array) -> Floats:
+def points_of(vertices: Array) -> Floats:
+    """Return where the vertices of a shard are."""
     return np.stack([vertices[name] for name in ("x", "y", "z")], axis=1)
 
 

@@ -10,7 +10,7 @@ A side is simplified by the method of Douglas and Peucker (1973), by vertical di
 point, of several the one with the least coordinate, divides it. Inside, `simplify` keeps within the
 error of a level of all vertices, with the borders as lines that stay. A tile of the finest level is
 made of the faces that touch it, any other one of the vertices of the four below it. So memory is
-that of a tile, and of those below the tiles above it.
+that of a tile, of those below the tiles above it, and of a million faces that were read before.
 
 How far the surface is from a tile is found on all of it: their difference is linear in what two
 faces have in common, so it is largest at a vertex of the surface, or where sides cross.
@@ -43,11 +43,11 @@ from liftmesh.io.write import write
 from liftmesh.raster.pixels import bounds_of
 from liftmesh.terrain.surface_data import as_cloud
 from liftmesh.tiles.simplified import (
+    Deviation,
     Sides,
     Simplified,
     check_filled,
     corners_of,
-    deviation,
     inside_of,
     joined,
     side_of,
@@ -121,8 +121,8 @@ def write_tileset(
         tiles is read part by part, and gives the same bytes.
     folder : path
         Where to write ``tileset.json`` and a GLB file for each tile, ``level/column/row.glb``. It
-        is made if it does not exist; files of these names are replaced, when all new ones are
-        complete.
+        is made if it does not exist; files of these names, and all tiles of an earlier tileset
+        there, are replaced when all new ones are complete.
     max_error : float
         The vertical distance of the vertices of the surface from tiles of the finest level, at
         most, in the units of heights. Tiles of the level above are within twice that of the
@@ -193,7 +193,7 @@ def write_tileset(
     box = bounds_of(terrain.box[:, :2].ravel() if bounds is None else bounds)
     pyramid = _Pyramid.of(terrain, box, count, bound, depth)
     place = _transform(terrain.crs, pyramid.origin)
-    with staged(root, TILESET) as stage:
+    with staged(root, TILESET, ".glb") as stage:
         top = pyramid.tile(stage, 0, 0, 0, progress)[1]
         low, high = top.pop("_box")
         tileset = {
@@ -324,13 +324,12 @@ class _Pyramid:
     def _error(self, made: Simplified, level: int, column: int, row: int) -> float:
         """Return how far the surface is from a tile, cell by cell of the finest level."""
         width = 2 ** (self.levels - 1 - level)
-        found = 0.0
+        found, few = 0.0, Deviation(made.surface)
         for i in range(column * width, (column + 1) * width):
             for j in range(row * width, (row + 1) * width):
                 box = self._box(i, j)
-                part = self.terrain.part(box)
-                if part is not None:
-                    found = max(found, deviation(made.surface, part, box))
+                if (part := self.terrain.part(box)) is not None:
+                    found = max(found, few.of(part, box))
         return found
 
     def _box(self, column: int, row: int) -> Bounds:

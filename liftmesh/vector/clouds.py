@@ -1,4 +1,4 @@
-"""Clouds of files of shapes: points with their values, and surfaces of triangles.
+"""Clouds from vector files: points with their values, and surfaces of triangles.
 
 Points and MultiPoints are rows, and the values of their features columns, understood as those of a
 table are (`io.objects.tables`): without heights in space, a column may have them. Patches of
@@ -28,7 +28,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import counted, refused, shown
-from liftmesh.errors import FormatError, InputError
+from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION, Ragged, triangulated
 from liftmesh.io.formats.stl import weld
 from liftmesh.io.markup import bytes_of_text, bytes_of_tree, parsed
@@ -108,13 +108,20 @@ def _alone(found: Features, tree: Mapping[str, Any], options: FeatureOptions | N
     return found.cloud(table, files.own_system(tree, found.bounds()))
 
 
-def points_of(path: Path, crs: str | None, **options: Any) -> Cloud:
-    """Read the points of a file, which has to be in the system of a surface."""
+def points_of(path: Path, crs: str | None, layer: str | None = None, **options: Any) -> Cloud:
+    """Read the points of a file, which has to be in the system of a surface.
+
+    Without a layer of a GeoPackage, the first one is read.
+    """
     table, found = validate_table_options(**options), Features(str(path))
     with path.open("rb") as stream:
         kind = files.kind_of(path, stream, "points")
         if kind == "geopackage":
-            tree = found.take_geopackage(stream, None, is_first=True)
+            tree = found.take_geopackage(stream, layer, is_first=layer is None)
+        elif layer is not None:
+            raise InputError(
+                f"{Option('layer', layer)} is of GeoPackages, and {path} is none: leave it out"
+            )
         elif kind == "shapefile":
             tree = found.take_shapefile(stream.read())
         else:

@@ -1,4 +1,4 @@
-"""Geometries of files: GeoJSON, GeoPackage and shapefiles, told apart by how they begin.
+"""Geometries of files: GeoJSON, GeoPackage and shapefiles, recognised by their first bytes.
 
 Drawings, DXF and OBJ, are known by their suffix, and have lines alone (`drawings.py`).
 

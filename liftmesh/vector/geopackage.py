@@ -6,8 +6,9 @@ columns are refused, functions denied. What is read is counted, and the steps th
 it: pages that are used many times, as only damaged files have them, end in an error.
 
 Geometries are well-known binary (WKB), read as objects of GeoJSON; those of surfaces, TIN and
-PolyhedralSurface, have a list of polygons as coordinates, as a MultiPolygon has. Counts are
-compared with the bytes that are there, and collections may be nested only so deep.
+PolyhedralSurface, have a list of polygons as coordinates, as a MultiPolygon has; curves are only
+named. Counts are compared with the bytes that are there, and collections may be nested only so
+deep.
 
 Lines and other shapes are written by geopandas: in memory, since the database behind it cannot be
 written to a stream.
@@ -57,8 +58,21 @@ def read_geopackage(path: Path) -> tuple[dict[str, Any], str | None]:
     """Read the features of the first layer as a collection, and its system."""
     with opened(str(path)) as package:
         rows, crs = package.features(is_first=True)
-        features = [{"type": "Feature", "properties": own, "geometry": each} for each, own in rows]
+        features = [
+            {"type": "Feature", "properties": own, "geometry": _straight(each, row, str(path))}
+            for row, (each, own) in enumerate(rows)
+        ]
     return {"type": "FeatureCollection", "features": features}, crs
+
+
+def _straight(shape: Geometry | None, row: int, name: str) -> Geometry | None:
+    """Raise for a curve: lines and areas would be others without it."""
+    if shape is not None and shape["type"] in _CURVES.values():
+        raise FormatError(
+            f"{name}: row {row} is a {shape['type']}, and curves are not read: make chords of "
+            "them, as ogr2ogr -nlt CONVERT_TO_LINEAR does"
+        )
+    return shape
 
 
 @contextmanager
@@ -264,6 +278,8 @@ _Size: TypeAlias = tuple[int, int]  # numbers of a corner, and how many of them 
 _POINT, _LINE, _POLYGON, _COLLECTION, _TRIANGLE = 1, 2, 3, 7, 17
 _SURFACES = {15: ("PolyhedralSurface", _POLYGON), 16: ("TIN", _TRIANGLE)}
 _KINDS = ("Point", "LineString", "Polygon", "MultiPoint", "MultiLineString", "MultiPolygon")
+_CURVES = dict(enumerate(("CircularString", "CompoundCurve", "CurvePolygon"), 8))
+_CURVES |= {11: "MultiCurve", 12: "MultiSurface"}
 _DEEPEST = 32  # collections in collections
 _Z, _M, _SRID = 0x80000000, 0x40000000, 0x20000000  # marks of another dialect (EWKB)
 
@@ -291,6 +307,8 @@ class _Reader:
             return {"type": name, "coordinates": patches}
         if kind == _TRIANGLE:
             return {"type": "TIN", "coordinates": [self._simple(order, kind, size)]}
+        if kind in _CURVES and not depth:
+            return {"type": _CURVES[kind]}
         if not _POINT <= kind <= len(_KINDS):
             raise ValueError(f"type {shown(kind)} of geometries is a curve, a surface or unknown")
         if kind > _POLYGON:

@@ -401,4 +401,18 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     yield "as_cloud of trimesh", SPATIAL, adapted(trimesh_cloud), TERRAIN
 
 
-FUNCTIONS = (*planar_functions(), *tiled_functions(), *spatial_functions())
+def scipys_in_space() -> Iterator[tuple[Any, ...]]:
+    """The same of SciPy's classes in space."""
+    yield "scipy.SpaceDelaunay", SOLID, on_points(liftmesh.scipy.SpaceDelaunay), ("random heights",)
+    in_space = on(lambda points: liftmesh.scipy.SpaceDelaunay(points, incremental=True), fresh=True)
+    find = in_space(lambda tri: tri.find_simplex(tri.points[::-1]))
+    yield "scipy.SpaceDelaunay.find_simplex", SOLID, find, ()
+    for name in ("convex_hull", "certified"):
+        read = operator.attrgetter(name)
+        yield f"scipy.SpaceDelaunay.{name}", SOLID, in_space(read), ()
+    grown = in_space(lambda tri: tri.add_points(tri.points[::2] / 2))
+    yield "scipy.SpaceDelaunay.add_points", SOLID, grown, ()
+    yield "scipy.SpaceDelaunay.close", SOLID, in_space(liftmesh.scipy.SpaceDelaunay.close), ()
+
+
+FUNCTIONS = (*planar_functions(), *tiled_functions(), *spatial_functions(), *scipys_in_space())

@@ -32,10 +32,14 @@ def test_it_says_the_error_of_each_level(field: Path, tmp_path: Path) -> None:
     for level, tiles in ((0, "1 tile"), (1, "4 tiles")):
         count, error = found.n_triangles[level], found.errors[level]
         assert f"{tiles}, {count:,} triangles, error {error:.4g}\n" in done.stdout
+    of_tiles = ("--surface", "--tile-rows", "400", "--src-crs", "EPSG:25832")
+    done = run("tile", tmp_path / "field.ply", tmp_path / "shards", *of_tiles)
+    assert done.returncode == 0, done.stderr
+    done = run("tileset", tmp_path / "shards", tmp_path / "tiled", *words)
+    assert done.returncode == 0, done.stderr
     for path in (tmp_path / "lib").rglob("*.*"):
-        assert (tmp_path / "out" / path.relative_to(tmp_path / "lib")).read_bytes() == (
-            path.read_bytes()
-        )
+        for twin in (tmp_path / "out", tmp_path / "tiled"):
+            assert (twin / path.relative_to(tmp_path / "lib")).read_bytes() == path.read_bytes()
     told = run("tileset", field, tmp_path / "out", *words, "--json", "--overwrite").stdout
     said = json.loads(told)
     assert said["path"] == str(tmp_path / "out" / "tileset.json")

@@ -175,8 +175,7 @@ def test_the_scipy_door_refuses_the_same(points) -> None:
 
 
 def test_the_scipy_door_does_not_drop_a_third_column() -> None:
-    with pytest.raises(liftmesh.InputError, match="have 3 columns"):
-        liftmesh.scipy.Delaunay(np.random.default_rng(0).random((10, 3)))
+    assert liftmesh.scipy.Delaunay(np.random.default_rng(0).random((10, 3))).ndim == 3
 
 
 def test_masked_rows_beyond_the_limit_are_refused_before_a_copy() -> None:

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings, strategies as st
 
 import liftmesh
-from liftmesh import constrained_delaunay
+from liftmesh import _kernel, constrained_delaunay
 from liftmesh.planar import crossing_edges
 
 SQUARE = [[0, 0], [3, 0], [3, 3], [0, 3]]
@@ -146,6 +146,21 @@ def test_places_of_crossings_are_rounded_once(seed: int, kind: str) -> None:
     rows = np.arange(160, dtype=np.int32).reshape(-1, 4)[crosses]
     found = crossing_edges._places(points, rows)
     assert found.tolist() == [[*exact_place(each)] for each in ends[crosses].tolist()]
+
+
+@pytest.mark.parametrize(
+    "ends",
+    [
+        [1497.1, -51.5, 1504.1, -57.8, 1494.9, -53.7, 1500.9, -54.7],  # halfway between doubles
+        [2.2, 1.5, 2.6, 1.9, 1.7, 1.3, 2.9, 1.9],
+        [1296.3, -0.3, 1297, 0.1, 1296.6, 0.3, 1297.5, -0.9],  # y is about 1e-17
+        [1.1, 0.3, -1.1, -0.3, 3.3, 0.1, -3.3, -0.1],  # at zero
+    ],
+)
+def test_places_beyond_double_words_are_rounded_once(ends: list[float]) -> None:
+    place = np.empty((1, 2))
+    _kernel.crossing_places(np.array([ends]), place)
+    assert place.tolist() == [[*exact_place(ends)]]
 
 
 @settings(deadline=None, max_examples=60)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from liftmesh import InputError
-from liftmesh.scipy import check_qhull_options, planar_rows
+from liftmesh.qhull.common import check_qhull_options, planar_rows
 
 
 @pytest.mark.parametrize("options", [None, "", "Qbb Qc Qz Q12", "Qt d Pp FA"])
@@ -32,5 +32,5 @@ def test_rows_that_fit_are_taken_as_they_are() -> None:
     rows = np.zeros((3, 2))
     assert planar_rows(rows) is rows
     assert planar_rows([[0, 1]]).tolist() == [[0.0, 1.0]]
-    with pytest.raises(InputError, match="points have 3 columns, and liftmesh triangulates the"):
+    with pytest.raises(InputError, match="points have 3 columns where planar ones are needed"):
         planar_rows(np.zeros((5, 3)))

@@ -296,12 +296,6 @@ class TestErrors:
         assert isinstance(twin, scipy.spatial.QhullError)
         assert str(twin) == str(caught.value)
 
-    @pytest.mark.parametrize("columns", [3, 4, 7])
-    @pytest.mark.parametrize("form", [np.asarray, np.ndarray.tolist])
-    def test_points_in_space_get_a_sentence(self, columns: int, form) -> None:
-        with pytest.raises(liftmesh.InputError, match=f"{columns} columns.*scipy.spatial.Delaunay"):
-            liftmesh.scipy.Delaunay(form(np.random.default_rng(0).random((20, columns))))
-
     @pytest.mark.parametrize("columns", [2, 3])
     def test_exchanged_rows_and_columns_are_not_taken_for_points_in_space(self, columns) -> None:
         with pytest.raises(liftmesh.InputError, match=rf"not \({columns}, 50\).*give points.T"):

@@ -8,7 +8,7 @@ import pytest
 
 from liftmesh import FormatError
 from liftmesh.io.selection import Selection
-from liftmesh.raster.blocks import Window, window_of, without_warnings
+from liftmesh.raster.blocks import Window, warnings_as_errors, window_of
 from liftmesh.raster.pixels import Affine
 from liftmesh.raster.reader import is_grid
 
@@ -23,13 +23,13 @@ def test_steps_are_counted_from_the_first_row_and_column() -> None:
 def test_what_gdal_warns_of_is_an_error(log: str) -> None:
     with (
         pytest.raises(FormatError, match=r"^height.tif: the file is damaged: JPEGLib:Premature"),
-        without_warnings("height.tif"),
+        warnings_as_errors("height.tif"),
     ):
         logging.getLogger(log).warning("JPEGLib:Premature end of JPEG file")
 
 
 def test_odd_tags_are_no_damage() -> None:
-    with without_warnings("height.tif"):
+    with warnings_as_errors("height.tif"):
         logging.getLogger("rasterio._err").warning("TIFFReadDirectory:Unknown field")
 
 

@@ -118,6 +118,18 @@ def test_values_of_any_shape_rasters_and_functions() -> None:
     np.testing.assert_array_equal(raster.values, expected)
 
 
+@pytest.mark.parametrize("exponent", [1020, -900])
+def test_heights_of_any_scale_have_the_same_bits(exponent: int) -> None:
+    surface, queries = surface_of(), np.random.default_rng(6).random((500, 2))
+    heights = surface.vertices[:, 2]
+    scaled = np.ldexp(heights, exponent)
+    for gradients in (None, np.random.default_rng(8).random((400, 2)) - 0.5):
+        found = surface.sample(queries, "c1", values=heights, gradients=gradients)
+        steep = None if gradients is None else np.ldexp(gradients, exponent)
+        other = surface.sample(queries, "c1", values=scaled, gradients=steep)
+        np.testing.assert_array_equal(np.ldexp(found, exponent), other)
+
+
 def test_lines_holes_and_places_beyond() -> None:
     points = np.random.default_rng(5).random((200, 3))
     lined = liftmesh.triangulate(points, breaklines=[[[0.1, 0.1, 0], [0.9, 0.8, 1]]])

@@ -78,7 +78,6 @@ def test_exchanged_it_changes_the_sign_alone() -> None:
 
 KINDS = {
     "lattice": lambda rng: rng.integers(0, 6, (30, 2)),
-    "thirds": lambda rng: rng.integers(0, 5, (30, 2)) / 3,
     "centimetres": lambda rng: np.add(np.round(rng.random((60, 2)) * 90, 2), (4.5e5, 5.2e6)),
     "uniform": lambda rng: rng.random((80, 2)),
 }
@@ -111,7 +110,49 @@ def test_the_overlay_is_that_of_constraints_to_the_bit(kind: str, changed: str) 
         )
         assert found.verify().valid
         laid += overlay_mesh(one, two, None) is not None
-    assert laid > 0 or kind == "thirds"
+    assert laid > 0
+
+
+DECIMALS = {
+    "thirds": lambda rng: rng.integers(0, 5, (30, 2)) / 3,
+    "tenths": lambda rng: rng.integers(0, 200, (300, 2)) / 10,
+    "negative tenths": lambda rng: np.round(rng.random((300, 2)) * 17 - 8, 1),
+    "centimetres": lambda rng: np.add(np.round(rng.random((900, 2)) * 30, 2), (4.5e5, 5.2e6)),
+}
+
+
+@pytest.mark.parametrize("kind", DECIMALS)
+def test_vertices_within_rounding_of_sides_are_on_them(kind: str) -> None:
+    for seed in range(3):
+        rng = np.random.default_rng(seed)
+        rows = [np.insert(DECIMALS[kind](rng), 2, rng.random(len(DECIMALS[kind](rng))), 1)]
+        rows.append(np.vstack([rows[0][::2], np.insert(DECIMALS[kind](rng), 2, 0.5, 1)]))
+        one, two = (liftmesh.triangulate(each, on_duplicate="mean") for each in rows)
+        assert overlay_mesh(one, two, None) is not None
+        change, works = liftmesh.difference(two, one), one.cut_and_fill(two)
+        assert change.verify().valid
+        volumes = change.volume()
+        assert volumes.area == pytest.approx(works.area, rel=1e-9)
+        assert volumes.above == pytest.approx(works.fill, rel=1e-9)
+        assert volumes.below == pytest.approx(works.cut, rel=1e-9)
+        assert change.metadata["difference"]["displacement"] <= 4 * np.spacing(rows[0].max())
+        turned = [liftmesh.triangulate(each[::-1], on_duplicate="mean") for each in rows]
+        back = liftmesh.difference(*turned)
+        assert np.array_equal(back.vertices, change.vertices * (1, 1, -1))
+        assert np.array_equal(back.faces, change.faces)
+
+
+def test_vertices_that_differ_by_rounding_are_one() -> None:
+    rng = np.random.default_rng(4)
+    points = np.add(np.round(rng.random((200, 3)) * 90, 2), (450000, 5200000, 0))
+    moved = points - points.mean(axis=0) + points.mean(axis=0)
+    assert (moved != points).any()
+    one, two = liftmesh.triangulate(points), liftmesh.triangulate(np.vstack([moved, [7, 7, 7]]))
+    there, back = liftmesh.difference(one, two), liftmesh.difference(two, one)
+    assert len(there.vertices) == len(points)
+    assert abs(there.vertices[:, 2]).max() < 1e-6
+    assert np.array_equal(there.vertices, back.vertices * (1, 1, -1))
+    assert np.array_equal(there.faces, back.faces)
 
 
 def test_surfaces_that_nearly_coincide() -> None:

@@ -17,7 +17,8 @@ from matplotlib.tri import LinearTriInterpolator, Triangulation
 
 import liftmesh
 from liftmesh import InputError, QuantizedMeshResult, Surface, write_quantized_mesh
-from liftmesh.tiles.globe import QuantizedTile, encoded
+from liftmesh.tiles import terrain_parts
+from liftmesh.tiles.quantized_mesh import QuantizedTile, encoded
 
 ZOOM = 14
 
@@ -182,6 +183,39 @@ def _is_seen(camera: np.ndarray, point: np.ndarray) -> bool:
     way = point - camera
     share = np.clip(-(camera @ way) / (way @ way), 0, 1)
     return bool(np.linalg.norm(camera + share * way) >= 1 - 1e-12)
+
+
+@pytest.mark.slow
+def test_a_surface_in_tiles_gives_the_same_bytes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Moved in blocks of few faces, with a hull that is bent on the globe, and places beyond it."""
+    monkeypatch.setattr(terrain_parts, "_BLOCK", 100)
+    monkeypatch.setattr(terrain_parts, "_KEPT", 300)
+    points = hills().vertices[::3] + np.array([-150_000, 200_000, 0])  # where lines bend
+    tiled = liftmesh.tile_surface(points, tmp_path / "shards", tile_rows=300, crs="EPSG:25832")
+    whole = liftmesh.triangulate(points, crs="EPSG:25832")
+    found = [
+        write_quantized_mesh(each, tmp_path / name, max_error=20, zoom=13)
+        for name, each in (("a", whole), ("b", tiled))
+    ]
+    assert found[0].errors == found[1].errors
+    files = sorted((tmp_path / "a").rglob("*.*"))
+    assert len(files) > 20
+    for path in files:
+        twin = tmp_path / "b" / path.relative_to(tmp_path / "a")
+        assert path.read_bytes() == twin.read_bytes()
+
+
+def test_holes_are_filled(tmp_path: Path) -> None:
+    square = np.array([[0, 0], [1500, 0], [1500, 1500], [0, 1500]]) + np.array([501_000, 5_401_000])
+    surface = hills().clip(square, invert=True)
+    write_quantized_mesh(surface, tmp_path, max_error=6, zoom=12)
+    for path in tmp_path.glob("12/*/*.terrain"):
+        tile = decoded(path.read_bytes())
+        a, b, c = np.moveaxis(tile.uvh[tile.faces][:, :, :2], 1, 0)
+        (ux, uy), (vx, vy) = (b - a).T, (c - a).T
+        assert (ux * vy - uy * vx).sum() == 2 * 32767**2
 
 
 def test_the_layer_says_what_there_is(made: tuple[Surface, QuantizedMeshResult]) -> None:

@@ -47,7 +47,10 @@ LAYOUTS: list[dict[str, Any]] = [
 @pytest.mark.parametrize(
     "wanted",
     [
-        *({"quantity": each} for each in ("height", "slope", "aspect", "hillshade")),
+        *(
+            {"quantity": each}
+            for each in ("height", "slope", "aspect", "hillshade", "longest-edge")
+        ),
         *({"interpolation": each} for each in ("nearest", "laplace", "sibson")),
     ],
     ids=str,
@@ -217,11 +220,6 @@ def test_filled_contours_are_those_of_one_call(
         assert getattr(found, name).tobytes() == getattr(expected, name).tobytes(), name
     assert found.crs == expected.crs
     assert len(found) > 0
-
-
-def test_a_quantity_of_faces_is_refused(both: tuple[TiledSurface, Surface]) -> None:
-    with pytest.raises(InputError, match="which rasters of tiles do not have"):
-        both[0].raster(1, quantity="longest-edge")
 
 
 def test_lines_of_huge_heights_do_not_overflow(tmp_path: Path) -> None:

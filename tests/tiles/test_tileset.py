@@ -15,6 +15,8 @@ from referencing import Registry, Resource
 
 import liftmesh
 from liftmesh import InputError, Surface, TilesetResult, write_tileset
+from liftmesh.tiles.staging import staged
+from liftmesh.tiles.tileset import TILESET
 
 SCHEMAS = Path(__file__).parent / "schemas" / "3d-tiles-1.1.json"
 UTM = np.array([450000.0, 5400000.0, 300.0])
@@ -284,6 +286,68 @@ def test_a_failure_leaves_nothing_and_what_was_there(
     (tmp_path / "taken" / "tileset.json").mkdir(parents=True)
     with pytest.raises(IsADirectoryError):
         write_tileset(surface, tmp_path / "taken", max_error=1, levels=1)
+
+
+def test_tiles_of_an_earlier_tileset_go_and_other_files_stay(tmp_path: Path) -> None:
+    surface = hills(50)
+    write_tileset(surface, tmp_path, max_error=1, levels=3)
+    others = ["index.html", "2/0/notes.txt", "2/0/x.glb", "photos/1/1.glb"]
+    for name in others:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    write_tileset(surface, tmp_path, max_error=1, levels=2)
+    left = {str(each.relative_to(tmp_path)) for each in tmp_path.rglob("*.*")}
+    tiles_of_two = {"0/0/0.glb", *(f"1/{k}/{m}.glb" for k in (0, 1) for m in (0, 1))}
+    assert left == {"tileset.json", *tiles_of_two, *others}
+    assert sorted(each.name for each in (tmp_path / "2").iterdir()) == ["0"]
+    (tmp_path / "tileset.json").unlink()
+    write_tileset(surface, tmp_path, max_error=1, levels=1)  # they are not known to be a tileset's
+    assert (tmp_path / "1" / "0" / "1.glb").is_file()
+
+
+def put(folder: Path, levels: int, content: str) -> None:
+    """Put files in place as those of tiles."""
+    with staged(folder, TILESET, ".glb") as stage:
+        for name in (f"{k}/0/{m}.glb" for k in range(levels) for m in range(2)):
+            (stage / name).parent.mkdir(parents=True, exist_ok=True)
+            (stage / name).write_text(content)
+        (stage / TILESET).write_text(content)
+
+
+@pytest.mark.parametrize("levels", [1, 3])
+def test_a_disk_error_among_the_moves_leaves_what_was_there(
+    levels: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    old, whole, moved, fails = tmp_path / "old", Path.rename, 0, range(1)
+
+    def rename(path: Path, target: Path) -> Path:
+        nonlocal moved
+        is_tile = path.suffix in (".glb", ".json")  # and not a lock
+        moved += is_tile
+        if is_tile and moved in fails:
+            raise OSError(28, "No space left on device", str(path))
+        return whole(path, target)
+
+    monkeypatch.setattr(Path, "rename", rename)
+    put(old, levels, "before")
+    before = {path: path.read_bytes() for path in old.rglob("*.*")}
+    for last in range(1, len(before) + 5 + 1):
+        moved, fails = 0, range(last, last + 1)
+        with pytest.raises(OSError, match="No space left"):
+            put(old, 2, "after")
+        assert {path: path.read_bytes() for path in old.rglob("*.*")} == before
+        assert sorted(each.name for each in old.iterdir()) == [*map(str, range(levels)), TILESET]
+        if last <= 5:
+            moved = 0
+            with pytest.raises(OSError, match="No space left"):
+                put(tmp_path / "new", 2, "after")
+            assert [*tmp_path.iterdir()] == [old]
+    moved, fails = 0, range(3 + len(before), 1000)  # nor can they be moved back
+    with pytest.raises(OSError, match="tiles of two writings are in the folder") as caught:
+        put(old, 2, "after")
+    assert caught.value.filename == str(old / TILESET)
+    assert not (old / TILESET).exists()
+    assert not [each for each in old.iterdir() if each.name.startswith(".")]
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,7 @@ import shapely
 from children import output
 from hypothesis import given, settings, strategies as st
 
+from liftmesh import read
 from liftmesh.cells.files import read_domain
 from liftmesh.errors import DataWarning, FormatError
 from liftmesh.vector.files import read_features
@@ -31,6 +32,7 @@ ISLANDS = shapely.MultiPolygon(
         shapely.box(10, 0, 12, 2),
     ]
 )
+CURVES = ("CircularString", "CompoundCurve", "CurvePolygon", "MultiCurve", "MultiSurface")
 LINES = shapely.MultiLineString([[(0, 0), (1, 1)], [(2, 2), (3, 5), (4, 4)]])
 COMMON = [shapely.Point(1, 2), LINES, shapely.MultiPoint([(1, 2), (3, 4)]), ISLANDS]
 ALL = [
@@ -76,11 +78,13 @@ def test_binary_geometries_that_are_none() -> None:
     for length in range(len(whole)):
         with pytest.raises((ValueError, struct.error, IndexError)):
             geometry_of(whole[:length])
-    for kind in (0, 8, 10, 14, 18):
+    for kind in (0, 13, 14, 18):
         with pytest.raises(ValueError, match="a curve, a surface or unknown"):
             geometry_of(struct.pack("<BII", 1, kind, 0))
     with pytest.raises(ValueError, match="a curve, a surface"):
         geometry_of(struct.pack("<BII", 1, 7, 1) * 100_000)
+    with pytest.raises(ValueError, match="type 8 of geometries is a curve"):
+        geometry_of(struct.pack("<BIIBII", 1, 7, 1, 1, 8, 0))
     with pytest.raises(ValueError, match="a MultiPoint holds type 2"):
         geometry_of(struct.pack("<BIIBII", 1, 4, 1, 1, 2, 0))
     with pytest.raises(ValueError, match="a TIN holds type 3"):
@@ -335,6 +339,22 @@ def test_other_layers_are_named(tmp_path: Path) -> None:
     geopandas.GeoSeries([ISLANDS], crs="EPSG:25832").to_file(path, layer="more", mode="a")
     with pytest.warns(DataWarning, match="layer 'lots' is read, and 'more' not"):
         assert shapes_in(path) == [SQUARE]
+
+
+@pytest.mark.parametrize("kind", range(8, 13))
+@pytest.mark.parametrize("high", [0, 1000])
+def test_curves_are_named_beside_points_and_refused_beside_lines(
+    tmp_path: Path, kind: int, high: int
+) -> None:
+    path = saved(tmp_path / "a.gpkg", [shapely.Point(1, 2), shapely.Point(3, 4), LINES])
+    curve = "4750000100000000" + struct.pack("<BII", 1, kind + high, 3).hex()
+    changed(path, f"UPDATE lots SET geom = x'{curve}' WHERE fid = 2")
+    found, name = read(path), CURVES[kind - 8]
+    assert found.points.tolist() == [[1, 2, 0]]
+    assert found.metadata["not_read"] == (f"1 {name}", "1 MultiLineString")
+    said = f"a.gpkg: row 1 is a {name}, and curves are not read: make chords of them, as ogr2ogr"
+    with pytest.raises(FormatError, match=said):
+        shapes_in(path)
 
 
 def test_a_system_that_nobody_knows_is_named(tmp_path: Path) -> None:

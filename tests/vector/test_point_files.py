@@ -114,6 +114,26 @@ def test_heights_at_points_of_shapes(tin: Path, tmp_path: Path, suffix: str) -> 
     assert found.attributes["id"].tolist() == [7, 8, 9, 10]
 
 
+def test_a_layer_of_several(tin: Path, tmp_path: Path) -> None:
+    out = [tmp_path / "heights.csv"]
+    path = tmp_path / "all.gpkg"
+    for name, place in (("wells", [2, 3]), ("springs", [4, 6])):
+        points = geopandas.GeoDataFrame(geometry=[shapely.Point(place)], crs="EPSG:25832")
+        points.to_file(path, layer=name)
+    done = run("sample", tin, *out, "--at", path, "--at-layer", "springs")
+    assert done.returncode == 0, done.stderr
+    assert out[0].read_text().splitlines()[1:] == ["4.0,6.0,7.5"]
+    assert "is read" not in done.stderr
+    out.append("--overwrite")
+    words = ("sample", tin, *out, "--at", path, "--at-layer")
+    failed(run(*words, "lakes"), 3, "layers 'wells', 'springs', but not 'lakes'", "--at-layer")
+    other = saved(tmp_path / "a.geojson", feature([1, 2]))
+    failed(run("sample", tin, *out, "--at", other, "--at-layer", "a"), 3, "--at-layer a is of Geo")
+    other.with_suffix(".csv").write_text("x,y\n1,2\n")
+    done = run("sample", tin, *out, "--at", other.with_suffix(".csv"), "--at-layer", "a")
+    failed(done, 3, "a.csv: --at-layer cannot be given: text files take")
+
+
 def test_points_of_a_shapefile(tin: Path, tmp_path: Path) -> None:
     geopandas.GeoDataFrame({"id": [3]}, geometry=[shapely.Point(4, 6)], crs="EPSG:25832").to_file(
         tmp_path / "at.shp"

@@ -86,6 +86,15 @@ class PyRelief {
         });
     }
 
+    void owners(PyLocator& locator, const Pairs& queries, const Array<std::int32_t>& faces,
+                unsigned threads, bool shared) const {
+        if (queries.shape(0) != faces.shape(0)) throw std::invalid_argument("lengths differ");
+        run_unlocked([&](auto& interrupt) {
+            return sample_owners(relief_, locator.locator(), {queries.data(), queries.shape(0)},
+                                 faces.data(), {threads, shared}, interrupt);
+        });
+    }
+
     // Fills rows x columns x 1: heights as float64 or float32, or the owners as int32; or x 2: the
     // gradients as float64.
     void scan(PyLocator& locator, const std::array<double, 6>& transform, std::int32_t first_row,
@@ -270,6 +279,8 @@ void bind_surface(nb::module_& m) {
              "shared"_a)
         .def("gradients", &PyRelief::gradients, "locator"_a, "queries"_a, "gradients"_a,
              "threads"_a, "shared"_a)
+        .def("owners", &PyRelief::owners, "locator"_a, "queries"_a, "faces"_a, "threads"_a,
+             "shared"_a)
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)
         .def("overlay", &PyRelief::overlay, "other"_a, "face"_a, "touching"_a, "progress"_a.none())
         .def("between_within", &PyRelief::between_within, "other"_a, "parts"_a, "faces"_a,

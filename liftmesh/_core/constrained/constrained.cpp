@@ -127,17 +127,23 @@ class Constraints {
     }
 
     // Edges that triangles have already come first: they change nothing, and what crosses many of
-    // them is known as such before it takes these triangles away.
+    // them is known as such before it takes these triangles away. Where next to none are there,
+    // looking for them takes a tenth of the time.
     bool mark_those_there(Insertion& insertion) {
-        std::size_t left = 0;
-        for (const Placed& each : placed_) {
+        constexpr std::size_t few = 32, least = 2048;
+        std::size_t left = 0, there = 0;
+        while (left + there < placed_.size() && left <= few * there + least) {
             if (patience_.ends()) return false;
-            if (insertion.mark_if_there(each.a, each.b))
+            const Placed each = placed_[left + there];
+            if (insertion.mark_if_there(each.a, each.b)) {
                 memberships_.push_back({piece({each.a, each.b}), each.edge});
-            else
+                ++there;
+            } else {
                 placed_[left++] = each;
+            }
         }
-        placed_.resize(left);
+        const auto first = placed_.begin() + static_cast<std::ptrdiff_t>(left);
+        placed_.erase(first, first + static_cast<std::ptrdiff_t>(there));
         return true;
     }
 

@@ -3,6 +3,7 @@
 #include "base/double_word.hpp"
 #include "base/floating_point.hpp"
 #include "predicates/determinants.hpp"
+#include "predicates/lattice.hpp"
 
 namespace liftmesh {
 
@@ -17,6 +18,54 @@ bool is_in_window(const double* pair) {
         const double size = std::fabs(each);
         return size == 0 || (size > 0x1p-200 && size < 0x1p200);
     });
+}
+
+// On which side of the middle of two numbers a coordinate of the crossing is, in integers.
+int side_of_middle(const double* pair, std::size_t axis, double low, double high) {
+    std::array<double, 10> values;
+    std::copy_n(pair, 8, values.begin());
+    values[8] = low;
+    values[9] = high;
+    const Lattice<10> lattice(values);
+    return at_width_of(lattice, [&]<int N>() {
+        const auto at = [&](std::size_t i) { return lattice.at<N>(static_cast<int>(i)); };
+        const auto step = [&](std::size_t from, std::size_t to, std::size_t k) {
+            return at(2 * to + k) - at(2 * from + k);
+        };
+        const auto cross = [&](std::size_t from, std::size_t to) {  // with c d
+            return step(2, 3, 0) * step(from, to, 1) - step(2, 3, 1) * step(from, to, 0);
+        };
+        const Wide<2 * N> above = cross(2, 0), whole = cross(1, 0);
+        const Wide<N> gap = at(axis) - at(8) + (at(axis) - at(9)), edge = step(0, 1, axis);
+        const Wide<3 * N> share = edge * above;
+        return (gap * whole + share + share).sign() * whole.sign();
+    });
+}
+
+// The double nearest to a coordinate, ties to even, among those within the error of a double word.
+double rounded(const double* pair, std::size_t axis, double high, double low, double error) {
+    const double reach = error + 0x1p-50 * std::fabs(low);
+    double least = high + (low - reach), greatest = high + (low + reach);
+    if (least == greatest) return high;
+    if (least <= 0 && greatest >= 0) {
+        const int side = side_of_middle(pair, axis, 0, 0);
+        if (side == 0) return 0;
+        (side > 0 ? least : greatest) = side > 0 ? 0.0 : -0.0;
+    }
+    const double sign = std::copysign(1.0, greatest);
+    const auto [nearer, farther] = std::minmax({std::fabs(least), std::fabs(greatest)});
+    auto from = std::bit_cast<std::uint64_t>(nearer), to = std::bit_cast<std::uint64_t>(farther);
+    while (from < to) {
+        const std::uint64_t middle = from + (to - from) / 2;
+        const double below = sign * std::bit_cast<double>(middle),
+                     above = sign * std::bit_cast<double>(middle + 1),
+                     side = sign * side_of_middle(pair, axis, below, above);
+        if (side > 0 || (side == 0 && middle % 2 == 1))
+            from = middle + 1;
+        else
+            to = middle;
+    }
+    return sign * std::bit_cast<double>(from);
 }
 
 // The edges are a b and c d; from a, the share (d - c) x (a - c) / (b - a) x (d - c) of a b.
@@ -37,8 +86,10 @@ EdgeCrossing crossing(const double* pair) {
     const auto centre = a + both(share) * edge;
     const double off = 0x1p-98 * ((sizes[0] + sizes[1] + std::fabs(share.high) * largest) / size);
     const Pair error = off * magnitudes(edge.high) + 0x1p-103 * magnitudes(centre.high);
-    if (!is_certain({centre, error})) return unknown;
-    return {point(centre.high), point(centre.low)};
+    if (is_certain({centre, error})) return {point(centre.high), point(centre.low)};
+    const Point place{rounded(pair, 0, centre.high[0], centre.low[0], error[0]),
+                      rounded(pair, 1, centre.high[1], centre.low[1], error[1])};
+    return {place, point(centre.low)};
 }
 
 double distance(Point a, Point b, Point p) {

@@ -6,8 +6,8 @@
 
 namespace liftmesh {
 
-// Of each pair of edges, eight numbers, x and y: NaN where double words leave open which double is
-// the nearest, as halfway between two, and for coordinates beyond 2^200 or so near to zero.
+// Of each pair of edges, eight numbers, x and y: NaN where double words are far from telling, as of
+// edges that are nearly parallel, and for coordinates beyond 2^200 or so near to zero.
 void find_crossings(const double* pairs, std::size_t count, double* places);
 
 // One pair, in IEEE arithmetic, and what rounding has taken away.

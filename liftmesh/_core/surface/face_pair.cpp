@@ -23,7 +23,8 @@ Face face_of(const Relief& relief, std::int32_t simplex) {
             std::max(width, high_y - low_y)};
 }
 
-FacePair::FacePair(const Face& first, const Face& second) : faces_{&first, &second} {
+FacePair::FacePair(const Face& first, const Face& second, double nearness)
+    : faces_{&first, &second}, nearness_(nearness) {
     Point apart[3][3];
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
@@ -39,6 +40,19 @@ FacePair::FacePair(const Face& first, const Face& second) : faces_{&first, &seco
     }
 }
 
+// Of a turn that is no zero. It has the same size from either face, and with both ends exchanged.
+bool FacePair::is_near(double value, std::size_t face, std::size_t side, std::size_t corner) const {
+    constexpr double unit = 0x1p-52;
+    const Point tail = faces_[face]->at(tail_of(side)), head = faces_[face]->at(head_of(side)),
+                at = faces_[1 - face]->at(corner);
+    const auto size = [](double a, double b, double c) {
+        return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
+    };
+    return std::fabs(value) <= nearness_ * unit *
+                                   (size(at.x, tail.x, head.x) * std::fabs(head.y - tail.y) +
+                                    size(at.y, tail.y, head.y) * std::fabs(head.x - tail.x));
+}
+
 // From the ends of a side relative to a corner of the other face.
 void FacePair::set_turn(std::size_t face, std::size_t side, std::size_t corner, Point tail,
                         Point head) {
@@ -46,6 +60,10 @@ void FacePair::set_turn(std::size_t face, std::size_t side, std::size_t corner, 
     const double left = tail.x * head.y, right = tail.y * head.x;
     Turn& turn = turns_[face][side][corner];
     turn = {left - right, std::fabs(left) + std::fabs(right)};
+    if (nearness_ > 0 && is_near(turn.value, face, side, corner)) {
+        turn.value = 0;
+        return;
+    }
     if (std::fabs(turn.value) > bound * turn.size + underflow) return;
     const Face& of = *faces_[face];
     const int sign =

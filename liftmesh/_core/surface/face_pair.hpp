@@ -57,7 +57,9 @@ class FacePair {
         }
     };
 
-    FacePair(const Face& first, const Face& second);
+    // A turn counts as zero where moving coordinates by so many units in their last place, if any,
+    // can make it zero.
+    FacePair(const Face& first, const Face& second, double nearness);
 
     const Face& face(std::size_t number) const { return *faces_[number]; }
     // Of a corner of the other face about a side of a face.
@@ -92,6 +94,7 @@ class FacePair {
         std::uint8_t positive = 0, negative = 0, left = 0;
     };
 
+    bool is_near(double value, std::size_t face, std::size_t side, std::size_t corner) const;
     void set_turn(std::size_t face, std::size_t side, std::size_t corner, Point tail, Point head);
     void set_sides(std::size_t face, std::size_t side);
     Corner crossing(std::size_t face, std::size_t side, std::size_t other_side) const;
@@ -99,6 +102,7 @@ class FacePair {
     void follow(std::size_t face, std::size_t side, std::size_t other, Outline& outline) const;
 
     std::array<const Face*, 2> faces_;
+    double nearness_;
     Turn turns_[2][3][3];
     Sides sides_[2][3];
 };

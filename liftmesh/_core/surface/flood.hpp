@@ -52,7 +52,7 @@ class Flood {
             const std::int32_t other = reached_.back();
             reached_.pop_back();
             const Face over = meshes_.face(1, other);
-            const FacePair pair(face, over);
+            const FacePair pair(face, over, meshes_.nearness());
             meshes_.visit(number, other, pair);
             for (std::size_t side = 0; side < 3; ++side) {
                 hand_on(meshes_.neighbor(0, number, face, side), other, pair, side);

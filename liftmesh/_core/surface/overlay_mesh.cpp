@@ -10,6 +10,10 @@ namespace liftmesh {
 
 namespace {
 
+// Coordinates in decimals are off by half a unit each, so that turns of three on a line in decimals
+// are zero within one; what has been computed once more, within two.
+constexpr double few_units = 2;
+
 // A side of a triangle, three times its number and the corner opposite.
 using OverlaySide = std::uint32_t;
 
@@ -31,7 +35,7 @@ class Overlaid {
 
  private:
     bool advanced(bool is_done, std::size_t tenths) {
-        interrupt_.advance(tenths);
+        interrupt_.advance(tenths * surfaces_[0].count());
         return is_done;
     }
 
@@ -139,12 +143,13 @@ class Overlaid {
         std::vector<Site> sites;
         sites.reserve(all + crossings_.size());
         places_ = allocate<Point>(all + crossings_.size());
+        for (std::size_t name = 0; name < all; ++name) places_[name] = vertex(name, first).at;
+        for (const auto& [name, place] : pieces_.moved)
+            places_[static_cast<std::size_t>(name)] = place;
         for (std::size_t name = 0; name < all; ++name) {
             if (!is_used_[name]) continue;
-            const Point place = vertex(name, first).at;
-            if (!is_finite(place)) return unsound();
-            places_[name] = place;
-            sites.push_back({place, static_cast<Row>(name)});
+            if (!is_finite(places_[name])) return unsound();
+            sites.push_back({places_[name], static_cast<Row>(name)});
         }
         for (std::size_t i = 0; i < crossings_.size(); ++i) {
             if (patience_.ends()) return false;
@@ -356,17 +361,23 @@ class Overlaid {
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
                   OverlayMesh& found, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    interrupt.expect(10);
+    interrupt.expect(10 * first.mesh().count);
     std::array<LocalSurface, 2> surfaces;
     if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
-    Pieces pieces;
-    const bool is_done =
-        find_pieces(surfaces, surfaces[0].named(face), surfaces[1].named(other), pieces, interrupt);
-    if (!is_done) return false;
-    interrupt.advance(3);
-    found.is_sound = pieces.is_sound;
-    if (!found.is_sound) return true;
-    return Overlaid(surfaces, pieces, found, interrupt).run() || !found.is_sound;
+    interrupt.advance(first.mesh().count);
+    for (const double nearness : {few_units, 0.0}) {
+        found = {};
+        Pieces pieces;
+        if (!find_pieces(surfaces, surfaces[0].named(face), surfaces[1].named(other), nearness,
+                         pieces, interrupt))
+            return false;
+        found.displacement = pieces.displacement;
+        found.is_sound = pieces.is_sound;
+        if (!found.is_sound) continue;
+        if (Overlaid(surfaces, pieces, found, interrupt).run()) return true;
+        if (found.is_sound) return false;
+    }
+    return true;
 }
 
 }  // namespace liftmesh

@@ -5,8 +5,12 @@
 // still convex, and turn left at each corner. Then the triangles are counter-clockwise, and they
 // cover no place twice if the rest of the plane does not either, of which the rim is the border:
 // a closed curve around which triangles are on its left covers each place as often as it winds
-// around it. Where the check fails, as between surfaces that nearly coincide, another way is
-// needed.
+// around it. Where the check fails, another way is needed.
+//
+// It would fail wherever a vertex of one surface is beside a side of the other by less than what
+// crossings are rounded by: where the coordinates are decimals, of nearly every vertex that is on a
+// side in decimals. So such vertices count as on these sides, and as one with a vertex that is as
+// near, and it is the check that tells whether this has led to a triangulation.
 //
 // Triangles of a piece are Delaunay in it. Sides of pieces are constraints where the triangles on
 // both sides are not Delaunay, and on the rim: so the whole is constrained Delaunay (Lee and Lin,

@@ -1,5 +1,6 @@
 #include "surface/pieces.hpp"
 
+#include "predicates/crossings.hpp"
 #include "surface/flood.hpp"
 
 namespace liftmesh {
@@ -22,10 +23,21 @@ constexpr std::size_t side_in(unsigned sides) {
     return sides == 0 ? PieceCorner::no_side : static_cast<std::size_t>(std::countr_zero(sides));
 }
 
+// Whether corners near to the same sides are at one place, and not along two that hardly diverge.
+bool are_together(Point p, Point q) {
+    constexpr double unit = 0x1p-52, most = 16;
+    const auto is_near = [](double a, double b) {
+        return std::fabs(a - b) <= most * unit * std::max(std::fabs(a), std::fabs(b));
+    };
+    return is_near(p.x, q.x) && is_near(p.y, q.y);
+}
+
 PieceCorner corner_at(const FacePair& pair, std::size_t face, std::size_t k) {
     if (face == 1)
         for (std::size_t i = 0; i < 3; ++i)
-            if (sides_at(pair, 0, k) == sides_of_corner(i)) return PieceCorner::at(0, i);
+            if (sides_at(pair, 0, k) == sides_of_corner(i) &&
+                are_together(pair.face(0).at(i), pair.face(1).at(k)))
+                return PieceCorner::at(0, i);
     return PieceCorner::at(face, k);
 }
 
@@ -105,8 +117,9 @@ namespace {
 
 class Collector {
  public:
-    Collector(const std::array<LocalSurface, 2>& surfaces, Pieces& found)
-        : surfaces_(surfaces), found_(found) {
+    Collector(const std::array<LocalSurface, 2>& surfaces, double nearness, Pieces& found,
+              Interrupt& interrupt)
+        : surfaces_(surfaces), nearness_(nearness), found_(found), interrupt_(interrupt) {
         // About as many as of points at random; what is not used takes no memory.
         found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
         for (std::size_t k : {0, 1}) found_.heights[k].assign(surfaces[k].vertices(), no_height);
@@ -117,9 +130,12 @@ class Collector {
                           std::size_t side) const {
         return surfaces_[mesh].neighbor(number, side);
     }
+    double nearness() const { return nearness_; }
     bool goes_on(Point, Point) const { return true; }
 
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {
+        if (number != last_) interrupt_.advance(3);
+        last_ = number;
         if (!surfaces_[0].is_shown(number) || !surfaces_[1].is_shown(other)) return;
         if (!pair.overlap()) return;
         OverlayPiece piece{number, other, 0, {}, 0};
@@ -138,19 +154,41 @@ class Collector {
         const std::int32_t face = of == 0 ? piece.face : piece.other;
         double& height =
             found_.heights[of][static_cast<std::size_t>(surfaces_[of].vertex(face, corner.k()))];
-        if (std::isnan(height)) height = height_over(pair, of, corner.k());
+        if (!std::isnan(height)) return;
+        height = height_over(pair, of, corner.k());
+        const unsigned sides = nearness_ > 0 ? sides_at(pair, 1 - of, corner.k()) : 0;
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (sides == 1u << k) add_displacement(pair, of, corner.k(), k);
+            if (sides != sides_of_corner(k) || of == 1) continue;
+            const Point there = pair.face(1).at(k);
+            if (before_xy(there, pair.face(0).at(corner.k())))
+                found_.moved.emplace_back(surfaces_[0].vertex(face, corner.k()), there);
+        }
+    }
+
+    void add_displacement(const FacePair& pair, std::size_t of, std::size_t k, std::size_t side) {
+        const Face& over = pair.face(1 - of);
+        const Point tail = over.at(tail_of(side)), head = over.at(head_of(side)),
+                    at = pair.face(of).at(k);
+        const double places[] = {tail.x, tail.y, head.x, head.y, at.x, at.y};
+        double distance;
+        find_distances(places, 1, &distance);
+        found_.displacement = std::max(found_.displacement, distance);
     }
 
     const std::array<LocalSurface, 2>& surfaces_;
+    double nearness_;
     Pieces& found_;
+    Interrupt& interrupt_;
+    std::int32_t last_ = -1;
 };
 
 }  // namespace
 
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 Pieces& found, Interrupt& interrupt) {
+                 double nearness, Pieces& found, Interrupt& interrupt) {
     Patience patience(interrupt);
-    Collector collector(surfaces, found);
+    Collector collector(surfaces, nearness, found, interrupt);
     Flood<Collector> flood(collector, surfaces[0].count(), surfaces[1].count(), patience);
     flood.run(face, other);
     if (patience.ends(0)) return false;

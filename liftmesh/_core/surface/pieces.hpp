@@ -71,6 +71,8 @@ struct Pieces {
     std::size_t corners = 0;                     // of all
     std::vector<std::uint32_t> starts;           // of each first face; `none` if it has none
     std::array<std::vector<double>, 2> heights;  // of the other surface at vertices; NaN for none
+    std::vector<std::pair<std::int32_t, Point>> moved;  // vertices of the first, to near ones
+    double displacement = 0;                            // the largest of a vertex from a side
     bool is_sound = true;
 
     const OverlayPiece* find(std::int32_t face, std::int32_t other) const {
@@ -86,8 +88,9 @@ struct Pieces {
     }
 };
 
-// From two faces that touch. False if the interrupt came first.
+// From two faces that touch; nearness as for pairs. Advances by three for each first face. False if
+// the interrupt came first.
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 Pieces& found, Interrupt& interrupt);
+                 double nearness, Pieces& found, Interrupt& interrupt);
 
 }  // namespace liftmesh

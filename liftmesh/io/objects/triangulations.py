@@ -1,4 +1,4 @@
-"""Planar triangulations as objects of matplotlib and SciPy, made without their own algorithms."""
+"""Planar triangulations as objects of matplotlib and SciPy, without running their algorithms."""
 
 from __future__ import annotations
 

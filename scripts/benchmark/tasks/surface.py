@@ -1,4 +1,4 @@
-"""Time what a surface is asked, compared with SciPy, matplotlib, CGAL, PDAL and GDAL.
+"""Time what a surface is asked, compared with SciPy, matplotlib, MetPy, CGAL, PDAL and GDAL.
 
     python scripts/bench.py surface                       a million rows, points and pixels
     python scripts/bench.py surface --tasks rasters --pixels 100000000 --json found.json
@@ -11,12 +11,12 @@ are a wave. Every program gets the triangulation ready, but gdal_grid, which rea
 points and writes a raster: reading and writing are timed by themselves, and subtracted. CGAL sorts
 the points first, as liftmesh does; PDAL's loop is rebuilt (`heights/faceraster.cpp`). Counted are
 seconds of the processor, the best of the rounds, in turn; a first call, which may make an index,
-comes before. SciPy and matplotlib take no more than `--most` points and pixels, and seconds are for
-a million of them. liftmesh takes its turns with each number of threads: one table says by how much
-the clock gains, and the last one has the ratios that are promised of the first number. Differences
-are those of two such surfaces with other points; shapely intersects the triangles of `--most`
-points of both. Programs that are not installed are left out: apt-get install g++ libcgal-dev
-gdal-bin.
+comes before. SciPy and matplotlib take no more than `--most` points and pixels, MetPy, which gets
+the circles around each point ready too, a hundredth of these, and seconds are for a million.
+liftmesh takes its turns with each number of threads: one table says by how much the clock gains,
+and the last one has the ratios that are promised of the first number. Differences are those of two
+such surfaces with other points; shapely intersects the triangles of `--most` points of both.
+Programs that are not installed are left out: apt-get install g++ libcgal-dev gdal-bin.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ import json
 from argparse import ArgumentParser, Namespace
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import perf_counter
@@ -125,6 +126,7 @@ class Goal:
 
 
 LINEAR, LAPLACE, SIBSON = (f"{OURS}, {method}" for method in ("linear", "laplace", "sibson"))
+METPY, _METPY = "MetPy, natural neighbours", "metpy.interpolate"
 SCAN, ALL = f"{OURS}, scan alone", f"{OURS}, triangulation too"
 GDAL, READING, WRITING = "gdal_grid, with its files", "gdal_grid reads", "GDAL writes"
 GOALS = (
@@ -133,6 +135,7 @@ GOALS = (
     Goal("heights", LINEAR, "CGAL, linear", 1),
     Goal("heights", LAPLACE, "CGAL, sibson", 1),
     Goal("heights", SIBSON, "CGAL, sibson", 1),
+    Goal("heights", SIBSON, METPY, 100),
     Goal("rasters", SCAN, "PDAL's faceraster loop", 3),
     Goal("rasters", ALL, GDAL, 15, (READING, WRITING)),
     Goal("contours", OURS, "matplotlib", 10),
@@ -209,6 +212,9 @@ def of_heights(surface: liftmesh.Surface, options: Namespace, folder: Path) -> I
     some = asked[: options.most]
     for name, find in interpolators(surface).items():
         yield Contestant("heights", name, len(some), timed(lambda find=find: find(some)))
+    few = asked[: max(options.most // 100, 1)]
+    if (call := metpys(surface, few)) is not None:
+        yield Contestant("heights", METPY, len(few), timed(call))
     try:
         peer = CgalHeights.built(folder, surface.vertices)
     except cgal.UnavailableError:
@@ -226,6 +232,21 @@ def interpolators(
     scipys = LinearNDInterpolator(Delaunay(surface.triangulation.points), heights)
     theirs = LinearTriInterpolator(surface.to_matplotlib(), heights)
     return {"SciPy, linear": scipys, "matplotlib, linear": lambda asked: theirs(*asked.T)}
+
+
+def metpys(surface: liftmesh.Surface, asked: np.ndarray[Any, Any]) -> Call | None:
+    """Make MetPy's natural neighbours at points, whose circles are known; None without MetPy."""
+    try:
+        geometry, points = map(import_module, (f"{_METPY}.geometry", f"{_METPY}.points"))
+    except ImportError:
+        return None
+    x, y, z = surface.vertices.T
+    solved = Delaunay(surface.triangulation.points)
+    members, centers = geometry.find_natural_neighbors(solved, asked)
+    return lambda: [
+        points.natural_neighbor_point(x, y, z, asked[k], solved, near, centers)
+        for k, near in members.items()
+    ]
 
 
 def of_rasters(surface: liftmesh.Surface, options: Namespace, folder: Path) -> Iterator[Contestant]:
@@ -298,6 +319,9 @@ def of_differences(
     rows[:, :2] = rows[:, 1::-1]
     other, count = liftmesh.triangulate(rows), len(rows)
     yield Contestant("differences", OURS, count, timed(lambda: liftmesh.difference(surface, other)))
+    near = [liftmesh.triangulate(np.round(each, 2)) for each in (terrain(options.n), rows)]
+    decimals = timed(lambda: liftmesh.difference(*near))
+    yield Contestant("differences", f"{OURS}, in centimetres", count, decimals)
     alone = timed(lambda: surface.cut_and_fill(other))
     yield Contestant("differences", f"{OURS}, volumes alone", count, alone)
     some = min(options.most, count)

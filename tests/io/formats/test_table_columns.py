@@ -249,7 +249,7 @@ def test_invalid_options_are_refused(options: dict[str, Any]) -> None:
 def test_other_formats_and_other_options_are_refused() -> None:
     with pytest.raises(FormatError, match=r"columns= cannot be given: npy files are read without"):
         liftmesh.read(io.BytesIO(b"-"), format="npy", columns="x,y")
-    with pytest.raises(FormatError, match="'colums': text takes columns, flat, delimiter"):
+    with pytest.raises(FormatError, match="colums= cannot be given: text files take columns"):
         read(ROW, colums="x,y,z")
 
 

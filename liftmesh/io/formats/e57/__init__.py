@@ -1,1 +1,1 @@
-"""E57, files of terrestrial laser scanners: headers are checked, and libE57 decodes them apart."""
+"""E57, files of laser scanners: headers are checked, libE57 decodes in a separate process."""

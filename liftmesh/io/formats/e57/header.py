@@ -1,4 +1,4 @@
-"""What stands at the beginning of an E57 file: where its XML is, which describes all else.
+"""The header of an E57 file: where its XML is, which describes everything else.
 
 The file consists of pages, each with a checksum at its end. The XML is parsed before libE57 sees
 it, since its parser opens what a document type or an attribute of a schema instance names, on the

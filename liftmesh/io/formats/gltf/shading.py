@@ -1,4 +1,4 @@
-"""What viewers shade a mesh by: colours as light, and normals of vertices.
+"""What viewers need to shade a mesh: colours as linear light, and normals of vertices.
 
 *Colours.* ``COLOR_0`` holds amounts of light, while 8-bit colours are steps of sRGB, which are
 finer in the dark (IEC 61966-2-1). 16 bits tell all of these steps apart, so that each of the 256

@@ -1,4 +1,4 @@
-"""Which file of LAS a cloud becomes: version, point format, scales and offsets, fields and records.
+"""The layout in which a cloud is written as LAS: version, point format, scales, fields, records.
 
 A cloud that was read from LAS brings its header and records along (`io.formats.las.vlrs`), and
 becomes such a file again: only what the points themselves decide is set anew. Others become LAS
