@@ -39,6 +39,7 @@ from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .io.write import WriteResult as WriteResult, write as write
+from .planar.alpha import AlphaComplex as AlphaComplex, AlphaShape as AlphaShape
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
     anisotropic_stars as anisotropic_stars,
@@ -68,6 +69,7 @@ from .predicates import (
     orient3d as orient3d,
 )
 from .raster.raster import Raster as Raster
+from .space.alpha_shape import alpha_shape as alpha_shape
 from .space.convex_hull import ConvexHull as ConvexHull, convex_hull as convex_hull
 from .space.lower_hull import lower_hull as lower_hull
 from .space.tetrahedra import tetrahedralize as tetrahedralize

@@ -176,6 +176,35 @@ def verify_tetrahedra(
     skip_non_finite: bool,
     progress: Callable[[float], None] | None,
 ) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
+def circumradii(
+    points: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    up: bool,
+    radii: NDArray[np.float64],
+) -> None: ...
+def alpha_filtration(
+    points: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    radii: NDArray[np.float64],
+) -> tuple[
+    tuple[NDArray[np.int32], NDArray[np.float64]],
+    tuple[NDArray[np.int32], NDArray[np.float64]],
+]: ...
+def alpha_surface(
+    points: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    alpha: float,
+    is_inside: NDArray[np.uint8],
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
+def solid_alpha(
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    rows: int,
+    radii: NDArray[np.float64],
+    components: int,
+) -> float: ...
 
 class SpaceLocator:
     def __init__(

@@ -37,7 +37,7 @@ from liftmesh.tiles.options import (
     Done,
     Options,
     RunContext,
-    SurfaceOptions,
+    TiledSurfaceOptions,
     label,
     rows_within,
 )
@@ -239,7 +239,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     <TiledSurface: 1976 triangles over 1000 rows in 7 shards>
     """
     check_progress(progress)
-    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
+    surface = TiledSurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )

@@ -6,6 +6,7 @@ run the commands with every format, `interrupt` those that are long.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
@@ -28,6 +29,7 @@ BY_TRIMESH = ("stl", "glb", "gltf")
 STDOUT = "-"
 OLD = b"what was there before\n"  # in every file that is replaced
 SEED = 5
+AREA = ((0.2, 0.2), (0.8, 0.3), (0.5, 0.8), (0.2, 0.2))
 
 # --- commands -----------------------------------------------------------------------------------
 
@@ -89,6 +91,14 @@ def _lines() -> Iterator[str]:
     yield "simplify <mesh.ply >few.ply --max-error 0.1 --json"
     yield "refine <flat.npz >fine.vtu --json"
     yield "thin <mesh.npy >thin.ply --adaptive 100"
+    yield "height <mesh.xyz >above.npz --ground <mesh.ply"
+    yield "accuracy <mesh.ply >residuals.csv --json"
+    yield "difference <mesh.ply <mesh.obj >change.ply"
+    yield "clip <mesh.ply >part.ply --within <area.geojson"
+    yield "voronoi <flat.npz >cells.geojson --domain <area.geojson"
+    yield "constrain <flat.npz >edges.obj --polygons <area.geojson --json"
+    yield "tile <mesh.npy made --json"
+    yield "tileset <mesh.ply made --max-error 0.1 --levels 2 --extrapolate hull"
     yield "paper --n 50 --seeds 1 --no-figures --out made"
 
 
@@ -111,6 +121,8 @@ def make_files(folder: Path, names: Iterable[str], mesh: liftmesh.Surface) -> No
         content = _content(path.stem, mesh)
         if path.suffix == ".npy":
             np.save(path, content.vertices if content is mesh else content)
+        elif path.suffix == ".geojson":
+            path.write_text(json.dumps({"type": "Polygon", "coordinates": [AREA]}))
         elif path.suffix in {".xyz", ".csv"}:
             liftmesh.write(path, mesh.vertices)
         else:

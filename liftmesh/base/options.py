@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Iterable
 from contextlib import suppress
 from reprlib import Repr
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NoReturn, TypeAlias
 
 from liftmesh.errors import InputError, Option
 
@@ -48,6 +48,11 @@ ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 Returns: TypeAlias = Literal["first", "last", "only"]
 ShardFormat: TypeAlias = Literal["npy", "parquet", "ply"]
 OnDuplicate: TypeAlias = Literal["first", "last", "lowest", "highest", "mean", "error"]
+
+
+def exhausted(word: NoReturn) -> NoReturn:
+    """Stand where every word of an option was taken: mypy refuses a further one."""
+    raise AssertionError(word)  # pragma: no cover - mypy refuses
 
 
 def refused(

@@ -82,7 +82,7 @@ class Command(click.Command):
     """A command: a module whose function `run` has annotations that say what its options are."""
 
     def __init__(self, name: str) -> None:
-        module = import_module(f"liftmesh.cli.{name}")
+        module = import_module(f"liftmesh.cli.{name.replace('-', '_')}")
         function = with_single_options(module.run)
         parameters = inspect.signature(function, eval_str=True).parameters
         specs = {key: get_args(each.annotation)[1] for key, each in parameters.items()}

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from liftmesh.tiles.tiled import TiledSurface
 
 Compression: TypeAlias = Literal["deflate", "lzw", "zstd", "none"]
-_ANGLES = ("slope", "hillshade")
+_COMPARE_UNITS = ("slope", "hillshade")  # heights with lengths, so units are noted
 
 SHORT_HELP = "Write a mesh or cloud as a raster of heights (GeoTIFF)."
 HELP = (
@@ -121,7 +121,7 @@ def run(
     wanted |= {"dtype": "float64" if double else "float32", "threads": reading.threads}
     if source.is_dir():
         tiled = surfaces.open_tiles(source, reading, crs=crs, values=values)
-        if quantity in _ANGLES:
+        if quantity in _COMPARE_UNITS:
             surfaces.note_units(source, tiled, z_factor)
         with terminal.share_bar(f"writing {target.name}") as progress:
             tiled.save_raster(target, steps, cog=cog, compress=packing, progress=progress, **wanted)
@@ -132,7 +132,7 @@ def run(
     surface = surfaces.read_whole(source, reading)
     surface = surface if crs is None else surface.replace(crs=_system(source, surface.crs, crs))
     surface = surfaces.trimmed(surface, reading.trimming)
-    if quantity in _ANGLES:
+    if quantity in _COMPARE_UNITS:
         surfaces.note_units(source, surface, z_factor)
     if size is not None:
         wanted |= _pixels(surface, size, wanted.pop("bounds"))

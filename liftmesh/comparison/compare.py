@@ -37,7 +37,7 @@ from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import NonFinite, as_count, check_option
 from liftmesh.comparison.differences import Evidence, find_cells, find_differences
 from liftmesh.errors import InputError
-from liftmesh.io.read import read_rows
+from liftmesh.io.read import read_for_surface
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
@@ -415,7 +415,7 @@ def _triangulate(
         _refuse_members(source)
         again, seconds = _timed(source.points, "skip")
         return again if source.simplices.flags.writeable else source, seconds
-    cloud = read_rows(source)
+    cloud = read_for_surface(source)
     return _timed(resolve_plane(plane, cloud.points).planar(cloud.points), nonfinite)
 
 

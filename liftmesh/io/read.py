@@ -3,10 +3,11 @@
 Formats that have no reader of chunks are read whole, then split. The depth of colours is decided
 once, from all chunks of a file.
 
-`read_rows` is the one rule which rows of files a surface takes. Of files of lidar (LAS, LAZ, COPC)
-it takes the ground and no withheld rows, unless the caller says otherwise. Whether there is ground
-is decided over all files of a surface: trees of the one tile without classes would stand among the
-ground of the others.
+`for_surface` is the one rule which rows of a file a surface takes: of lidar (LAS, LAZ, COPC) the
+ground and no withheld rows, unless the caller says otherwise. `read_for_surface` applies it to one
+file, `for_chunks` to files that are read in chunks, and the command line asks it in
+`cli/inputs.py`. Whether there is ground is decided over all files of a surface: trees of the one
+tile without classes would stand among the ground of the others.
 """
 
 from __future__ import annotations
@@ -499,7 +500,7 @@ def for_surface(
     return {"classes": "ground", "withheld": False, **choices}
 
 
-def read_rows(source: object, **options: Unpack[ReadOptions]) -> Cloud:
+def read_for_surface(source: object, **options: Unpack[ReadOptions]) -> Cloud:
     """Read the rows of a surface, or convert an object, of which all rows count."""
     given: dict[str, Any] = {**options}  # but for what says nothing, which all objects take
     given = {key: each for key, each in given.items() if each is not _UNSAID.get(key)}

@@ -82,11 +82,12 @@ class Flaw:
         "non_manifold_vertices", "boundary_loops", "boundary_winding", "not_convex",
         "missing_vertices", "not_delaunay", "no_triangles", "no_boundary", "euler" or
         "not_canonical"; with constraints also "missing_constraints", "open_boundaries" or
-        "overlaps", of which only the first is found; of tiles also "other_hull",
-        "other_duplicates", "other_skipped" or "damaged_files"; of graphs of disks also "no_circle",
-        "wrong_neighbors", "wrong_hull", "wrong_order", "wrong_hidden", "wrong_duplicates",
-        "other_circles" or "other_skipped"; of tetrahedra also "negative", "non_manifold_facets" or
-        "no_tetrahedra".
+        "overlaps", of which only the first is found; of refined triangulations also "small_angles"
+        or "uncovered_edges"; of tiles also "other_hull", "other_duplicates", "other_skipped",
+        "other_neighbors", "other_coordinates", "other_vertices" or "damaged_files"; of graphs of
+        disks also "no_circle", "wrong_neighbors", "wrong_hull", "wrong_order", "wrong_hidden",
+        "wrong_duplicates", "other_circles" or "other_skipped"; of tetrahedra also "negative",
+        "non_manifold_facets" or "no_tetrahedra".
     count : int
         The number of occurrences.
     text : str

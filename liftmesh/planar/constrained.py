@@ -30,6 +30,7 @@ from liftmesh.base.options import (
     as_threads,
     check_option,
     counted,
+    exhausted,
 )
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.constrained_triangulation import (
@@ -187,9 +188,11 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
 
     if crossing == "split":
         split = split_crossings(planar, given, build, progress)
-    else:
+    elif crossing == "error":  # `_solved` raises it
         split = Split(planar, given.edges, np.arange(len(given.edges), dtype=np.int32))
         split.built = build(planar, given.edges, progress)
+    else:  # pragma: no cover - mypy refuses
+        exhausted(crossing)
     solved = _solved(rows, split, given, order, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)

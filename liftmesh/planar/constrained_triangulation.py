@@ -99,6 +99,8 @@ class ConstrainedTriangulation(Triangulation):
     (array([1, 1]), array([0, 1], dtype=int32))
     """
 
+    _has_empty_circles = False
+
     def __init__(  # noqa: PLR0913, PLR0917 - as many as there are arrays
         self,
         points: Reals,

@@ -212,7 +212,7 @@ def named_values(cloud: Cloud, kind: str, name: str) -> Any:
 
 
 def as_metric(metric: ArrayLike) -> Floats:
-    """Validate the option ``metric``."""
+    """Validate the option ``metric``, the matrix of a quadratic form: no other distance is."""
     matrix = as_matrices("metric", metric, (2, 2), METRIC_REMEDY)
     flaw = ""
     if not np.isfinite(matrix).all():

@@ -200,7 +200,7 @@ class Heights:
 
 
 class HullMesh(FrozenResult):
-    """What hulls are converted to, all by way of a cloud with faces."""
+    """What hulls and surfaces are converted to, all by way of a cloud with faces."""
 
     __slots__ = ()
 
@@ -209,7 +209,7 @@ class HullMesh(FrozenResult):
         raise NotImplementedError
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """Convert the hull to a trimesh mesh with the vertices and faces of ``to_cloud``.
+        """Convert it to a trimesh mesh with the vertices and faces of ``to_cloud``.
 
         Returns
         -------
@@ -218,7 +218,7 @@ class HullMesh(FrozenResult):
 
         See Also
         --------
-        LowerHull.to_cloud, ConvexHull.to_cloud : As a cloud with faces.
+        LowerHull.to_cloud, ConvexHull.to_cloud, AlphaShape.to_cloud : As a cloud with faces.
 
         Examples
         --------
@@ -231,7 +231,7 @@ class HullMesh(FrozenResult):
         return to_mesh(self.to_cloud())
 
     def to_open3d(self) -> o3d.geometry.TriangleMesh:
-        """Convert the hull to an Open3D mesh with the vertices and faces of ``to_cloud``.
+        """Convert it to an Open3D mesh with the vertices and faces of ``to_cloud``.
 
         Returns
         -------
@@ -240,7 +240,7 @@ class HullMesh(FrozenResult):
 
         See Also
         --------
-        LowerHull.to_cloud, ConvexHull.to_cloud : As a cloud with faces.
+        LowerHull.to_cloud, ConvexHull.to_cloud, AlphaShape.to_cloud : As a cloud with faces.
 
         Examples
         --------
@@ -254,7 +254,7 @@ class HullMesh(FrozenResult):
         return to_legacy(self.to_cloud())
 
     def save(self, path: Any, **options: Any) -> WriteResult:
-        """Write the hull to a mesh file.
+        """Write it to a mesh file.
 
         Parameters
         ----------

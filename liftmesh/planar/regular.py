@@ -221,6 +221,8 @@ class RegularTriangulation(Triangulation):
     (array([4], dtype=int32), [[0, 5, 2]])
     """
 
+    _has_empty_circles = False
+
     def __init__(  # noqa: PLR0913 - as many as there are arrays
         self,
         points: Reals,

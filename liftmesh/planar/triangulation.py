@@ -13,6 +13,7 @@ from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_threads
 from liftmesh.errors import InputError
+from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import Counters, Heights, LowerHull, resolve_apex
 from liftmesh.predicates import orient2d
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from liftmesh.planar.certificate import Certificate
 
 
-class Triangulation:
+class Triangulation(AlphaMethods):
     """A Delaunay triangulation of planar points, as returned by `delaunay`.
 
     Every index is a row of the caller's array. Attributes that cost memory are computed on first

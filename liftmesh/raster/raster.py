@@ -49,7 +49,7 @@ class Raster(FrozenResult):
     crs : str, optional
         The coordinate reference system.
     quantity : str
-        What the values are: "height", "slope", "aspect", "hillshade" or "longest-edge".
+        What the values are: a quantity of `Surface.raster`, or the name of other values.
     unit : str, optional
         Of the values: that of heights, if the surface says it; degrees; none of shades.
 

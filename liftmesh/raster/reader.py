@@ -62,17 +62,17 @@ _OWN_NAME = re.compile(r"'?(/vsimem/)?[0-9a-f-]{36}[^ ,:']*'?")  # of a file in 
 
 
 @dataclass(frozen=True, slots=True)
-class RasterOptions:
+class BandOptions:
     """Checked options: the band, and what stands for a missing value; None if nothing is said."""
 
     band: int = 1
     missing: tuple[float, ...] | None = None
 
 
-_DEFAULTS = RasterOptions()
+_DEFAULTS = BandOptions()
 
 
-def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterOptions:
+def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> BandOptions:
     """Check the options of a raster."""
     marks = as_missing(nodata)
     numbers = None if marks is None else tuple(each for each in marks if isinstance(each, float))
@@ -83,7 +83,7 @@ def validate_raster_options(*, band: int = 1, nodata: Missing = None) -> RasterO
             "give the number that stands for a missing value in the raster, or 'none' if there is "
             "none",
         )
-    return RasterOptions(as_count("band", band, 1), numbers)
+    return BandOptions(as_count("band", band, 1), numbers)
 
 
 def read_raster(
@@ -92,7 +92,7 @@ def read_raster(
     *,
     max_bytes: int | None = None,
     selection: Selection | None = None,
-    options: RasterOptions = _DEFAULTS,
+    options: BandOptions = _DEFAULTS,
 ) -> Cloud:
     """Read the samples that have a value; those left out are counted, with a value or without."""
     data = stream.read()
@@ -133,7 +133,7 @@ def decoding(name: str) -> Iterator[None]:
 class _OpenRaster:
     """An open raster, of rasterio or an ASCII grid, of which one band is read."""
 
-    def __init__(self, file: Any, options: RasterOptions, name: str) -> None:
+    def __init__(self, file: Any, options: BandOptions, name: str) -> None:
         self._file = file
         self._band = band = options.band
         self._missing = options.missing or ()

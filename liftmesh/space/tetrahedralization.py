@@ -12,6 +12,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.arrays import as_triples
 from liftmesh.base.frozen import FrozenResult, cached_property, check_copied
+from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.tetrahedra import verify_tetrahedra
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Tetrahedralization(FrozenResult):
+class Tetrahedralization(FrozenResult, AlphaMethods):
     """A Delaunay triangulation of points in space, as returned by `tetrahedralize`.
 
     Every index is a row of the caller's array. The arrays are read-only: copy one to change it.

@@ -26,6 +26,7 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Pinched, as_number, as_positive, as_switch, check_option
 from liftmesh.errors import DataWarning, InputError, Option
+from liftmesh.planar.alpha import radii_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners, slope_scale
 from liftmesh.vector.polygons import contains, polygons_in
@@ -103,7 +104,7 @@ def trim(
     if inwards and max_edge is None:
         raise InputError(f"{Option('boundary_only')} needs {Option('max_edge')}")
     if max_radius is not None:
-        left_out |= _radii(corners) > _length("max_radius", max_radius)
+        left_out |= radii_of(surface.triangulation, is_up=True) > _length("max_radius", max_radius)
     if polygon is not None:
         left_out |= ~contains(polygons_in(surface.crs, polygon), centroids(corners))
     if max_edge is not None:
@@ -180,21 +181,6 @@ def _sides(corners: Floats) -> Floats:
         across = np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
         lengths: Floats = np.hypot(across[..., 0], across[..., 1])
     return lengths
-
-
-def _radii(corners: Floats) -> Floats:
-    """Compute the radii of circumcircles; the order of the corners changes no bit."""
-    lengths = np.sort(_sides(corners), axis=1)
-    a, b, c = np.moveaxis(ordered_corners(corners), 1, 0)
-    with np.errstate(all="ignore"):
-        # By a power of two, so that no square leaves the range of doubles.
-        exponents = np.frexp(lengths[:, 2])[1]
-        (bx, by), (cx, cy) = (np.ldexp(each - a, -exponents[:, None]).T for each in (b, c))
-        short, middle, long = np.ldexp(lengths, -exponents[:, None]).T
-        radii: Floats = np.ldexp(
-            short * (middle / np.abs(bx * cy - by * cx)) * (long / 2), exponents
-        )
-    return np.where(np.isnan(radii), np.inf, radii)
 
 
 def centroids(corners: Floats) -> Floats:

@@ -21,7 +21,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats, Integers, Mask, Rows
 from liftmesh.base.arrays import is_after, pair_keys, starts_of_runs
-from liftmesh.base.options import part_of
+from liftmesh.base.options import Crossing, exhausted, part_of
 from liftmesh.errors import CrossingError, InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -67,10 +67,10 @@ class Network:
     edges: Rows  # (k, 2): among these rows
     line: Integers  # of each edge
     lines: list[Line]
-    crossing: str
+    crossing: Crossing
 
     @classmethod
-    def of(cls, chains: list[Chain], crossing: str) -> Network:
+    def of(cls, chains: list[Chain], crossing: Crossing) -> Network:
         """Find equal corners, and number them in their order."""
         lines = [each.line for each in chains]
         counts = np.array([len(each.points) for each in chains], dtype=np.int64)
@@ -226,6 +226,8 @@ class Following:
                 tri = constrained_delaunay(planar, edges, **run, progress=part)
             except CrossingError as error:
                 self._refuse(error, planar, edges)
+        elif self.network.crossing != "split":  # pragma: no cover - mypy refuses
+            exhausted(self.network.crossing)
         if tri is None:
             try:
                 tri = constrained_delaunay(

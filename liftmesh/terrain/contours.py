@@ -32,7 +32,7 @@ from liftmesh.base.options import (
 )
 from liftmesh.errors import InputError, Option
 from liftmesh.io.streams import at_home
-from liftmesh.terrain.crossings import Lines, check_tolerance, smoothed
+from liftmesh.terrain.crossings import LevelLines, check_tolerance, smoothed
 from liftmesh.terrain.surface_data import SurfaceData, kernel_surface, plane_system
 from liftmesh.terrain.values import Values, over_known
 from liftmesh.vector.files import check_written, write_lines
@@ -329,7 +329,7 @@ def contour_lines(
     is_closed = closed.view(np.bool_)
     if smooth is not None:
         check_tolerance(smooth, wanted)
-        lines = Lines(points, starts, is_closed, places.astype(np.int64))
+        lines = LevelLines(points, starts, is_closed, places.astype(np.int64))
         points = smoothed(lines, _sides_of(surface), wanted, smooth)
     return Contours(points, starts, wanted[places], is_closed, is_index[places], crs)
 

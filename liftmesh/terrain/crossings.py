@@ -26,7 +26,7 @@ _ROUNDS = 12
 
 
 @dataclass(frozen=True)
-class Lines:
+class LevelLines:
     """Contours, with the place of the level of each."""
 
     points: Floats
@@ -74,7 +74,7 @@ def check_tolerance(tolerance: float, levels: Floats) -> None:
         )
 
 
-def smoothed(lines: Lines, sides: Floats, levels: Floats, tolerance: float) -> Floats:
+def smoothed(lines: LevelLines, sides: Floats, levels: Floats, tolerance: float) -> Floats:
     """Return other points of contours, given all sides of the faces, (m, 2, 3)."""
     points = _relaxed(lines, _ways_of(lines, sides, levels, tolerance))
     while (is_same := _repeated(points, lines)).any():  # by rounding
@@ -82,7 +82,7 @@ def smoothed(lines: Lines, sides: Floats, levels: Floats, tolerance: float) -> F
     return points
 
 
-def _ways_of(lines: Lines, sides: Floats, levels: Floats, most: float) -> Floats:
+def _ways_of(lines: LevelLines, sides: Floats, levels: Floats, most: float) -> Floats:
     """Find the part of a side on which each point may be, (n, 2, 2); of length 0 if it stays.
 
     Those stay at which a level crosses several sides: vertices, mostly.
@@ -133,7 +133,7 @@ class _Thread:
     shares: Floats
 
     @classmethod
-    def of(cls, lines: Lines, remainder: int) -> _Thread:
+    def of(cls, lines: LevelLines, remainder: int) -> _Thread:
         """Take every second point of each line, but no end of an open one."""
         starts, ends = lines.starts[:-1], lines.starts[1:] - 1
         place = np.arange(len(lines.points))
@@ -150,7 +150,7 @@ class _Thread:
         return cls(points, before, after, one / (one + other))
 
 
-def _relaxed(lines: Lines, ways: Floats) -> Floats:
+def _relaxed(lines: LevelLines, ways: Floats) -> Floats:
     """Bring points near to the line between their neighbours, again and again."""
     points = lines.points.copy()
     starts, ends = lines.rings
@@ -170,7 +170,7 @@ def _relaxed(lines: Lines, ways: Floats) -> Floats:
     return np.asarray(points + 0.0)
 
 
-def _repeated(points: Floats, lines: Lines) -> Mask:
+def _repeated(points: Floats, lines: LevelLines) -> Mask:
     """Find the points that have moved and are where the one before or after is."""
     is_same = (points[1:] == points[:-1]).all(axis=1)
     is_same[lines.starts[1:-1] - 1] = False  # of two lines

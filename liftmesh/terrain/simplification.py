@@ -59,7 +59,7 @@ from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError, Option
 from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.read import read_rows
+from liftmesh.io.read import read_for_surface
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import ConstrainedTriangulation
 from liftmesh.planar.delaunay import solve, triangulation_of
@@ -240,7 +240,7 @@ def _source(cloud: object, crs: str | None, options: ReadOptions) -> Surface | C
     if isinstance(cloud, Surface) and all(each is None for each in options.values()):
         source = cloud
     else:
-        source = read_rows(cloud, **options)
+        source = read_for_surface(cloud, **options)
     return source if crs is None else replace(source, crs=crs)
 
 

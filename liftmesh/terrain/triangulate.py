@@ -36,7 +36,7 @@ from liftmesh.crs.units import coordinate_warnings
 from liftmesh.errors import DataWarning, InputError, NonFiniteError, Option
 from liftmesh.io.columns import edges_of
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.read import read_cloud, read_rows
+from liftmesh.io.read import read_cloud, read_for_surface
 from liftmesh.terrain.changes import with_parts
 from liftmesh.terrain.equal_positions import Choice, choose_rows
 from liftmesh.terrain.frame import Frame, resolve_plane
@@ -256,7 +256,7 @@ def triangulate(  # noqa: PLR0913 - options are keywords
     stages = _Stages(progress)
     given = {"colors": colors, "normals": normals, "attributes": attributes}
     given["crs"] = given_text(crs)
-    source = with_parts(read_rows(cloud, **options), given)
+    source = with_parts(read_for_surface(cloud, **options), given)
     _warn_of_edges(source)
     given_lines = breaklines, soft_breaklines, boundary, holes, densify
     lines = None

@@ -36,7 +36,7 @@ from liftmesh.tiles.options import (
     Options,
     RunContext,
     Runner,
-    SurfaceOptions,
+    TiledSurfaceOptions,
 )
 from liftmesh.tiles.plan import Plan, frequent, planned
 from liftmesh.tiles.publish import publish
@@ -292,7 +292,7 @@ def tile_surface(  # noqa: PLR0913 - options are keywords
     """
     check_progress(progress)
     count, _ = as_threads(threads, _MANY)
-    surface = SurfaceOptions.validated(on_duplicate, plane, crs, reading)
+    surface = TiledSurfaceOptions.validated(on_duplicate, plane, crs, reading)
     options = Options.validated(
         out, tile_rows, scratch, nonfinite, resume, shards, neighbors, surface
     )
@@ -340,7 +340,7 @@ class Run:
     chunks: Sequence[SourceChunk]
     tile_rows: int
     skips: bool
-    surface: SurfaceOptions | None = None
+    surface: TiledSurfaceOptions | None = None
 
     def finish(self, runner: Runner) -> None:
         """Do everything, or what is left to do."""

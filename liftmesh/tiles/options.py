@@ -1,4 +1,4 @@
-"""The options of `tile` and `tile_surface`, checked, and how many rows of a tile fit in memory.
+"""The options of `tile` and `tile_surface`, and the types of a run: memory, files, tasks done.
 
 Tasks are told folders, groups of tiles, and who calls tasks (`RunContext`). The rows of a chunk are
 sorted by tile. In one file, they would all be needed until the last tile is done. So there is a
@@ -63,7 +63,7 @@ class Options:
     tile_rows: int | None
     skips: bool
     resumes: bool
-    surface: SurfaceOptions | None = None
+    surface: TiledSurfaceOptions | None = None
 
     @property
     def reading(self) -> Reading:
@@ -80,7 +80,7 @@ class Options:
         resume: bool,
         shards: ShardFormat,
         neighbors: bool,
-        surface: SurfaceOptions | None = None,
+        surface: TiledSurfaceOptions | None = None,
     ) -> Options:
         """Check the options."""
         check_option("nonfinite", nonfinite, NonFinite)
@@ -96,8 +96,8 @@ class Options:
 
 
 @dataclass(frozen=True)
-class SurfaceOptions:
-    """The options of a surface, checked."""
+class TiledSurfaceOptions:
+    """The options of `tile_surface`, checked."""
 
     on_duplicate: str
     reading: Reading
@@ -105,7 +105,7 @@ class SurfaceOptions:
     @classmethod
     def validated(
         cls, on_duplicate: str, plane: object, crs: Any, options: Mapping[str, Any]
-    ) -> SurfaceOptions:
+    ) -> TiledSurfaceOptions:
         """Check the options."""
         check_option("on_duplicate", on_duplicate, OnDuplicate)
         if not isinstance(plane, str) or plane != "xy":
@@ -121,7 +121,7 @@ class SurfaceOptions:
         text = given_text(crs)
         if text is not None and not is_crs(text):
             raise refused("crs", crs, "give WKT or 'EPSG:n' as a string, or None")
-        return cls(on_duplicate, Reading(text, as_json(options)))
+        return cls(on_duplicate, Reading(text, as_plain(options)))
 
     def check_shards(self, shards: ShardFormat) -> None:
         """Raise if the triangles of a surface cannot be in a format."""
@@ -163,7 +163,7 @@ def rows_within(memory: int, threads: int = 1, row_bytes: int = ROW_BYTES) -> in
     return int(_SHARE * memory - _PROCESS_BYTES) // (row_bytes * threads)
 
 
-def as_json(options: Mapping[str, Any]) -> dict[str, Any]:
+def as_plain(options: Mapping[str, Any]) -> dict[str, Any]:
     """Check that options of reading can be written down, to read the same rows again."""
     return {name: _plain(name, value) for name, value in options.items()}
 

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, Integers, Progress
 from liftmesh.base.options import check_progress, part_of
 from liftmesh.terrain.contours import Contours, wanted_levels
-from liftmesh.terrain.crossings import Lines, check_tolerance, crossings, smoothed
+from liftmesh.terrain.crossings import LevelLines, check_tolerance, crossings, smoothed
 from liftmesh.terrain.filled import FilledContours, fill
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of, faces_of, vertices_of
 
@@ -48,7 +48,7 @@ def contour_lines(
     closed = np.array([line.is_closed for line in lines], dtype=np.bool_)
     if smooth is not None:
         sides = _crossed_sides(tiled, wanted)
-        points = smoothed(Lines(points, starts, closed, places), sides, wanted, smooth)
+        points = smoothed(LevelLines(points, starts, closed, places), sides, wanted, smooth)
     return Contours(points, starts, wanted[places], closed, is_index[places], tiled.crs)
 
 

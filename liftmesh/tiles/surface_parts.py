@@ -21,7 +21,7 @@ from liftmesh.errors import InputError
 from liftmesh.terrain.clipping import clip, polygons_over, sides_of
 from liftmesh.terrain.sampling import points_above
 from liftmesh.terrain.surface_data import places_on
-from liftmesh.tiles.surface_raster import Parts, check_interpolation, part_of, touching
+from liftmesh.tiles.surface_raster import Parts, check_in_tiles, part_of, touching
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface import Surface
@@ -33,7 +33,7 @@ def heights_at(
 ) -> Floats:
     """Interpolate heights at points, (..., 2)."""
     check_option("interpolation", interpolation, Interpolation)
-    check_interpolation(interpolation)
+    check_in_tiles(interpolation)
     pairs = places_on(tiled, points)
     places = pairs.reshape(-1, 2)
     heights = np.full(len(places), np.nan)

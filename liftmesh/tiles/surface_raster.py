@@ -105,13 +105,13 @@ def _plan(
 ) -> RasterPlan:
     west, south, low, east, north, high = box_of(tiled)
     plan = RasterPlan.of(tiled, resolution, lambda: (west, south, east, north), options)
-    check_interpolation(plan.interpolation)
+    check_in_tiles(plan.interpolation)
     if plan.quantity == "height":
         plan.check_range(np.array([low, high]))
     return plan
 
 
-def check_interpolation(interpolation: Interpolation) -> None:
+def check_in_tiles(interpolation: Interpolation) -> None:
     """Raise for an interpolation that a part of a surface does not have."""
     if interpolation == "c1":
         raise InputError(

@@ -31,7 +31,7 @@ _DELIMITERS = (" ", ",", ";", "\t")
 OF_LAS = frozenset(each for k in range(11) for each in laspy.PointFormat(k).dimension_names)
 """The values that every point of a LAS file has, of one format or another."""
 
-OF_FILES = ("las", "las_records", "raster", "e57", "landxml", "holes")
+OF_FILES = frozenset({each.name for each in FORMATS} | {"las_records", "holes"})
 """Entries of metadata that say how a file holds its points, or which faces are missing."""
 
 

@@ -32,6 +32,7 @@ EXACT = ("lattice", "tilted lattice", "mixed exponents")
 TERRAIN = ("random heights", "towers")
 METRIC = ((2.0, 0.5), (0.5, 1.25))
 POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
+ALPHA = ("circumradii", "alpha_complex", "alpha_shape", "optimal_alpha")
 PROPERTIES = (
     "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
     "vertex_neighbor_vertices", "transform", "equations", "edges",
@@ -90,6 +91,12 @@ SOLID = {name: SPATIAL[name] for name in TERRAIN}
 
 on_tetrahedra = on(liftmesh.tetrahedralize)
 """Prepare a call on the tetrahedra of points."""
+
+
+def whole_complex(points: Points) -> liftmesh.AlphaComplex:
+    """Make the alpha complex of points in space."""
+    return liftmesh.tetrahedralize(points).alpha_complex()
+
 
 on_solid = on(liftmesh.convex_hull)
 """Prepare a call on the convex hull of points."""
@@ -321,6 +328,9 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
         on_triangulation(lambda t: t.plane_distance(t.points[0])),
         PLAIN,
     )
+    for name in ALPHA:
+        call = operator.methodcaller(name)
+        yield f"Triangulation.{name}", PLANAR, on_triangulation(call), ("lattice",)
     yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
@@ -329,6 +339,20 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "LowerHull.to_trimesh", PLANAR, on_hull(lambda hull: hull.to_trimesh()), PLAIN
     yield "LowerHull.to_open3d", PLANAR, on_hull(lambda hull: hull.to_open3d()), ()
     yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
+
+
+def alpha_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of alpha complexes and shapes in space."""
+    for name in ALPHA:
+        yield f"Tetrahedralization.{name}", SOLID, on_tetrahedra(operator.methodcaller(name)), ()
+    yield "alpha_shape", SOLID, on_points(liftmesh.alpha_shape), ("random heights",)
+    yield "AlphaComplex.at", SOLID, on(whole_complex)(lambda found: found.at(1.0)), ()
+    on_shape = on(liftmesh.alpha_shape)
+    for name in ("vertices", "nonmanifold"):
+        yield f"AlphaShape.{name}", SOLID, on_shape(operator.attrgetter(name)), ()
+    for name in ("to_cloud", "to_trimesh", "to_open3d"):
+        yield f"AlphaShape.{name}", SOLID, on_shape(operator.methodcaller(name)), ()
+    yield "AlphaShape.save", SOLID, on_shape(saved), ()
 
 
 def spatial_functions() -> Iterator[tuple[Any, ...]]:
@@ -415,4 +439,10 @@ def scipys_in_space() -> Iterator[tuple[Any, ...]]:
     yield "scipy.SpaceDelaunay.close", SOLID, in_space(liftmesh.scipy.SpaceDelaunay.close), ()
 
 
-FUNCTIONS = (*planar_functions(), *tiled_functions(), *spatial_functions(), *scipys_in_space())
+FUNCTIONS = (
+    *planar_functions(),
+    *tiled_functions(),
+    *spatial_functions(),
+    *scipys_in_space(),
+    *alpha_functions(),
+)

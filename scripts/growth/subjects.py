@@ -109,6 +109,8 @@ WITHOUT_DATA = {
     "TransportResult": "a result, made by transport",
     "Cells": "a result, made by voronoi; its methods and properties are watched",
     "Unclipped": "a result, made by Cells.unclipped; its properties are watched",
+    "AlphaComplex": "a result, made by alpha_complex; its methods are watched",
+    "AlphaShape": "a result, made by alpha_shape; its methods are watched",
     "AnisotropicStars": "a result, made by anisotropic_stars; its methods are watched",
     "ApolloniusCells": "a result, made by apollonius_diagram; what it adds to Cells is watched",
     "ApolloniusGraph": "a result, made by apollonius; its methods are watched",

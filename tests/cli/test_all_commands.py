@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
+from importlib import import_module
 from importlib.metadata import version
 
 import numpy as np
@@ -22,13 +24,8 @@ from commands import (
 )
 
 from liftmesh.cli import exit_codes, main
+from liftmesh.cli.application import COMMANDS, Command
 from liftmesh.cli.terminal import bytes_text
-
-COMMANDS = [
-    "triangulate", "tile", "simplify", "thin", "compare", "info", "sample", "height", "profile",
-    "accuracy", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
-    "voronoi", "constrain", "refine", "paper",
-]  # fmt: skip
 
 
 @pytest.mark.parametrize("after", [[], ["triangulate"]])
@@ -58,6 +55,26 @@ def test_help_has_examples_that_parse(command):
     examples = [line.strip() for line in done.stdout.splitlines() if line.strip().startswith("$ ")]
     assert len(examples) >= 2
     assert all(line.startswith(f"$ liftmesh {command} ") for line in examples)
+
+
+def test_pages_and_campaigns_name_every_command():
+    readme, reading, jobs = (
+        (ROOT / path).read_text("utf-8") for path in ("README.md", "READING.md", "scripts/jobs.py")
+    )
+    assert [name for name in COMMANDS if not re.search(rf"liftmesh {name}\b", readme)] == []
+    assert {*re.findall(r'yield f?"([\w-]+) ', jobs)} == {*COMMANDS}
+    reads_lidar = [
+        name
+        for name in COMMANDS
+        if any("--all-classes" in each.opts for each in Command(name).params)
+    ]
+    told = next(line for line in reading.splitlines() if "the ground of a LAS or LAZ file" in line)
+    assert [name for name in reads_lidar if f"`{name}`" not in told] == []
+
+
+def test_a_hyphen_in_the_name_of_a_command_is_an_underscore_in_its_module(monkeypatch):
+    monkeypatch.setitem(sys.modules, "liftmesh.cli.some_name", import_module("liftmesh.cli.info"))
+    assert Command("some-name").name == "some-name"
 
 
 def test_help_tells_the_exit_codes():

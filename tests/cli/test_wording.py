@@ -14,13 +14,9 @@ from commands import failed, liftmesh, process
 
 from liftmesh import Cloud, triangulate, write
 from liftmesh.cli import exit_codes
+from liftmesh.cli.application import COMMANDS
 from liftmesh.cli.wording import usage_message
 
-COMMANDS = [
-    "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "profile",
-    "raster", "contour", "volume", "difference", "clip", "solid", "tileset", "voronoi", "constrain",
-    "refine", "paper",
-]  # fmt: skip
 FOREIGN = re.compile(
     r"input should|valid integer|value error|invalid value|no such|missing argument|"
     r"got unexpected|does not take|requires an argument|possible options|click",

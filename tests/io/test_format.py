@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import inspect
 import pickle
+import re
+from pathlib import Path
 
 import pytest
 
+import liftmesh
+from liftmesh import read
 from liftmesh.io.format import LazyFunction, dropped_values
+from liftmesh.io.formats import FORMATS
 
 
 def test_a_function_is_imported_at_the_first_call() -> None:
@@ -30,3 +35,12 @@ def test_a_function_stands_for_itself() -> None:
 @pytest.mark.parametrize(("name", "told"), [("size", "size"), ("alpha", "alpha (values)")])
 def test_values_with_the_name_of_a_part_are_told_apart(name: str, told: str) -> None:
     assert dropped_values(name) == told
+
+
+def test_pages_name_every_format() -> None:
+    root = Path(liftmesh.__file__).parents[1]
+    pages = [(root / name).read_text("utf-8") for name in ("README.md", "FORMATS.md")]
+    for each in FORMATS:
+        words = "|".join({each.name, *(suffix[1:] for suffix in each.suffixes)})
+        for text in [*pages, *([read.__doc__ or ""] if each.read else [])]:
+            assert re.search(rf"\b({words})\b", text, re.IGNORECASE), (each.name, text[:30])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from liftmesh.errors import InputError
-from liftmesh.io.read import check_grounds, for_surface, read_rows
+from liftmesh.io.read import check_grounds, for_surface, read_for_surface
 
 WITH = {"ground": 1, "selected": 5}
 WITHOUT = {"ground": 0, "selected": 9}
@@ -28,6 +28,6 @@ def test_all_files_have_ground_or_none() -> None:
 
 
 def test_all_rows_of_an_object_count() -> None:
-    assert len(read_rows([[0, 0, 5], [1, 0, 6]])) == 2
+    assert len(read_for_surface([[0, 0, 5], [1, 0, 6]])) == 2
     with pytest.raises(InputError, match="classes= is for files"):
-        read_rows([[0, 0, 5], [1, 0, 6]], classes=2)
+        read_for_surface([[0, 0, 5], [1, 0, 6]], classes=2)

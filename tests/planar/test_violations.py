@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import liftmesh
+from liftmesh.disks import verification as disks
 from liftmesh.disks.verification import DiskViolations
+from liftmesh.planar import tetrahedra, violations
 from liftmesh.planar.kinds import TriangulationKind
 from liftmesh.planar.violations import TriangleViolations
+from liftmesh.tiles import proof
 
 CORNERS = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
 
@@ -44,3 +51,29 @@ def test_several_rows_are_listed() -> None:
     flaw = violations.flaw("missing_vertices", 1, [(0, 0)])
     assert flaw.first[0].text == "row 0 (0.0, 1.0) is in no triangle, not hidden, and no duplicate"
     assert violations.flaw("wrong_hidden", 1, [(0, 2)]).text == "1 row is not hidden"
+
+
+ROOT = Path(liftmesh.__file__).parent
+KERNELS = {
+    "flaws.hpp": violations.MEANINGS,
+    "disks.hpp": disks.MEANINGS,
+    "tetrahedra.hpp": tetrahedra._MEANINGS,
+}
+
+
+@pytest.mark.parametrize("header", KERNELS)
+def test_flaws_have_the_names_and_the_order_of_the_kernel(header: str) -> None:
+    text = (ROOT / "_core" / "verify" / header).read_text("utf-8")
+    body = re.search(r"enum class \w*Flaw : std::uint8_t \{(.*?)kinds\n", text, re.DOTALL)
+    assert body
+    assert re.findall(r"^ +(\w+),", body[1], re.MULTILINE) == [*KERNELS[header]]
+
+
+def test_every_kind_of_flaw_is_documented() -> None:
+    code = "".join(path.read_text("utf-8") for path in ROOT.rglob("*.py"))
+    made = re.findall(r'[Ff]law\(\s*"(\w+)"', code)
+    of_tiles = proof._MEANINGS
+    documented = re.search(r"kind : str(.*?)count : int", liftmesh.Flaw.__doc__ or "", re.DOTALL)
+    assert documented
+    known = set().union(made, of_tiles, *KERNELS.values())
+    assert {*re.findall(r'"(\w+)"', documented[1])} == known

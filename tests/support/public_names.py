@@ -38,10 +38,11 @@ def public_methods() -> Iterator[tuple[str, object]]:
 def own_members(kind: type) -> dict[str, object]:
     """Members of a class and of those private bases that its methods are divided among."""
     public = {getattr(liftmesh, name) for name in liftmesh.__all__}
+    inherited = {each for base in kind.__mro__[1:] if base in public for each in base.__mro__}
     bases = [
         base
         for base in kind.__mro__[1:]
-        if base.__module__.startswith("liftmesh.") and base not in public
+        if base.__module__.startswith("liftmesh.") and base not in inherited
     ]
     return {k: v for each in (*bases, kind) for k, v in vars(each).items()}
 

@@ -1,4 +1,5 @@
-// The ellipse through a point p and two others, circular in the metric of p: who is in it?
+// The ellipse through a point p and two others, a circle in the metric of p: which points lie in
+// it.
 //
 // Relative to p, with Q the quadratic form of the metric, a point u is inside if
 //

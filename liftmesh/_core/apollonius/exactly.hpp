@@ -1,5 +1,5 @@
-// Disks as exact integers relative to the first of them, in the least type that holds what the
-// polynomials make of them.
+// Disks as exact integers relative to the first of them, in the smallest type that holds the values
+// of the polynomials.
 #pragma once
 
 #include "apollonius/disk.hpp"

@@ -1,4 +1,5 @@
-// A list of facets, each with its neighbours: the output of the engines without static slots.
+// `Result`, the output arrays of every engine; and lists of facets with their neighbours, from
+// which the engines without static slots make it.
 #pragma once
 
 #include "base/buffer.hpp"

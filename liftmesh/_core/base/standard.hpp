@@ -1,5 +1,5 @@
-// What the kernel takes of the standard library, in one place: builds precompile it, which halves
-// the time that they take.
+// The headers of the standard library that the kernel uses: builds precompile them, which halves
+// their time.
 #pragma once
 
 #include <algorithm>

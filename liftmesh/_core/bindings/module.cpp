@@ -129,6 +129,7 @@ NB_MODULE(_kernel, m) {
     m.attr("ROWS_PER_THREAD") = liftmesh::rows_per_thread;
     bindings::bind_planar(m);
     bindings::bind_text(m);
+    bindings::bind_alpha(m);
     bindings::bind_anisotropic(m);
     bindings::bind_apollonius(m);
     bindings::bind_dynamic(m);

@@ -18,6 +18,7 @@
 #include "base/status.hpp"
 #include "delaunay/delaunay.hpp"
 #include "parallel/blocks.hpp"
+#include "predicates/orient3d.hpp"
 #include "verify/flaws.hpp"
 
 namespace bindings {
@@ -94,11 +95,13 @@ nb::object adopt(liftmesh::Buffer<T> values, std::size_t rows, std::size_t colum
 template <class T, int... columns>
 using Array = nb::ndarray<T, nb::shape<-1, columns...>, nb::c_contig, nb::device::cpu>;
 using Pairs = Array<const double, 2>;
+using Places = Array<const double, 3>;
 using Triples = Array<const std::int32_t, 3>;
 using Numbers = Array<const double>;
 using Ids = Array<const std::int32_t>;
 using ChangingIds = Array<std::int32_t>;
 using Signs = Array<std::int8_t>;
+using ChangingFlags = Array<std::uint8_t>;
 using PlanarRows = nb::ndarray<nb::ro, nb::ndim<2>, nb::device::cpu>;
 using Column = nb::ndarray<nb::ro, nb::ndim<1>, nb::device::cpu>;  // one value for each row
 
@@ -215,6 +218,11 @@ inline Point point(const Pairs& pairs, std::size_t i) {
     return {pairs.data()[2 * i], pairs.data()[2 * i + 1]};
 }
 
+inline const liftmesh::SpacePoint* points(const Places& places) {
+    static_assert(sizeof(liftmesh::SpacePoint) == 3 * sizeof(double));
+    return reinterpret_cast<const liftmesh::SpacePoint*>(places.data());
+}
+
 // A number that nobody can foresee.
 inline std::uint64_t new_secret() {
     std::random_device random;
@@ -278,6 +286,7 @@ nb::list as_list(const liftmesh::FlawsOf<Kind>& flaws) {
 }
 
 // The functions and classes of each room.
+void bind_alpha(nb::module_& m);
 void bind_anisotropic(nb::module_& m);
 void bind_apollonius(nb::module_& m);
 void bind_cells(nb::module_& m);

@@ -11,7 +11,6 @@ namespace bindings {
 namespace {
 
 using liftmesh::SpacePoint;
-using Places = Array<const double, 3>;
 
 SpacePoint place(const Places& places, std::size_t i) {
     const double* at = places.data() + 3 * i;
@@ -50,11 +49,6 @@ nb::tuple tetrahedralize(const PlanarRows& rows, bool skip_non_finite, std::uint
 }
 
 using Quadruples = Array<const std::int32_t, 4>;
-
-const SpacePoint* points(const Places& places) {
-    static_assert(sizeof(SpacePoint) == 3 * sizeof(double));
-    return reinterpret_cast<const SpacePoint*>(places.data());
-}
 
 nb::tuple verify_tetrahedra(const PlanarRows& rows, const Quadruples& simplices,
                             bool skip_non_finite, nb::handle progress) {

@@ -222,7 +222,6 @@ class PyRelief {
     liftmesh::Relief relief_;
 };
 
-using ChangingFlags = Array<std::uint8_t>;
 using FlagTriples = Array<const std::uint8_t, 3>;
 
 void leave_out_from_rim(const Triples& neighbors, const FlagTriples& is_long,

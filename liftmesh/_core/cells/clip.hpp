@@ -1,6 +1,6 @@
 // Voronoi and power cells inside a domain: polygons with holes, of any number of parts.
 //
-// 1. Each ring of the domain is followed from cell to cell (`power_centre.hpp`). What of it lies in
+// 1. Each ring of the domain is followed from cell to cell (`passages.cpp`). What of it lies in
 //    one cell is a *passage*: it comes in over a ridge, passes corners of the domain, and leaves
 //    over a ridge; or it is a whole ring. The inside of the domain is to its left.
 // 2. In a cell with passages, the ends of these are put into the order in which they lie around the

@@ -4,66 +4,11 @@
 #include "predicates/fixed_point.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/lifted_determinant.hpp"
+#include "predicates/nearest_double.hpp"
 
 namespace liftmesh {
 
 namespace {
-
-// The double nearest to a number that is known by comparisons only.
-//
-// Doubles are numbered in ascending order: 0 is number 0, the least positive one number 1, infinity
-// the last. Between consecutive ones lies a midpoint, at which the result changes, and at which the
-// even one of the two is taken, as by IEEE 754. The midpoint before infinity lies where 2^1024
-// would be the next double.
-using NumberOfDouble = std::int64_t;
-constexpr NumberOfDouble number_of_infinity = 0x7ff0000000000000;
-
-NumberOfDouble number_of(double value) {
-    const auto size = static_cast<NumberOfDouble>(std::bit_cast<std::uint64_t>(std::fabs(value)));
-    return value < 0 ? -size : size;
-}
-
-double double_of(NumberOfDouble number) {
-    const double size = std::bit_cast<double>(static_cast<std::uint64_t>(std::abs(number)));
-    return number < 0 ? -size : size;
-}
-
-// A double of a number as an exact value, in which infinity is 2^1024.
-Dyadic value_of(NumberOfDouble number) {
-    if (std::abs(number) == number_of_infinity) return {number < 0 ? -1 : 1, 1024};
-    return dyadic(double_of(number));
-}
-
-// `side(number)` is the sign of the value minus the midpoint of this double and the next one. The
-// search begins at a finite double near the value.
-template <class Side>
-double nearest_double(double near, Side side) {
-    const auto is_beyond = [&](NumberOfDouble number) {
-        if (number >= number_of_infinity) return false;
-        if (number < -number_of_infinity) return true;
-        const int sign = side(number);
-        return sign > 0 || (sign == 0 && number % 2 != 0);
-    };
-    // The value is beyond `below`, and not beyond `found`.
-    constexpr NumberOfDouble most = number_of_infinity, widest = NumberOfDouble{1} << 61;
-    NumberOfDouble below = number_of(near), found = below, step = 1;
-    if (is_beyond(found)) {
-        for (++found; is_beyond(found); step = std::min(2 * step, widest)) {
-            below = found;
-            found = found > most - step ? most : found + step;
-        }
-    } else {
-        for (--below; !is_beyond(below); step = std::min(2 * step, widest)) {
-            found = below;
-            below = below < step - most ? -most - 1 : below - step;
-        }
-    }
-    while (found - below > 1) {
-        const NumberOfDouble middle = below + (found - below) / 2;
-        (is_beyond(middle) ? below : found) = middle;
-    }
-    return double_of(found);
-}
 
 constexpr double u2 = 0x1p-106;
 
@@ -221,11 +166,6 @@ Point rough_centre(const Lift& lift, const Lifted<Lift> (&sites)[3]) {
     }
     const Point centre = point(estimate(lift, scaled).centre.high);
     return {std::ldexp(centre.x, -shift), std::ldexp(centre.y, -shift)};
-}
-
-double finite_near(double value) {
-    constexpr double largest = std::numeric_limits<double>::max();
-    return std::isnan(value) ? 0.0 : std::clamp(value, -largest, largest);
 }
 
 // --- exact comparisons --------------------------------------------------------------------------

@@ -1,4 +1,5 @@
-// The corners of Voronoi and power cells: each coordinate is the double nearest to the exact one.
+// The corners of Voronoi and power cells (power_centre.cpp), each coordinate the double nearest to
+// the exact one; and the exact signs of powers along segments (power_side.cpp).
 //
 // The point of equal power to three weighted sites is where the planes that belong to them meet;
 // without weights it is the centre of their circle. With heights h = |p|^2 - w,

@@ -1,4 +1,5 @@
-// From the caller's rows to the output arrays.
+// The entry points of the room: Delaunay, regular and farthest-point triangulations, from the
+// caller's rows to the output arrays.
 #pragma once
 
 #include "base/facets.hpp"

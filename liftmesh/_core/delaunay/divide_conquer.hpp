@@ -1,4 +1,5 @@
-// The default engine: divide and conquer on the lifted lower hull.
+// Divide and conquer on the lifted lower hull, for every lift, from sorted points to a
+// construction; and its conversion to the result (`compact`).
 #pragma once
 
 #include "base/buffer.hpp"

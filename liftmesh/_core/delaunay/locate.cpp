@@ -2,7 +2,7 @@
 
 #include "base/buffer.hpp"
 #include "base/floating_point.hpp"
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 #include "delaunay/walk.hpp"
 #include "parallel/blocks.hpp"
 #include "sorting/sample.hpp"

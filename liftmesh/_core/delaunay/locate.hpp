@@ -9,9 +9,9 @@
 #pragma once
 
 #include "base/status.hpp"
+#include "delaunay/first_containing.hpp"
 #include "delaunay/made_on_demand.hpp"
 #include "delaunay/query_order.hpp"
-#include "delaunay/ties.hpp"
 #include "delaunay/trapezoid_map.hpp"
 #include "delaunay/triangulated.hpp"
 #include "delaunay/walk.hpp"

@@ -1,5 +1,5 @@
-// A part of an index that is made once doing without it has cost about as much as making it would:
-// so both together cost about twice what the better of the two would have cost.
+// A part of an index that is built lazily, once the cost of not having it equals the cost of
+// building it: both together are about twice the lesser of the two.
 //
 // One thread makes it, and others that need it meanwhile wait for that. No lock is held, which a
 // fork could leave locked in the child for ever: the maker leaves a note, which counts in its own

@@ -1,4 +1,5 @@
-// Merges two adjacent triangulations along their seam: the core of divide and conquer.
+// The merge of two adjacent triangulations along their seam, the core of divide and conquer; and
+// what the merge of regular ones (regular_merge.hpp) shares with it.
 #pragma once
 
 #include "base/pair.hpp"

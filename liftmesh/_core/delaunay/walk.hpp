@@ -11,7 +11,7 @@
 
 #include "base/pair.hpp"
 #include "base/point.hpp"
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 #include "delaunay/triangulated.hpp"
 #include "predicates/orient2d.hpp"
 

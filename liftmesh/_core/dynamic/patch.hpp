@@ -1,4 +1,4 @@
-// Triangles that are made beside a mesh, before it changes.
+// New triangles that are to fill a hole, collected before the mesh changes.
 #pragma once
 
 #include "delaunay/mesh.hpp"

@@ -1,4 +1,4 @@
-// What an edge leaves that is a constraint no more.
+// The triangles that change around an edge that ceases to be a constraint.
 //
 // The triangles that it would cross, if it were put in again, are those that come now: a strip from
 // one of its ends, a, to the other. All others stay, and so do their edges. So the strip is found

@@ -1,4 +1,5 @@
-// What is made of exact determinants, beside the signs of orientations and in-circle tests.
+// Exact determinants as numbers, rounded once, with the weights, slopes and comparisons of heights
+// that are computed from them.
 #pragma once
 
 #include "base/point.hpp"

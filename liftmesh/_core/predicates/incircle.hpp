@@ -68,9 +68,11 @@ inline bool incircle_canonical(Point a, Point b, Point c, Point d, Guard guard) 
 }
 
 // The symbolic perturbation, which is the rule for ties: the sign where a lifted point lies exactly
-// on the plane of three others. incircle, orient3d and verify use it; the paper's first edge, which
-// compares heights, has the same rule in a form of its own (paper/algorithm2.hpp).
-
+// on the plane of three others. It is used by incircle, orient3d, lifted_side and
+// verify/edge_pairing. The same rule has other forms in space (insphere.cpp), along a segment
+// between cells (`perturbed_order` in cells/power_side.cpp) and for the paper's first edge, which
+// compares heights (paper/algorithm2.hpp). Disks have a rule of their own (apollonius/disk.hpp).
+//
 // The sign of incircle(a, b, c, d), or of orient3d, once lexicographically larger points (by x,
 // then y) are lifted by an infinitesimal more. It is 0 only if a, b, c are collinear or d coincides
 // with one of them.

@@ -1,5 +1,5 @@
-// Orientation in space and the side test of a sphere, in the form that tetrahedra need: for whole
-// sets of points, of which is known before how far a filter may be trusted.
+// Orientation in space and the side test of a sphere, as tetrahedra need them: for whole sets of
+// points, whose filters have bounds that are computed beforehand.
 //
 // volume_sign(a, b, c, d): +1 where d sees a, b, c turn counter-clockwise, so that the tetrahedron
 // is positive; -1 where clockwise, 0 where the four are coplanar. (orient3d() has the opposite

@@ -1,5 +1,5 @@
-// What points are lifted to: the height policies. A lower facet of the lifted points is a triangle
-// of their Delaunay triangulation, or of a relative of it.
+// The height policies: to what height each kind of triangulation lifts a point. A lower facet of
+// the lifted points is a triangle of their Delaunay triangulation, or of a relative of it.
 //
 // The predicates, the merges and the engine are templates over a lift, so that each member of the
 // family is an instance of the same code. A site is a position with a value: its weight, its

@@ -1,4 +1,4 @@
-// Constraints that are split, as points come too near to them.
+// Splits constraints to which points come too near.
 
 #include "refinement/refinement.hpp"
 

@@ -1,4 +1,4 @@
-// What waits to be split, in an order that depends on positions alone.
+// Queues of triangles and constraints to be split, in an order that depends on positions alone.
 #pragma once
 
 #include <queue>

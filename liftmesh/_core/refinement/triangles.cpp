@@ -1,4 +1,4 @@
-// Triangles that are sharp or large, and the points that go into them.
+// Finds triangles that are sharp or large, and places points in them.
 
 #include "refinement/refinement.hpp"
 

@@ -1,6 +1,6 @@
 #include "surface/first_faces.hpp"
 
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh {

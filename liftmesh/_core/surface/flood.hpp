@@ -6,7 +6,7 @@
 // area.
 #pragma once
 
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 #include "surface/face_pair.hpp"
 
 namespace liftmesh {

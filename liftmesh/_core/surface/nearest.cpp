@@ -1,7 +1,7 @@
 #include "surface/nearest.hpp"
 
 #include "base/input.hpp"
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 #include "predicates/determinants.hpp"
 
 namespace liftmesh {

@@ -1,4 +1,4 @@
-// What lies between two surfaces: the faces of both are laid over each other.
+// The volumes between two surfaces, whose faces are laid over each other.
 //
 // All pairs that touch are found by a flood (flood.hpp). The part that two faces have in common
 // follows from the same orientations (face_pair.hpp), and is measured in doubles, relative to a

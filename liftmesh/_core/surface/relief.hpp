@@ -7,8 +7,8 @@
 #pragma once
 
 #include "base/buffer.hpp"
+#include "delaunay/first_containing.hpp"
 #include "delaunay/made_on_demand.hpp"
-#include "delaunay/ties.hpp"
 #include "delaunay/triangulated.hpp"
 #include "surface/facet.hpp"
 #include "surface/first_faces.hpp"

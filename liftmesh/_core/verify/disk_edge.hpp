@@ -1,5 +1,4 @@
-// What is to be seen at one edge of a graph of disks: whether the arc that is its dual leads
-// forward.
+// The test of one edge of a graph of disks: whether the arc that is its dual leads forward.
 #pragma once
 
 #include "apollonius/disk.hpp"

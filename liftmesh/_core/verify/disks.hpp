@@ -11,6 +11,7 @@ namespace liftmesh {
 // Places are triangles, edges, places in the hull, or rows. Edge 3 t + k is opposite corner k
 // of triangle t; after these come the pairs of the hull, then the edges to infinity, from the
 // second disk of each pair.
+// MEANINGS in disks/verification.py has the same names in the same order.
 enum class DiskFlaw : std::uint8_t {
     invalid_index,     // an entry that is no row, or of the neighbours no triangle: list, and place
     degenerate,        // a triangle of which a disk is in another

@@ -1,4 +1,5 @@
-// What is wrong with a triangulation: the count and the first places of each kind of flaw.
+// Flaws of a triangulation: the count and the first places of each kind; and the triangles that are
+// verified, as all steps of the verifier see them (`MeshView`).
 #pragma once
 
 #include "base/point.hpp"
@@ -7,6 +8,7 @@
 
 namespace liftmesh {
 
+// MEANINGS in planar/violations.py has the same names in the same order.
 enum class Flaw : std::uint8_t {
     invalid_index,          // a corner that is not a row
     non_finite,             // a corner on a row that is not finite
@@ -83,8 +85,6 @@ class FlawsOf {
 
 using Flaws = FlawsOf<Flaw>;
 
-// The triangulation to verify: positions, and triangles over them.
-
 class Sides;
 
 // An edge of one triangle, directed so that the triangle lies on its left. `place` is the place of
@@ -94,6 +94,7 @@ struct HalfEdge {
     std::uint32_t place;
 };
 
+// The triangulation to verify: positions, and triangles over them.
 struct MeshView {
     const Point* points;
     std::size_t rows;

@@ -1,6 +1,6 @@
-// Nearly all rows have a position of their own, and are alone in their slots (`slots.hpp`). The few
-// that are not go through a hash partition, and sorting a bucket separates the positions:
-// O(n log n) on every input.
+// Nearly all rows have a position of their own, and are alone in their slots
+// (`hash_partition.hpp`). The few that are not go through a hash partition, and sorting a bucket
+// separates the positions: O(n log n) on every input.
 
 #include "base/input.hpp"
 #include "base/point.hpp"

@@ -1,4 +1,5 @@
-// Points that are lifted by something else than |p|^2: which side of a lifted plane a row is on.
+// `Member`: which triangulation the triangles should be (lift, constraints); and `Sides`, the exact
+// side tests of lifts other than |p|^2.
 #pragma once
 
 #include "base/buffer.hpp"

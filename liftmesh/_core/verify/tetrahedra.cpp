@@ -98,7 +98,7 @@ class TetrahedraVerifier {
             const std::size_t first = 4 * t;
             const int sign =
                 side(corner(first), corner(first + 1), corner(first + 2), corner(first + 3));
-            if (sign <= 0) add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::flat, t);
+            if (sign <= 0) add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::degenerate, t);
         });
     }
 
@@ -153,7 +153,7 @@ class TetrahedraVerifier {
         ++verdict_.facets;
         for (std::size_t i = 1; i < same.size(); ++i)
             if (same[i].is_odd == same[i - 1].is_odd)
-                add(SpaceFlaw::repeated_facets, same[i].place, same[i - 1].place);
+                add(SpaceFlaw::non_manifold_facets, same[i].place, same[i - 1].place);
         if (same.size() == 1)
             boundary_.push_back(same.front().place);
         else if (same.front().is_odd != same.back().is_odd)
@@ -161,7 +161,8 @@ class TetrahedraVerifier {
     }
 
     void check_sphere(std::size_t place, std::size_t other) {
-        if (verdict_.flaws.any(SpaceFlaw::negative) || verdict_.flaws.any(SpaceFlaw::flat)) return;
+        if (verdict_.flaws.any(SpaceFlaw::negative) || verdict_.flaws.any(SpaceFlaw::degenerate))
+            return;
         const std::size_t first = place - place % 4;
         const SpacePoint five[5] = {at(corner(first)), at(corner(first + 1)), at(corner(first + 2)),
                                     at(corner(first + 3)), at(corner(other))};
@@ -189,7 +190,7 @@ class TetrahedraVerifier {
         }
         std::sort(edges.begin(), edges.end());
         for (std::size_t i = 0; i < edges.size(); ++i) check_edge(edges, i);
-        if (!verdict_.flaws.any(SpaceFlaw::open_edges)) check_turn(edges);
+        if (!verdict_.flaws.any(SpaceFlaw::non_manifold_edges)) check_turn(edges);
     }
 
     static auto from(const std::vector<BoundaryEdge>& edges, Vertex tail, Vertex head) {
@@ -202,7 +203,7 @@ class TetrahedraVerifier {
         const bool is_repeated = i > 0 && edges[i - 1].tail == tail && edges[i - 1].head == head;
         const auto back = from(edges, head, tail);
         if (is_repeated || back == edges.end() || back->tail != head || back->head != tail) {
-            add(SpaceFlaw::open_edges, points_.rows[tail], points_.rows[head]);
+            add(SpaceFlaw::non_manifold_edges, points_.rows[tail], points_.rows[head]);
             return;
         }
         const auto [a, b, c] = facet(boundary_[number]);

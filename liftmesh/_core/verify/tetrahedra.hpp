@@ -19,18 +19,19 @@
 
 namespace liftmesh {
 
+// _MEANINGS in planar/tetrahedra.py has the same names in the same order.
 enum class SpaceFlaw : std::uint8_t {
-    invalid_index,     // a corner that is not a row
-    non_finite,        // a corner on a row that is not finite
-    negative,          // a tetrahedron of negative volume
-    flat,              // one of no volume
-    repeated_facets,   // a facet with several tetrahedra on one side: one of them, and which
-    open_edges,        // two rows: an edge that does not join two facets of the boundary
-    boundary_winding,  // a row at which the boundary turns around more than once
-    not_convex,        // a facet of the boundary, with a point outside of it or of the next
-    missing_vertices,  // a row without a vertex at its position
-    not_delaunay,      // a facet with the opposite vertex of a neighbour inside the sphere
-    not_canonical,     // a facet that the symbolic perturbation would flip
+    invalid_index,        // a corner that is not a row
+    non_finite,           // a corner on a row that is not finite
+    negative,             // a tetrahedron of negative volume
+    degenerate,           // one of no volume
+    non_manifold_facets,  // a facet with several tetrahedra on one side: one of them, and which
+    non_manifold_edges,   // two rows: an edge that does not join two facets of the boundary
+    boundary_winding,     // a row at which the boundary turns around more than once
+    not_convex,           // a facet of the boundary, with a point outside of it or of the next
+    missing_vertices,     // a row without a vertex at its position
+    not_delaunay,         // a facet with the opposite vertex of a neighbour inside the sphere
+    not_canonical,        // a facet that the symbolic perturbation would flip
     kinds
 };
 

@@ -12,8 +12,6 @@
 
 namespace liftmesh {
 
-// Rows without a vertex, of lifts that may hide rows.
-
 // Triangles over points, with their neighbours; queries, and the triangle that holds each of them,
 // or -1.
 struct Question {

@@ -3,8 +3,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "delaunay/first_containing.hpp"
 #include "delaunay/locate.hpp"
-#include "delaunay/ties.hpp"
 #include "delaunay/trapezoid_map.hpp"
 #include "delaunay/walk.hpp"
 #include "demand.hpp"

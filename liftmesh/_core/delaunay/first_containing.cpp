@@ -1,4 +1,4 @@
-#include "delaunay/ties.hpp"
+#include "delaunay/first_containing.hpp"
 
 #include "predicates/orient2d.hpp"
 

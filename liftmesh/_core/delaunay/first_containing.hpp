@@ -1,5 +1,6 @@
-// Which triangle is found where several contain a query, on an edge or at a vertex: the first of
-// the arrays. It depends on the query alone, not on the triangle by which it was reached.
+// Of several triangles that contain a query, on an edge or at a vertex, the first of the arrays is
+// found. (The rule for cocircular points is in predicates/incircle.hpp.) It depends on the query
+// alone, not on the triangle by which it was reached.
 #pragma once
 
 #include "base/point.hpp"
