@@ -15,8 +15,8 @@ kept with what rounding takes off them (T. J. Dekker, "A floating-point techniqu
 available precision", Numer. Math. 18, 1971), and P has twice the digits of a double but for what
 cancels.
 
-*Arcs* become polylines within a tolerance. Seen from the centre of the smaller disk p, a side that its
-cell shares with that of q is the curve
+*Arcs* become polylines within a tolerance. Seen from the centre of the smaller disk p, a side that
+its cell shares with that of q is the curve
 
     R = P / (2 (d cos t + r)),   P = d^2 - r^2,
 
