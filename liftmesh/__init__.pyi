@@ -21,7 +21,8 @@ from .cells.voronoi import (
     power_diagram as power_diagram,
     voronoi as voronoi,
 )
-from .comparison.compare import Comparison as Comparison, compare as compare
+from .comparison.compare import compare as compare
+from .comparison.report import Comparison as Comparison
 from .disks.apollonius import ApolloniusGraph as ApolloniusGraph, apollonius as apollonius
 from .errors import (
     CrossingError as CrossingError,

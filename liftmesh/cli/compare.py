@@ -12,7 +12,7 @@ from liftmesh.cli.options import option, whole
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.comparison.compare import Comparison
+    from liftmesh.comparison.report import Comparison
 
 SHORT_HELP = "Compare liftmesh's triangles with trimesh's convex hull."
 HELP = (

@@ -14,15 +14,14 @@ from clouds import FAMILIES
 from oracles import planar as oracle
 
 import liftmesh
-from liftmesh.comparison.compare import interruptible
 from liftmesh.comparison.differences import (
-    confirm,
     find_cells,
     find_differences,
     first_of_each,
     match_triangles,
-    refute,
 )
+from liftmesh.comparison.hull import interruptible
+from liftmesh.comparison.proofs import confirm, refute
 from liftmesh.planar.lifting import lift
 
 UTM = (450_000.0, 5_200_000.0)

@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from liftmesh.comparison.differences import broken_cell, confirm, incircle_determinant, refute
+from liftmesh.comparison.proofs import broken_cell, confirm, incircle_determinant, refute
 
 SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.5, 0.5]])
 ROWS = np.arange(4, dtype=np.int32)
