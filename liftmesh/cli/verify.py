@@ -145,7 +145,7 @@ def _verify_file(
 def _note_own_faces(cloud: Cloud, plane: Any, threads: int | None) -> None:
     """Report a mesh that is a surface all the same, as a trimmed one, or one with other sides."""
     from liftmesh.errors import LiftmeshError
-    from liftmesh.terrain.meshes import as_surface
+    from liftmesh.terrain.triangulate import as_surface
 
     try:
         with inputs.without_warnings():

@@ -7,7 +7,7 @@ it are constraints, so nothing sees across them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -23,10 +23,7 @@ from liftmesh.planar.constrained_triangulation import (
     bits_of,
 )
 from liftmesh.terrain.measures import touching
-from liftmesh.terrain.surface_data import kernel_surface
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface_data import SurfaceData
+from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 
 _TAILS, _HEADS = [1, 2, 0], [2, 0, 1]  # of the sides opposite the corners
 _FILLER = 8  # above the bits of sides
