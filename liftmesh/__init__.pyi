@@ -73,6 +73,10 @@ from .raster.raster import Raster as Raster
 from .space.alpha_shape import alpha_shape as alpha_shape
 from .space.convex_hull import ConvexHull as ConvexHull, convex_hull as convex_hull
 from .space.lower_hull import lower_hull as lower_hull
+from .space.spherical import (
+    SphericalTriangulation as SphericalTriangulation,
+    spherical_delaunay as spherical_delaunay,
+)
 from .space.tetrahedra import tetrahedralize as tetrahedralize
 from .space.tetrahedralization import Tetrahedralization as Tetrahedralization
 from .terrain.accuracy import Accuracy as Accuracy

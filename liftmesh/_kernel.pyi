@@ -205,6 +205,33 @@ def solid_alpha(
     radii: NDArray[np.float64],
     components: int,
 ) -> float: ...
+def spherical_delaunay(
+    rows: NDArray[np.float64],
+    skip_non_finite: bool,
+    secret: int,
+    progress: Callable[[float], None] | None,
+) -> tuple[
+    str,
+    int,
+    int,
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+    NDArray[np.int32],
+]: ...
+def ray_side(
+    a: NDArray[np.float64],
+    b: NDArray[np.float64],
+    c: NDArray[np.float64],
+    d: NDArray[np.float64],
+    signs: NDArray[np.int8],
+) -> None: ...
+def circle_centres(
+    points: NDArray[np.float64], simplices: NDArray[np.int32], centres: NDArray[np.float64]
+) -> None: ...
+def sphere_cells(
+    simplices: NDArray[np.int32], neighbors: NDArray[np.int32], rows: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]: ...
 
 class SpaceLocator:
     def __init__(

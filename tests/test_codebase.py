@@ -182,6 +182,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "paper": {"base", "predicates"},
     "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},
     "cells": {"base", "predicates", "parallel"},
+    "sphere": {"base", "predicates", "parallel", "sorting"},
     "tetrahedra": {"base", "predicates", "parallel", "sorting"},
     "tiles": {"base", "predicates", "parallel", "sorting", "delaunay"},
     "verify": {"base", "predicates", "parallel", "sorting", "apollonius"},

@@ -1,4 +1,4 @@
-"""Colours: whole numbers over their full range, or floats in [0, 1], and how many bits they mean.
+"""Colours: whole numbers over their full range, or floats in [0, 1]; and their bit depth.
 
 trimesh keeps 8-bit RGBA, Open3D floats from 0 to 1, files either, and text files just numbers. An
 integer k of b bits is the float k / (2^b - 1); rounding to the nearest step inverts this, so 8-bit

@@ -1,4 +1,4 @@
-"""Triangles of two triangulations: identical, cocircular or really different.
+"""Triangles that two triangulations differ in: cocircular ones, or really different.
 
 Triangles are identical if they have the same corners, whichever corner comes first.
 

@@ -1,4 +1,4 @@
-"""Arcs of hyperbolas between disks, as polylines to a tolerance.
+"""Arcs of hyperbolas between disks, as polylines within a tolerance.
 
 Seen from the centre of the smaller disk p, a side that its cell shares with that of q is the curve
 

@@ -1,4 +1,4 @@
-"""anisotropic_stars(): the star of each point, exact in a metric of its own.
+"""anisotropic_stars(): the star of each point, exact in its own metric.
 
 J.-D. Boissonnat, C. Wormser and M. Yvinec, "Locally uniform anisotropic meshing", SoCG 2008. In the
 metric of one point, the Delaunay triangulation of all points is that of a constant metric, and the

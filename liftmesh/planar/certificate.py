@@ -154,7 +154,7 @@ class Certificate:
         Of liftmesh.
     member : str
         Of which triangulation this is said: "delaunay", "constrained", "weights" or "radii"
-        (regular), "metric", "farthest", or "apollonius" for the graph of disks.
+        (regular), "metric", "farthest", "spherical", or "apollonius" for the graph of disks.
     n_hidden : int or None
         Finite rows that are no vertices as their lifted points are strictly above the triangles, or
         as their disks are within others; 0 where none can be, None if they were not counted. They
@@ -249,6 +249,7 @@ class Certificate:
             "constrained": "constrained Delaunay triangulation",
             "farthest": "farthest-point Delaunay triangulation",
             "apollonius": "Delaunay graph of disks",
+            "spherical": "Delaunay triangulation on the sphere",
             "weights": "regular triangulation by weights",
             "radii": "regular triangulation by radii",
             "metric": f"Delaunay triangulation in the metric {_plain(self.metric)}",

@@ -1,4 +1,4 @@
-"""Kinds of triangulations: by what their points are lifted, and the options that say so.
+"""Kinds of triangulations: the lifts of their points, and the options that choose them.
 
 Delaunay triangulations are the lower hull of z = x^2 + y^2, and the farthest-point triangulation is
 the upper hull, or the lower hull of z = -x^2 - y^2.

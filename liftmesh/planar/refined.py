@@ -1,4 +1,4 @@
-"""`RefineResult`: a refined triangulation, and what is proved of it.
+"""`RefineResult`: a refined triangulation, and its verification.
 
 Whether an angle is less than the asked one is exact: the sign of d^2 - c^2 e, where d is the dot
 product of the sides of a corner, e the product of the squares of their lengths and c the cosine,

@@ -1,4 +1,4 @@
-"""Where triangles are wrong, in words: descriptions of the places that the kernel reports.
+"""Descriptions of the places where the kernel finds triangles wrong.
 
 `Violations` is what those of triangles and those of graphs of disks share.
 """

@@ -1,4 +1,4 @@
-"""Which samples of a raster are read, in which blocks, and whether the blocks hold all of them.
+"""The blocks of a raster that are read, and whether they hold all of their samples.
 
 Every k-th sample of both directions is read, in the window of a box. Where the axes of the raster
 are those of the plane, the box ends at exact columns and rows, found by bisection of the centres of

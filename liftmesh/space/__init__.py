@@ -1,1 +1,1 @@
-"""Points in space: lower convex hulls."""
+"""Points in space: lower convex hulls, tetrahedra and convex hulls."""

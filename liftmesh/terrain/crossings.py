@@ -1,4 +1,4 @@
-"""Where levels cross sides; contours whose bends are less sharp, within a tolerance of height.
+"""Where levels cross the sides of faces; contours smoothed within a tolerance of height.
 
 A contour passes each face along one segment, from a point on one side to a point on another. Every
 point is moved along its own side, where heights are linear: to where they differ from the level by

@@ -1,4 +1,4 @@
-"""Faces of surfaces and polygons laid over each other, and cut where they cross.
+"""Faces of surfaces and polygons overlaid, and cut where they cross.
 
 The sides of the faces and of the polygons are constraints of one triangulation, which is split
 where they cross: a row there is the crossing, rounded once. So each of its triangles is in one face

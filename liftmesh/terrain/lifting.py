@@ -1,4 +1,4 @@
-"""What the planar points of a cloud are lifted by: weights, radii, or the form of a metric.
+"""The lift of a cloud's planar points: by weights, by radii, or by the form of a metric.
 
 Weights and radii, by which points may be lifted, are named values of the cloud, so they go where
 the surface goes, radii as radii. A surface with weights also has the named values ``hidden``: 1 for

@@ -1,4 +1,4 @@
-"""Lines that a surface is made to follow: breaklines, boundaries and holes, as a caller gives them.
+"""Lines that a surface follows: breaklines, boundaries and holes, as a caller gives them.
 
 A line has heights or has none: one with a height that is missing (NaN) counts as one without. Rings
 of polygons are lines, too. Lines without heights are in the coordinates of the plane.

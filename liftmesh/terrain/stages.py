@@ -1,4 +1,4 @@
-"""Areas and volumes at many levels (stage-area-storage), and the level that a volume fills.
+"""Areas and volumes at many levels (stage-area-storage), and the level for a given volume.
 
 A face that is under a level as a whole adds its area, and its volume below the level grows by the
 area from there on. So these are added up along the sorted levels, exactly, and rounded once. Only

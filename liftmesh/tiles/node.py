@@ -1,4 +1,4 @@
-"""A node of the tree of merges: what its points already decide, and what it hands up.
+"""A node of the tree of merges: which triangles are final, and what it hands up.
 
 ARCHITECTURE.md has the proof that the triangles of all nodes are those of one call.
 

@@ -1,4 +1,4 @@
-"""Simplified tiles: their borders, what is inside of them, and how far they deviate."""
+"""Simplified tiles: their borders, their interior, and how far they deviate."""
 
 from __future__ import annotations
 

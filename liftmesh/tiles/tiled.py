@@ -1,4 +1,4 @@
-"""`Tiled` and `TiledSurface`: what `tile` and `tile_surface` have written, opened."""
+"""`Tiled` and `TiledSurface`: the results of `tile` and `tile_surface`, opened."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""GeoJSON: the geometries of its trees, and lines that are written one by one.
+"""GeoJSON: geometries, which are read, and lines, which are written one by one.
 
 GeoJSON by itself is in degrees (RFC 7946). Coordinates of another system have its name in the
 member ``crs``, as GeoJSON had it before, and as GDAL writes and reads it: the number of the system

@@ -341,6 +341,20 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
 
 
+on_globe = on(liftmesh.spherical_delaunay)
+"""Prepare a call on the triangulation of the directions of points."""
+
+
+def spherical_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of points on the sphere."""
+    yield "spherical_delaunay", SOLID, on_points(liftmesh.spherical_delaunay), ("random heights",)
+    for name in ("centers", "cells", "areas"):
+        call = on(liftmesh.spherical_delaunay, fresh=True)(operator.attrgetter(name))
+        yield f"SphericalTriangulation.{name}", SOLID, call, ()
+    check = on_globe(operator.methodcaller("verify"))
+    yield "SphericalTriangulation.verify", SOLID, check, ("random heights",)
+
+
 def alpha_functions() -> Iterator[tuple[Any, ...]]:
     """The same of alpha complexes and shapes in space."""
     for name in ALPHA:
@@ -445,4 +459,5 @@ FUNCTIONS = (
     *spatial_functions(),
     *scipys_in_space(),
     *alpha_functions(),
+    *spherical_functions(),
 )

@@ -146,6 +146,7 @@ WITHOUT_DATA = {
     "RefineResult": "a result, made by refine; its methods are watched",
     "RegularTriangulation": "a result, made by regular; its methods and properties are watched",
     "Report": "a result, made by triangulate",
+    "SphericalTriangulation": "a result, made by spherical_delaunay; its methods are watched",
     "StageStorage": "a result, made by Surface.stage_storage; its methods are watched",
     "Surface": "a result, made by triangulate; its methods are watched",
     "Tiled": "a result, made by tile; its methods are watched",

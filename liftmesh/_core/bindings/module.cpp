@@ -141,4 +141,5 @@ NB_MODULE(_kernel, m) {
     bindings::bind_constrained(m);
     bindings::bind_refinement(m);
     bindings::bind_space(m);
+    bindings::bind_sphere(m);
 }

@@ -96,6 +96,7 @@ template <class T, int... columns>
 using Array = nb::ndarray<T, nb::shape<-1, columns...>, nb::c_contig, nb::device::cpu>;
 using Pairs = Array<const double, 2>;
 using Places = Array<const double, 3>;
+using ChangingPlaces = Array<double, 3>;
 using Triples = Array<const std::int32_t, 3>;
 using Numbers = Array<const double>;
 using Ids = Array<const std::int32_t>;
@@ -293,6 +294,7 @@ void bind_cells(nb::module_& m);
 void bind_constrained(nb::module_& m);
 void bind_refinement(nb::module_& m);
 void bind_space(nb::module_& m);
+void bind_sphere(nb::module_& m);
 void bind_dynamic(nb::module_& m);
 void bind_lifted(nb::module_& m);
 void bind_surface(nb::module_& m);
