@@ -18,10 +18,12 @@ SHORT_HELP = "Cut a mesh or cloud along polygons, and keep what is inside."
 HELP = (
     "Faces are cut along the border, and keep their planes; where the border crosses their sides, "
     "there are new rows with the heights of the faces. What is inside and what is outside have the "
-    "same rows at the border. --trim-polygon, in contrast, leaves out whole faces."
+    "same rows at the border. --trim-polygon, in contrast, leaves out whole faces. IN may also be "
+    "a folder of liftmesh tile --surface, of which a part is read."
 )
 EXAMPLES = [
     "liftmesh clip tin.ply parish.ply --within parish.gpkg",
+    "liftmesh clip tiles/ parish.ply --within parish.gpkg",
     "liftmesh clip tin.ply around.ply --within lake.geojson --invert",
     "liftmesh clip site.ply built.ply --within pad.geojson --paste pad.ply",
 ]
@@ -52,17 +54,20 @@ def run(
     for path in (within, paste):
         if path is not None:
             path.open("rb").close()
+    if source.is_dir() and (invert or paste is not None):
+        raise click.BadParameter("--invert and --paste need a file: of tiles, a part is taken out")
     target.check()
-    surface = surfaces.read(source, reading)
+    surface = surfaces.read_or_open(source, reading)
     other = None if paste is None else surfaces.read(paste, reading)
-    with terminal.stage(f"cutting {len(surface.faces):,} faces"):
+    with terminal.stage("cutting faces"):
         if other is None:
-            left = surface.clip(within, invert=invert)
+            left = surface.clip(within, **options.given(invert=invert or None))
         else:
             left = liftmesh.paste(surface, other, within)
     written = target.write(left)
     with outputs.report_after(target.path):
-        _say(written, left, notes.provenance(surface), as_json=json)
+        rows_of = {} if source.is_dir() else notes.provenance(surface)
+        _say(written, left, rows_of, as_json=json)
 
 
 def _say(written: WriteResult, left: Surface, rows_of: dict[str, object], *, as_json: bool) -> None:

@@ -184,7 +184,8 @@ def _ground(
         if cloud.color_depth is not None:
             rows["color_depth"] = 16  # which all have: what they are was said
     how = surfaces.SurfaceOptions(rows, "xy", "error", threads, {})
-    return surfaces.open_tiles(ground, how) if ground.is_dir() else surfaces.read(ground, how)
+    surface: Surface | TiledSurface = surfaces.read_or_open(ground, how)
+    return surface
 
 
 def _with_heights(cloud: Cloud, heights: Any, *, replace_z: bool) -> Cloud:

@@ -283,8 +283,8 @@ def _check_file(path: Path) -> None:
 
     if (path / MANIFEST).is_file():
         raise FormatError(
-            f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour and "
-            "verify take it, and height as --ground"
+            f"{path}: this is a folder of tiles, not a file: of the commands, raster, contour, "
+            "sample, clip, tileset and verify take it, and height as --ground"
         )
 
 

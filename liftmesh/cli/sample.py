@@ -18,10 +18,12 @@ HELP = (
     "OUT has the points of --at with the heights of the surface as z, their own heights, if they "
     "have any, as given_z, and their other numbers. "
     "Where no face contains the point, there is no height: an empty field in CSV and TSV, else NaN."
+    " IN may also be a folder of liftmesh tile --surface."
 )
 EXAMPLES = [
     "liftmesh sample tin.ply heights.csv --at points.csv",
     "liftmesh sample tin.ply heights.csv --at wells.geojson",
+    "liftmesh sample tiles/ heights.csv --at points.csv",
     "liftmesh sample survey.csv heights.ply --at points.ply --max-edge 20 --boundary-only",
 ]
 
@@ -51,7 +53,7 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    surface = surfaces.read(source, reading)
+    surface = surfaces.read_or_open(source, reading)
     asked = _asked(at, points, source, surface.crs, reading.rows.get("max_bytes"))
     with terminal.stage(f"sampling at {len(asked):,} points"):
         sampled, known = _sampled(surface, asked, interpolation, reading.threads)
@@ -59,7 +61,7 @@ def run(
     with outputs.report_after(target.path):
         if json:
             counts: dict[str, Any] = {"n_points": len(asked), "n_known": known}
-            counts |= notes.provenance(surface)
+            counts |= {} if source.is_dir() else notes.provenance(surface)
             terminal.as_json({"path": str(path or "-"), "interpolation": interpolation, **counts})
         else:
             terminal.note(f"{path or 'stdout'}: {known:,} of {len(asked):,} points have a height")

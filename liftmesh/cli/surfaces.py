@@ -151,6 +151,11 @@ def open_tiles(source: Path, reading: SurfaceOptions, **others: object) -> Tiled
     return tiled  # type: ignore[return-value]  # the manifest says so
 
 
+def read_or_open(source: Path, reading: SurfaceOptions) -> Any:
+    """Read a surface, or open the tiles of one."""
+    return open_tiles(source, reading) if source.is_dir() else read(source, reading)
+
+
 def _note_overhangs(source: Path, count: int) -> None:
     """Say on stderr how many rows the surface does not have: its heights are those of others."""
     if count:

@@ -72,10 +72,7 @@ def run(
     of_plane = options.given(bounds=extent, levels=levels, extrapolate=extrapolate, skirts=skirts)
     of_globe = options.given(zoom=zoom)
     _check_kind(of_plane, of_globe, is_globe=quantized_mesh)
-    if source.is_dir():
-        surface: Any = surfaces.open_tiles(source, reading)
-    else:
-        surface = surfaces.read(source, reading)
+    surface = surfaces.read_or_open(source, reading)
     write, wanted = (
         (write_quantized_mesh, of_globe) if quantized_mesh else (write_tileset, of_plane)
     )

@@ -29,6 +29,7 @@ from liftmesh.crs.transformation import common_transformation
 from liftmesh.crs.units import band_unit
 from liftmesh.errors import DataWarning, InputError, Option
 from liftmesh.io.metadata import TRANSFORMATION, Label, Provenance, Unread, user_entries
+from liftmesh.io.objects.plain import is_table
 from liftmesh.io.read import check_grounds, read_cloud
 
 _LAYOUT = "las"  # the entry of lidar's scales
@@ -146,6 +147,9 @@ def _taken(columns: Sequence[dict[object, Array | None]], key: object) -> list[A
 def _listed(clouds: object) -> Iterable[Any]:
     """Return what there is to merge, one by one if it is made so."""
     is_one = isinstance(clouds, str | bytes | os.PathLike | Cloud)
+    if is_table(clouds) and not isinstance(clouds, list):
+        kind = type(clouds).__name__
+        raise InputError(f"{Option('clouds')} is one {kind}: give a list of clouds or paths")
     try:
         return [] if is_one else iter(clouds)  # type: ignore[call-overload]
     except TypeError:

@@ -19,6 +19,7 @@ from liftmesh.base.options import Extrapolation, Interpolation, as_threads
 from liftmesh.crs.comparison import common_system
 from liftmesh.errors import InputError
 from liftmesh.io.metadata import Provenance
+from liftmesh.io.objects.plain import is_table
 from liftmesh.io.read import read_cloud
 from liftmesh.terrain.sampler import Sampler
 from liftmesh.terrain.surface_data import (
@@ -304,7 +305,8 @@ def points_above(surface: OverPlane, cloud: object) -> Cloud:
     """Read points that are compared with a surface: with heights, and in its system."""
     above = read_cloud(cloud)
     shape = np.shape(cloud) if isinstance(cloud, list | tuple) else getattr(cloud, "shape", ())
-    if shape[1:] == (2,) or Provenance(above.metadata).is_flat:
+    is_flat = shape[1:] == (2,) and not is_table(cloud)  # a column may hold points in space
+    if is_flat or Provenance(above.metadata).is_flat:
         raise InputError("the points have no z: give rows of x, y and z")
     if Provenance(surface.metadata).is_flat:
         raise InputError("the ground has no z: read it with a column of heights")

@@ -28,7 +28,6 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.interruption import check
 from liftmesh.base.options import as_count, as_folder, as_positive, check_progress, refused
-from liftmesh.crs.transformation import transform
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.io.atomic import replacing
@@ -44,7 +43,14 @@ from liftmesh.tiles.simplified import (
     simplified,
 )
 from liftmesh.tiles.staging import staged
-from liftmesh.tiles.terrain_parts import Kept, MovedTiles, Terrain, WholeTerrain, part_of_cloud
+from liftmesh.tiles.terrain_parts import (
+    Kept,
+    MovedTiles,
+    Terrain,
+    WholeTerrain,
+    on_globe,
+    part_of_cloud,
+)
 from liftmesh.tiles.tiled_data import TiledSurfaceData
 
 if TYPE_CHECKING:
@@ -229,7 +235,7 @@ class _Steps:
         self.bounds = np.array([[np.inf] * 2, [-np.inf] * 2])
 
     def __call__(self, points: Floats) -> Floats:
-        degrees = transform(points, self._crs, _PLANE, self._chosen)[0][:, :2]
+        degrees = on_globe(points, self._crs, _PLANE, self._chosen)[:, :2]
         self.bounds[0] = np.minimum(self.bounds[0], degrees.min(axis=0))
         self.bounds[1] = np.maximum(self.bounds[1], degrees.max(axis=0))
         return np.column_stack([(degrees + _ZERO) * self._scale, points[:, 2]])

@@ -12,6 +12,8 @@ from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Extrapolation, refused
+from liftmesh.crs.description import crs_name
+from liftmesh.crs.transformation import transform
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.delaunay import delaunay
@@ -229,6 +231,18 @@ def terrain_of(surface: object, extrapolate: Extrapolation | None) -> Kept:
     else:
         raise refused("surface", surface, "give a Surface or a TiledSurface, as made of clouds")
     return Kept(made)
+
+
+def on_globe(points: Floats, crs: str, target: str, chosen: dict[str, Any] | None = None) -> Floats:
+    """Transform coordinates to a system of the globe."""
+    try:
+        return transform(points, crs, target, chosen)[0]
+    except InputError as error:
+        raise InputError(
+            f"the place on the globe is not known: from {crs_name(crs)} there is no exact "
+            "transformation, or it needs a grid that is not installed: read the points with "
+            f"{Option('src_crs', ...)} the system that they are in, as EPSG:25832"
+        ) from error
 
 
 def check_metres(surface: AnyTerrain) -> None:

@@ -35,7 +35,6 @@ from liftmesh._typing import Floats, Progress
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.interruption import check
 from liftmesh.base.options import Extrapolation, as_count, as_folder, as_positive, check_progress
-from liftmesh.crs.transformation import transform
 from liftmesh.errors import InputError, Option
 from liftmesh.io.atomic import replacing
 from liftmesh.io.axes import chosen_origin
@@ -55,7 +54,7 @@ from liftmesh.tiles.simplified import (
     with_skirt,
 )
 from liftmesh.tiles.staging import staged
-from liftmesh.tiles.terrain_parts import Terrain, check_metres, terrain_of
+from liftmesh.tiles.terrain_parts import Terrain, check_metres, on_globe, terrain_of
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
@@ -212,7 +211,7 @@ def _transform(crs: str | None, origin: Origin) -> list[float] | None:
     if crs is None:
         return None
     steps = np.array([origin] * 4) + np.vstack([np.zeros(3), np.eye(3)])
-    at = transform(steps, crs, _SPACE)[0]
+    at = on_globe(steps, crs, _SPACE)
     columns = np.column_stack([np.vstack([at[1:] - at[0], at[0]]), [0, 0, 0, 1]])
     return [float(each) for each in columns.ravel()]
 

@@ -149,7 +149,7 @@ def test_what_is_refused(words: list[str], code: int, said: str, folder: Path) -
 
 @pytest.mark.parametrize(
     "words",
-    ["sample out o.csv --at a.csv", "volume out", "info out", "solid out o.stl --base-height 0",
+    ["accuracy out --at a.csv", "volume out", "info out", "solid out o.stl --base-height 0",
      "triangulate out o.ply", "profile out o.csv --along 0,0 --along 1,1"],
 )  # fmt: skip
 def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> None:
@@ -157,3 +157,24 @@ def test_commands_say_which_take_a_folder_of_tiles(words: str, folder: Path) -> 
     done = command(*words.split(), cwd=folder)
     assert done.returncode == 3
     assert "this is a folder of tiles, not a file: of the commands, raster, contour" in done.stderr
+
+
+def test_heights_and_parts_of_a_folder_of_tiles_are_those_of_the_file(folder: Path) -> None:
+    cloud = np.column_stack((POINTS, POINTS.sum(axis=1)))
+    np.save(folder / "c.npy", cloud)
+    low, high = np.quantile(POINTS, (0.3, 0.6), axis=0)
+    ring = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], low[1]]]
+    shape = {"type": "Polygon", "coordinates": [ring]}
+    (folder / "part.geojson").write_text(json.dumps(shape))
+    done = command("tile", "c.npy", "tiles", "--surface", "--tile-rows", 300, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    for source, name in (("c.npy", "a"), ("tiles", "b")):
+        done = command("sample", source, f"{name}.csv", "--at", "a.npy", cwd=folder)
+        assert done.returncode == 0, done.stderr
+        words = ("clip", source, f"{name}.ply", "--within", "part.geojson")
+        done = command(*words, cwd=folder)
+        assert done.returncode == 0, done.stderr
+    for kind in ("csv", "ply"):
+        assert (folder / f"a.{kind}").read_bytes() == (folder / f"b.{kind}").read_bytes()
+    done = command(*words, "--invert", "--overwrite", cwd=folder)
+    assert (done.returncode, "--invert and --paste need a file" in done.stderr) == (2, True)

@@ -374,6 +374,10 @@ def test_surfaces_that_make_none(tmp_path: Path) -> None:
     surface = hills(50)
     wall = liftmesh.triangulate(surface.vertices[:, [0, 2, 1]], plane="xz")
     feet = liftmesh.triangulate(surface.vertices, crs="EPSG:2263")
+    unknown = 'PROJCS["Grid",GEOGCS["Here",DATUM["Unknown",SPHEROID["S",6378160,298.25]],'
+    unknown += 'PRIMEM["Greenwich",0],UNIT["degree",0.0174532925199433]],'
+    unknown += 'PROJECTION["Transverse_Mercator"],PARAMETER["central_meridian",9],UNIT["metre",1]]'
+    nowhere = liftmesh.triangulate(surface.vertices, crs=unknown)
     round_ = liftmesh.triangulate(np.random.default_rng(2).random((50, 3)))
     middle = surface.vertices.mean(axis=0)[:2]
     cut = surface.trim(polygon=np.array([[0, 0], [0, 200], [200, 200]]) + middle - 100)
@@ -381,6 +385,7 @@ def test_surfaces_that_make_none(tmp_path: Path) -> None:
     for each, cause in (
         (wall, "over x and y"),
         (feet, "coordinates are in US survey foot, but tilesets in metres"),
+        (nowhere, "from Grid there is no exact transformation.* with src_crs=.* system that they"),
         (round_, "the surface"),
         (cut, "the surface"),
         (surface.clip(ring, invert=True), "it has a hole, or ends"),

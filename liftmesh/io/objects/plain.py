@@ -90,7 +90,8 @@ def from_array(source: Any) -> Cloud:
         raise InputError(
             f"points of shape {shape} have more than three columns: name them, as "
             f"{Option('columns', 'x,y,z,red,green,blue')}, or give only those that are x, y and z; "
-            "heights of a grid become rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
+            f"of a grid of heights, give triangulate or simplify {Option('transform', ...)}, the "
+            "place of its pixels, or rows by np.column_stack([x.ravel(), y.ravel(), z.ravel()])"
         )
     return Cloud(arrays.as_rows3(source))
 

@@ -107,6 +107,20 @@ def test_other_geometries_are_refused(shapes: list, cause: str) -> None:
             call(gpd.GeoDataFrame(geometry=shapes))
 
 
+@pytest.mark.parametrize("columns", [{}, {"depth": [1, 2, 3, 4]}, {"a": [1] * 4, "b": [2] * 4}])
+def test_heights_are_those_of_the_points_whatever_columns_there_are(columns: dict) -> None:
+    table = frame(**columns)
+    surface = liftmesh.triangulate(XYZ - [0, 0, 2], crs="EPSG:25832")
+    assert surface.height_above(table).tolist() == [2, 2, 2, 2]
+    assert surface.accuracy(table).mean == -2
+    flat = gpd.GeoDataFrame(columns, geometry=gpd.points_from_xy(*XYZ.T[:2]), crs="EPSG:25832")
+    with pytest.raises(InputError, match=r"height|no z"):
+        surface.height_above(flat)
+    assert len(liftmesh.merge([table, table])) == 8
+    with pytest.raises(InputError, match="clouds is one GeoDataFrame: give a list of clouds"):
+        liftmesh.merge(table)
+
+
 @pytest.mark.parametrize("suffix", ["gpkg", "geojson", "shp"])
 def test_files_of_geometries_are_clouds(tmp_path: Path, suffix: str) -> None:
     table = frame(class_=[1, 2, 3, 4], kind=["a", "b", "c", "d"], red=[9] * 4)
