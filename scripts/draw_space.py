@@ -6,6 +6,8 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import LightSource, to_rgb
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -48,31 +50,41 @@ def draw_shape(axes: Axes3D) -> None:
     axes.view_init(elev=38, azim=-50)
 
 
-def draw_cells(axes: Axes3D) -> None:
-    """Cells on the sphere, darker where they are smaller."""
+def arcs(corners: Array) -> Array:
+    """The ring of these corners on the sphere, with points along its great circles."""
+    steps = np.linspace(0, 1, 12, endpoint=False)[:, None]
+    sides = zip(corners, np.roll(corners, -1, axis=0), strict=True)
+    ring = np.concatenate([a * (1 - steps) + b * steps for a, b in sides])
+    return np.asarray(ring / np.linalg.norm(ring, axis=1)[:, None])
+
+
+def draw_cells(axes: Axes) -> None:
+    """Cells on the sphere, darker where they are smaller, the farthest first."""
     rng = np.random.default_rng(2)
     dense = rng.normal(size=(120, 3)) * 0.25 + (1, -1, 0.6)
     globe = liftmesh.spherical_delaunay(np.vstack([rng.normal(size=(250, 3)), dense]))
     towns = globe.points / np.linalg.norm(globe.points, axis=1)[:, None]
     sizes = np.log(globe.areas)
     tints = mpl.colormaps["YlOrBr_r"](0.25 + 0.7 * (sizes - sizes.min()) / np.ptp(sizes))
-    turn = np.deg2rad(-50)
-    height = towns @ (np.cos(turn), np.sin(turn), 0.45)  # above the middle, from the eye
+    azimuth, height = np.deg2rad((-50, 20))
+    right = np.array([-np.sin(azimuth), np.cos(azimuth), 0])
+    level = np.cos(height) * np.array([np.cos(azimuth), np.sin(azimuth)])
+    eye = np.array([*level, np.sin(height)])
+    seen = np.column_stack([right, np.cross(eye, right)])
+    depth = towns @ eye
     starts, ring = globe.cells
-    front = np.flatnonzero(height > -0.05)
-    cells = [globe.centers[ring[starts[row] : starts[row + 1]]] for row in front]
-    faces = Poly3DCollection(cells, facecolors=tints[front], edgecolors=INK, lw=0.5)
-    axes.add_collection3d(faces)
-    axes.scatter(*(towns[height > 0.1] * 1.01).T, s=1.5, c=INK, depthshade=False)
-    axes.set(xlim=(-1, 1), ylim=(-1, 1), zlim=(-1, 1))
-    axes.set_box_aspect((1, 1, 1), zoom=1.6)
-    axes.view_init(elev=20, azim=-50)
+    rows = np.argsort(depth)
+    cells = [arcs(globe.centers[ring[starts[row] : starts[row + 1]]]) @ seen for row in rows]
+    axes.add_collection(PolyCollection(cells, facecolors=tints[rows], edgecolors=INK, lw=0.5))
+    axes.scatter(*(towns[depth > 0] @ seen).T, s=1.5, c=INK, zorder=2)
+    axes.set(xlim=(-1.02, 1.02), ylim=(-1.02, 1.02), aspect="equal")
 
 
 def main() -> None:
     """Draw both beside each other."""
     figure = Figure(figsize=(9, 4.2), facecolor=PAPER, layout="constrained")
-    left, right = figure.subplots(1, 2, subplot_kw={"projection": "3d"})
+    left = figure.add_subplot(1, 2, 1, projection="3d")
+    right = figure.add_subplot(1, 2, 2)
     draw_shape(left)
     draw_cells(right)
     for axes in (left, right):
