@@ -76,7 +76,8 @@ def draw_cells(axes: Axes) -> None:
     rows = np.argsort(depth)
     cells = [arcs(globe.centers[ring[starts[row] : starts[row + 1]]]) @ seen for row in rows]
     axes.add_collection(PolyCollection(cells, facecolors=tints[rows], edgecolors=INK, lw=0.5))
-    axes.scatter(*(towns[depth > 0] @ seen).T, s=1.5, c=INK, zorder=2)
+    across, up = (towns[depth > 0] @ seen).T
+    axes.scatter(across, up, s=1.5, c=INK, zorder=2)
     axes.set(xlim=(-1.02, 1.02), ylim=(-1.02, 1.02), aspect="equal")
 
 
