@@ -51,7 +51,8 @@ IN_THE_LIBRARY_ALONE = {
     "a", "alpha", "b", "bins", "canonical", "carved", "clouds", "colors", "components",
     "constraints", "copy", "data", "degrees", "density", "dimension", "dtype", "folder",
     "furthest_site", "gradients", "heights", "incremental", "light", "markers", "masses",
-    "max_iter", "max_proofs", "order", "planar", "progress", "row", "rows", "shape", "strict", "tol", "transform", "triangulation", "vertices",
+    "max_iter", "max_proofs", "order", "planar", "progress", "row", "rows", "shape",
+    "strict", "tol", "transform", "triangulation", "vertices",
 }  # fmt: skip
 NAMING = {
     "Option", "refused", "as_count", "as_number", "as_numbers", "as_positive", "as_distance",
