@@ -22,6 +22,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "fuzz refinement --seconds 300",
     "fuzz surface --seconds 300",
     "fuzz simplification --seconds 300",
+    "fuzz space --seconds 300",
     "fuzz structure --seconds 600",
     "fuzz_tiles.py --seconds 600",
     "conversions --seconds 600",

@@ -23,6 +23,7 @@ from .cells.voronoi import (
 )
 from .comparison.compare import compare as compare
 from .comparison.report import Comparison as Comparison
+from .comparison.solid import HullComparison as HullComparison
 from .disks.apollonius import ApolloniusGraph as ApolloniusGraph, apollonius as apollonius
 from .errors import (
     CrossingError as CrossingError,
@@ -88,14 +89,13 @@ from .terrain.frame import Frame as Frame
 from .terrain.ground import classify_ground as classify_ground
 from .terrain.measures import CutFillResult as CutFillResult, VolumeResult as VolumeResult
 from .terrain.merging import merge as merge
-from .terrain.meshes import as_surface as as_surface
 from .terrain.profile import Profile as Profile
 from .terrain.report import Report as Report
 from .terrain.simplification import simplify as simplify
 from .terrain.stages import StageStorage as StageStorage
 from .terrain.surface import Surface as Surface
 from .terrain.thinning import thin as thin
-from .terrain.triangulate import triangulate as triangulate
+from .terrain.triangulate import as_surface as as_surface, triangulate as triangulate
 from .tiles.build import tile as tile, tile_surface as tile_surface
 from .tiles.globe import (
     QuantizedMeshResult as QuantizedMeshResult,

@@ -158,6 +158,8 @@ def tetrahedralize(
     rows: NDArray[np.float64],
     skip_non_finite: bool,
     secret: int,
+    threads: int,
+    shared: bool,
     progress: Callable[[float], None] | None,
 ) -> tuple[
     str,
@@ -174,6 +176,8 @@ def verify_tetrahedra(
     rows: NDArray[np.float64],
     simplices: NDArray[np.int32],
     skip_non_finite: bool,
+    threads: int,
+    shared: bool,
     progress: Callable[[float], None] | None,
 ) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
 def circumradii(

@@ -34,7 +34,9 @@ from liftmesh.tiles.options import (
     ROW_BYTES,
     SURFACE_ROW_BYTES,
     TILE_ROWS,
+    Done,
     Options,
+    RunContext,
     TiledSurfaceOptions,
     label,
     rows_within,
@@ -59,17 +61,15 @@ from liftmesh.tiles.sources import (
     source_chunks,
     stage_of,
 )
-from liftmesh.tiles.tiled import open_tiled
+from liftmesh.tiles.tiled import Tiled, TiledSurface, open_tiled
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh._typing import Progress
     from liftmesh.io.options import ChunkOptions
-    from liftmesh.tiles.options import Done, RunContext
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.schema import Reading
-    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 
 __all__ = ["delaunay", "local_cluster", "triangulate"]

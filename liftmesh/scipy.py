@@ -17,11 +17,10 @@ of ``liftmesh.scipy``.
 
 from __future__ import annotations
 
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
@@ -31,11 +30,13 @@ from liftmesh.base.options import as_switch
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import Solution, solve, solve_farthest
-from liftmesh.planar.diagram import Regions, diagram_of, regions_of, ridges_by_rows
+from liftmesh.planar.diagram import Regions, diagram_of, regions_of
 from liftmesh.planar.points import edges_around
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.qhull.common import Growing, check_qhull_options, planar_rows, scipys_errors
+from liftmesh.qhull.lists import Lists
 from liftmesh.qhull.space import SpaceDelaunay
+from liftmesh.qhull.voronoi import SpaceVoronoi
 
 if TYPE_CHECKING:
     from scipy import spatial
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
 else:
     spatial = load("scipy.spatial")
 
-__all__ = ["Delaunay", "SpaceDelaunay", "Voronoi"]
+__all__ = ["Delaunay", "SpaceDelaunay", "SpaceVoronoi", "Voronoi"]
 
 
 class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
@@ -278,19 +279,20 @@ def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:
     return indptr, others.astype(np.int32)
 
 
-class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
+class Voronoi(Lists, spatial.Voronoi):  # type: ignore[misc]
     """Drop-in replacement for ``scipy.spatial.Voronoi``, and an instance of it.
 
     The topology is exact: sites on one circle share one vertex, and no region is lost at any
     offset. Each coordinate of a vertex is the double nearest to the exact one. Further differences
-    from SciPy: points are planar only; the corners of a region are counter-clockwise, those of an
-    unbounded one begin with -1, and unbounded regions come first. As with SciPy, ``vertices``,
+    from SciPy: the corners of a region are counter-clockwise, those of an unbounded one begin with
+    -1, and unbounded regions come first. As with SciPy, ``vertices``,
     ``ridge_points``, ``point_region`` and the lists may be written to; other arrays are read-only.
+    Of points in space it makes a `liftmesh.scipy.SpaceVoronoi`, which is an instance of it, too.
 
     Parameters
     ----------
-    points : array_like of shape (n, 2)
-        Planar points.
+    points : array_like of shape (n, 2) or (n, 3)
+        Planar points, or points in space.
     furthest_site : bool, default False
         Whether to compute the farthest-site diagram: a region holds what is farther from its site
         than from all others.
@@ -348,6 +350,7 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
     --------
     voronoi : Cells clipped to a domain.
     liftmesh.scipy.Delaunay : The dual triangulation.
+    liftmesh.scipy.SpaceVoronoi : What it makes of points in space.
 
     Examples
     --------
@@ -359,35 +362,14 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
     [-1, 1]
     """
 
-    _kind = "diagram"
+    _in_space = SpaceVoronoi
 
     def _as_rows(self, points: ArrayLike) -> Floats:
         return planar_rows(points, "Voronoi")
 
-    def __init__(
-        self,
-        points: ArrayLike,
-        furthest_site: bool = False,
-        incremental: bool = False,
-        qhull_options: str | None = None,
-        *,
-        copy: bool = False,
-    ) -> None:
-        rows = self._as_rows(points)
-        self.furthest_site = as_switch("furthest_site", furthest_site)
-        check_qhull_options(qhull_options, "Voronoi")
-        is_growing = as_switch("incremental", incremental)
-        default = "Qbb Qc" if is_growing else "Qbb Qc Qz"
-        options = default if qhull_options is None else qhull_options
-        self._empty_regions = int("Qz" in options.split())
-        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
-        self._can_grow = is_growing
-
     def _compute(self, rows: Floats, *, copy: bool) -> None:
         solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
-        for name in ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
-                     "ridge_points", "_found"):  # fmt: skip
-            self.__dict__.pop(name, None)
+        self._forget()
         points, simplices = read_only(widened(solution.points)), read_only(solution.simplices)
         diagram = diagram_of(points, simplices, solution.neighbors)
         self._points = points
@@ -422,44 +404,10 @@ class Voronoi(Growing, spatial.Voronoi):  # type: ignore[misc]
         return self._found.ridge_ends
 
     @cached_property
-    def point_region(self) -> NDArray[np.intp]:
-        """The region of each row, (n,) intp."""
-        region = np.add(self._found.region_of, self._empty_regions, dtype=np.intp)
-        row, kept = self.duplicates.T
-        region[row] = region[kept]
-        return region
-
-    @property
-    def points(self) -> Floats:
-        """The sites, (n, 2) float64, read-only."""
-        return self._points
-
-    @cached_property
-    def region_vertices(self) -> tuple[Rows, Rows]:
-        """The vertices around each region as arrays: indptr, (regions + 1,), and indices, int32.
-
-        Those of region i are ``indices[indptr[i]:indptr[i + 1]]``, counter-clockwise; those of an
-        unbounded region begin with -1.
-        """
-        empty = np.zeros(self._empty_regions, dtype=np.int32)
-        return np.concatenate([empty, self._found.starts]), self._found.corners
-
-    @cached_property
-    def regions(self) -> list[list[int]]:
-        """The vertices around each region as lists, as SciPy has them."""
-        starts, corners = (part.tolist() for part in self.region_vertices)
-        return [corners[start:end] for start, end in pairwise(starts)]
-
-    @cached_property
     def ridge_vertices(self) -> list[list[int]]:
         """The vertices at both ends of each ridge as lists; -1 is at infinity."""
         ends: list[list[int]] = self.ridge_ends.tolist()
         return ends
-
-    @cached_property
-    def ridge_dict(self) -> dict[tuple[int, int], list[int]]:
-        """The vertices of each ridge by the rows of its two sites."""
-        return ridges_by_rows(self.ridge_points, self.ridge_vertices)
 
 
 def solve_for_scipy(rows: Floats, *, furthest_site: bool, copy: bool) -> Solution:

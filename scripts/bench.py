@@ -20,6 +20,7 @@ BENCHMARKS = {
     "constraints": "edges of constrained triangulations, beside CGAL, CDT and triangle",
     "changing": "points inserted into, and removed from, what is there, beside CGAL",
     "refine": "angles and sizes of meshes beside triangle and Gmsh",
+    "space": "tetrahedra and their proof, beside CGAL, SciPy and shull",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
     "locate": "points located, beside SciPy and matplotlib",

@@ -3,10 +3,11 @@
     python scripts/check_certificate.py mesh.json mesh.obj
     python scripts/check_certificate.py mesh.json mesh.obj weights.txt
     python scripts/check_certificate.py mesh.json mesh.obj constraints.txt
+    python scripts/check_certificate.py mesh.json tetrahedra.vtu
 
-It uses the standard library only, and check_constraints.py beside it. Every coordinate becomes a
-`fractions.Fraction`, which is exact, and each predicate is its textbook formula; nothing is
-filtered, scaled or approximated.
+It uses the standard library only, and check_constraints.py and check_tetrahedra.py beside it. Every
+coordinate becomes a `fractions.Fraction`, which is exact, and each predicate is its textbook
+formula; nothing is filtered, scaled or approximated.
 
 Exit code 0: the certificate is true. 1: it is false, or belongs to another mesh. 2: it cannot be
 checked, and a message says why. The mesh may have some ten thousand vertices; its faces are
@@ -20,6 +21,8 @@ Certificates of regular triangulations speak of weights or radii, by their SHA-2
 the column of the PLY file that has this sum, or stand in a file of their own, one number a line.
 Those of constrained triangulations speak of constraints, by theirs: the edges of the PLY file, the
 lines (l) of the OBJ file, or a file of their own with two rows a line, counted from 0.
+
+Tetrahedra are in VTU files of one piece, in base64.
 """
 
 from __future__ import annotations
@@ -37,6 +40,7 @@ from pathlib import Path
 from typing import Any
 
 from check_constraints import HalfEdge, Point, follow, problem_of_carved, turn
+from check_tetrahedra import judge_tetrahedra, read_vtu
 
 Row = tuple[float, float]
 Triangle = tuple[int, int, int]
@@ -50,6 +54,8 @@ INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i
 NUMBERS = INTEGERS | {"float": "f", "float32": "f", "double": "d", "float64": "d"}
 FORMAT = {"format": "liftmesh certificate"}
 MEMBERS = {1: ("delaunay",), 2: ("weights", "radii", "metric", "farthest"), 3: ("constrained",)}
+MEMBERS |= {4: ("delaunay",)}
+OF_TETRAHEDRA = 4
 NAMES = {"delaunay": "Delaunay", "metric": "Delaunay in the metric", "farthest": "farthest-point"}
 NAMES |= {"weights": "regular by weights", "radii": "regular by radii"}
 NAMES |= {"constrained": "constrained Delaunay"}
@@ -354,12 +360,12 @@ def valid(counts: dict[str, int], ties: int) -> dict[str, Any]:
     }
 
 
-def sums(rows: list[Row], triangles: list[Triangle]) -> dict[str, str]:
+def sums(rows: list[Any], triangles: list[Any]) -> dict[str, str]:
     corners = [*chain(*triangles)]
     small = all(-(2**31) <= corner < 2**31 for corner in corners)
     code = "i" if small else "q" if max(corners) < 2**63 else "Q"
     contents = {
-        "points_sha256": struct.pack(f"<{2 * len(rows)}d", *chain(*rows)),
+        "points_sha256": struct.pack(f"<{len([*chain(*rows)])}d", *chain(*rows)),
         "simplices_sha256": struct.pack(f"<{len(corners)}{code}", *corners),
     }
     return {name: hashlib.sha256(content).hexdigest() for name, content in contents.items()}
@@ -426,16 +432,40 @@ def check(
     edges: Iterable[Pair] = (),
 ) -> int:
     """Check a certificate against a mesh and print the verdict."""
-    for name, value in sums(rows, triangles).items():
-        if claimed.get(name) != value:
-            print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")
-            return 1
+    if is_other(claimed, rows, triangles):
+        return 1
     lifted = lifts(claimed, rows, column_of(claimed, len(rows), columns))
     constraints = constraints_of(claimed, rows, [*edges], [*columns])
     member, carved = claimed.get("member", "delaunay"), claimed.get("carved", False)
     wrong, truth = judge(lifted, triangles, member, constraints, carved)
     truth["counts"] |= {"n_constraints": len(constraints)} if member == "constrained" else {}
     truth = {key: value for key, value in truth.items() if key in claimed or key not in LATER}
+    return verdict(claimed, wrong, truth, counted(len(triangles), "triangle", "triangles"))
+
+
+def check_tetrahedra(claimed: dict[str, Any], rows: list[Any], cells: list[Any]) -> int:
+    """The same of tetrahedra."""
+    if is_other(claimed, rows, cells):
+        return 1
+    wrong, truth = judge_tetrahedra(rows, cells)
+    return verdict(claimed, wrong, truth, counted(len(cells), "tetrahedron", "tetrahedra"))
+
+
+def counted(count: int, one: str, several: str) -> str:
+    return f"{count:,} {one if count == 1 else several}"
+
+
+def is_other(claimed: dict[str, Any], rows: list[Any], simplices: list[Any]) -> bool:
+    """Whether a certificate has other sums than the mesh; say which."""
+    for name, value in sums(rows, simplices).items():
+        if claimed.get(name) != value:
+            print(f"The certificate speaks of another mesh: {name} differs (or --plane did).")
+            return True
+    return False
+
+
+def verdict(claimed: dict[str, Any], wrong: str, truth: dict[str, Any], count: str) -> int:
+    """Compare a certificate with the truth and print the verdict."""
     flaws = flaws_of(claimed)
     found = differences(claimed | {"flaws": flaws}, truth)
     if wrong and all(kind == "not_canonical" for kind, _ in flaws or []):
@@ -444,7 +474,6 @@ def check(
         print(f"The certificate is wrong: {'; '.join(found)}{wrong and f' ({wrong})'}.")
         return 1
     kind = "canonical" if truth["canonical"] else "valid, not canonical"
-    count = f"{len(triangles):,} triangle{'' if len(triangles) == 1 else 's'}"
     kind = f"not valid: {wrong}" if wrong else kind
     print(f"The certificate holds: {count}, {name_of(claimed)}, {kind}.")
     return 0
@@ -463,7 +492,7 @@ def read_certificate(path: str) -> dict[str, Any]:
     of_disks = known and claimed.get("member") == "apollonius"
     require(not of_disks, "it is of a graph of disks, which no mesh file holds")
     known = type(version) is int and claimed.get("member", "delaunay") in MEMBERS.get(version, ())
-    form = f"{json.dumps(FORMAT)}, version 1, or version 2 or 3 with its member"
+    form = f"{json.dumps(FORMAT)}, version 1 or 4, or 2 or 3 with its member"
     require(known, f"the certificate is not of the format {form}")
     return dict(claimed)
 
@@ -471,6 +500,10 @@ def read_certificate(path: str) -> dict[str, Any]:
 def main(certificate: str, mesh: str, *weights: str) -> int:
     try:
         claimed, data = read_certificate(certificate), Path(mesh).read_bytes()
+        is_of_tetrahedra = claimed["format_version"] == OF_TETRAHEDRA
+        if is_of_tetrahedra:
+            require(b"<VTKFile" in data[:200], "tetrahedra are read from VTU files alone")
+            return check_tetrahedra(claimed, *read_vtu(data))
         rows, triangles, columns, edges = (read_ply if data[:3] == b"ply" else read_obj)(data)
         for path in weights:
             columns.append(tuple(map(float, Path(path).read_text().split())))

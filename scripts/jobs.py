@@ -207,6 +207,23 @@ def _find_simplex(points: np.ndarray, _: Generator) -> Action:
     return lambda _: few.find_simplex(planar)
 
 
+def _tetrahedralize(points: np.ndarray, rng: Generator, **threads: Any) -> Action:
+    """As many tetrahedra as triangles of the other calls."""
+    solid = rng.random((max(len(points) // 3, 4), 3))
+    return lambda progress: liftmesh.tetrahedralize(solid, progress=progress, **threads)
+
+
+def _verify_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
+    tetra = liftmesh.tetrahedralize(rng.random((max(len(points) // 3, 4), 3)))
+    return lambda progress: tetra.verify(progress=progress)
+
+
+def _in_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
+    tetra = liftmesh.tetrahedralize(rng.random((max(len(points) // 30, 4), 3)))
+    places = rng.random((len(points), 3))
+    return lambda _: tetra.find_simplex(places)
+
+
 def _surface(points: np.ndarray, _: Generator, ask: Callable[[liftmesh.Surface], object]) -> Action:
     """Ask a surface of a tenth of the rows."""
     surface = liftmesh.triangulate(points[: max(len(points) // 10, 3)])
@@ -269,6 +286,10 @@ CALLS: dict[str, Call] = {
     "cell sides of disks": partial(_disks, ask=_cell_sides),
     "anisotropic stars": _stars,
     "find_simplex": _find_simplex,
+    "tetrahedralize, 1 thread": partial(_tetrahedralize, threads=1),
+    "tetrahedralize": _tetrahedralize,
+    "verify tetrahedra": _verify_tetrahedra,
+    "find_simplex in tetrahedra": _in_tetrahedra,
     "raster": partial(_surface, ask=_raster),
     "contours": partial(_surface, ask=_contours),
     "cut and fill": _cut_and_fill,

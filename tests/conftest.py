@@ -8,6 +8,7 @@ left in one at the end. And no program outlives the time that a test has.
 
 from __future__ import annotations
 
+import gc
 import os
 import re
 import signal
@@ -133,6 +134,11 @@ def generators(item: pytest.Item) -> list[np.random.Generator]:
     return [each for each in values if isinstance(each, np.random.Generator)]
 
 
+def pytest_collection_finish() -> None:
+    """Let the collector pass over thousands of tests: else each of its searches takes seconds."""
+    gc.freeze()
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Let a test draw the same numbers whichever tests ran before it in its process."""
@@ -164,6 +170,7 @@ def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> Non
 @pytest.hookimpl(trylast=True)
 def pytest_sessionfinish(session: pytest.Session) -> None:
     """Fail a whole run in which a test was left out: what is missing must not look like success."""
+    gc.unfreeze()  # libraries look at what is left at the end
     if not session.config.option.whole:
         return  # someone chose some tests by hand
     reporter = session.config.pluginmanager.get_plugin("terminalreporter")

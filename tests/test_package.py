@@ -108,7 +108,7 @@ def test_modules_of_public_names_list_them() -> None:
     names = {**vars(importlib.import_module("liftmesh.predicates"))}
     assert names["__all__"] == ["incircle", "insphere", "orient2d", "orient3d"]
     assert all(getattr(liftmesh, name) is names[name] for name in names["__all__"])
-    assert liftmesh.scipy.__all__ == ["Delaunay", "SpaceDelaunay", "Voronoi"]
+    assert liftmesh.scipy.__all__ == ["Delaunay", "SpaceDelaunay", "SpaceVoronoi", "Voronoi"]
 
 
 def test_no_module_bears_the_name_of_a_public_name() -> None:

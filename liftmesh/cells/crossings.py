@@ -28,13 +28,12 @@ from numpy.typing import NDArray
 from liftmesh._typing import Floats, Indices, Mask, Rows
 from liftmesh.base.frozen import cached_property
 from liftmesh.cells.rings import Exact, as_exact, between, turn
-from liftmesh.disks.sides import shares_in
+from liftmesh.disks.sides import Traced, shares_in
 from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain
-    from liftmesh.disks.sides import Traced
 
 
 _FEW = 16  # edges of a domain that need no index

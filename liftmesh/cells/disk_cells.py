@@ -88,7 +88,7 @@ def apollonius_diagram(
     Notes
     -----
     For the graph, see `apollonius`. Seen from a focus, a hyperbola has a simple equation
-    (``liftmesh/disks/arcs.py``), by which arcs are halved until chords are near enough.
+    (``liftmesh/disks/sides.py``), by which arcs are halved until chords are near enough.
     As every cell is star-shaped about its centre, and stays so however coarse polylines are,
     polygons do not overlap.
 

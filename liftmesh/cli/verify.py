@@ -22,16 +22,19 @@ HELP = (
     "every edge shared or on the boundary, the boundary convex, every row a vertex, every "
     "circumcircle empty. The exit code is 1 if anything is wrong, and the first places are listed. "
     "A file that liftmesh wrote says itself whether it was triangulated by weights, by radii or in "
-    "a metric; of others an option says it."
+    "a metric; of others an option says it. Of VTU, VTK and MSH the tetrahedra are checked, in "
+    "space, by facets in place of edges."
 )
 EXAMPLES = [
     "liftmesh verify mesh.ply",
     "liftmesh verify mesh.obj --certificate mesh.json",
     "liftmesh verify mesh.ply --json",
     "liftmesh verify molecule.ply --radii radius",
+    "liftmesh verify cells.vtu",
     "liftmesh verify tiles/",
 ]
 SHOWN = 3  # violations of a flaw
+_IN_SPACE = {"triangles": "tetrahedra", "edges": "facets", "hull_edges": "hull_facets"}
 
 
 @outputs.guards("certificate")
@@ -62,6 +65,8 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
+    from liftmesh.io.tetrahedra import is_of_tetrahedra
+
     outputs.check_stdout()
     lifting = options.lifting(weights, radii, metric)
     outputs.check_place(certificate)
@@ -69,6 +74,10 @@ def run(
         raise click.BadParameter(f"--points is for folders of tiles, and {source} is none")
     if source.is_dir():
         certified = _verify_tiles(source, points, threads, certificate)
+    elif is_of_tetrahedra(source, file.get("format")):
+        _refuse_planar(plane, lifting)
+        with inputs.about(source):
+            certified = _verify_tetrahedra(source, file, nonfinite=nonfinite, threads=threads)
     else:
         _check_format(source, file.get("format"))
         cloud = inputs.read(source, file)
@@ -99,6 +108,24 @@ def _verify_tiles(
         return tiled.verify(points, threads=threads, progress=progress)
 
 
+def _refuse_planar(plane: Any, lifting: dict[str, Any]) -> None:
+    if lifting or plane.value != "xy":
+        raise click.BadParameter(
+            "files of tetrahedra have no --plane, --weights, --radii or --metric: leave them out"
+        )
+
+
+def _verify_tetrahedra(source: Path, file: dict[str, Any], **choices: Any) -> Certificate:
+    from liftmesh.io.tetrahedra import read_tetrahedra
+    from liftmesh.planar.verification import verify
+
+    if is_stream(source):
+        raise click.BadParameter("tetrahedra are not read from stdin: name a file")
+    points, simplices = read_tetrahedra(source, file.get("format"))
+    with terminal.share_bar(f"verifying {len(simplices):,} tetrahedra") as progress:
+        return verify(points, simplices, progress=progress, **choices)
+
+
 def _verify_file(
     cloud: Cloud, source: Path, plane: Any, lifting: dict[str, Any], **choices: Any
 ) -> Certificate:
@@ -118,7 +145,7 @@ def _verify_file(
 def _note_own_faces(cloud: Cloud, plane: Any, threads: int | None) -> None:
     """Report a mesh that is a surface all the same, as a trimmed one, or one with other sides."""
     from liftmesh.errors import LiftmeshError
-    from liftmesh.terrain.meshes import as_surface
+    from liftmesh.terrain.triangulate import as_surface
 
     try:
         with inputs.without_warnings():
@@ -201,8 +228,13 @@ def _say(certified: Certificate) -> None:
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
     counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
-    lines = [(name.replace("_", " "), _number(getattr(certified, f"n_{name}"))) for name in counts]
-    sums = [("points", certified.points_sha256), ("triangles", certified.simplices_sha256)]
+    in_space = _IN_SPACE if certified.dimension == 3 else {}
+    lines = [
+        (in_space.get(name, name).replace("_", " "), _number(getattr(certified, f"n_{name}")))
+        for name in counts
+    ]
+    simplices = in_space.get("triangles", "triangles")
+    sums = [("points", certified.points_sha256), (simplices, certified.simplices_sha256)]
     sums += [] if certified.values_sha256 is None else [(certified.member, certified.values_sha256)]
     terminal.table([*lines, *((f"SHA-256 of {name}", value) for name, value in sums)])
 
@@ -214,8 +246,10 @@ def _number(count: int | None) -> str:
 def _verdict(certified: Certificate) -> str:
     if certified.canonical:
         which = "" if certified.member == "delaunay" else f", the {certified.name}"
-        return f"Valid, and canonical: these are the triangles that liftmesh makes{which}."
+        made = "triangles" if certified.dimension == 2 else "tetrahedra"
+        return f"Valid, and canonical: these are the {made} that liftmesh makes{which}."
     if certified.valid:
         tied = "cocircular" if certified.member in ("delaunay", "farthest") else "tied"
+        tied = "cospherical" if certified.dimension == 3 else tied
         return f"Valid: a {certified.name}, with other choices among {tied} points."
     return f"Not valid: this is not the {certified.name} of these points."

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from time import perf_counter
-from typing import Literal
+from typing import Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,14 +16,33 @@ from liftmesh.comparison.differences import find_cells, find_differences
 from liftmesh.comparison.hull import trimesh_hull
 from liftmesh.comparison.proofs import Evidence
 from liftmesh.comparison.report import Comparison
+from liftmesh.comparison.solid import HullComparison, compare_hulls
 from liftmesh.errors import InputError
 from liftmesh.io.read import read_for_surface
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
 from liftmesh.planar.lifting import resolve_apex
 from liftmesh.planar.triangulation import Triangulation
+from liftmesh.space.convex_hull import ConvexHull
 from liftmesh.terrain.frame import resolve_plane
 from liftmesh.terrain.surface import Surface
+
+
+@overload
+def compare(  # type: ignore[overload-overlap]
+    cloud: ConvexHull, *, max_proofs: int = ...
+) -> HullComparison: ...
+
+
+@overload
+def compare(
+    cloud: object,
+    *,
+    apex: Apex = ...,
+    plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = ...,
+    nonfinite: NonFinite = ...,
+    max_proofs: int = ...,
+) -> Comparison: ...
 
 
 def compare(
@@ -33,13 +52,15 @@ def compare(
     plane: Literal["xy", "xz", "yz", "fit"] | ArrayLike = "xy",
     nonfinite: NonFinite = "error",
     max_proofs: int = 10,
-) -> Comparison:
+) -> Comparison | HullComparison:
     """Compare liftmesh's triangles with the lower facets of trimesh's convex hull.
 
     Parameters
     ----------
-    cloud : array, Cloud, trimesh or Open3D object, path, Triangulation or Surface
-        The points, or their triangulation; of a file, the rows that `triangulate` takes.
+    cloud : array, Cloud, trimesh or Open3D object, path, Triangulation, Surface or ConvexHull
+        The points, or their triangulation; of a file, the rows that `triangulate` takes. A hull of
+        points in space is compared with trimesh's convex hull of these points, which are not
+        lifted; only `max_proofs` can be given with it.
     apex : {"median", "origin"} or (2,) array_like, default "median"
         Apex of the paraboloid, as for `lift`. With the median, heights are small wherever the
         points lie, which is the best case for Qhull, which rounds; with the origin, the heights of
@@ -54,8 +75,9 @@ def compare(
 
     Returns
     -------
-    Comparison
-        Counts, rows, proofs and times, with a text form for ``print``.
+    Comparison or HullComparison
+        Counts, rows, proofs and times, with a text form for ``print``; of a hull a
+        `HullComparison`, with exact proofs that points lie outside trimesh's facets.
 
     Raises
     ------
@@ -70,7 +92,7 @@ def compare(
     See Also
     --------
     verify : An exact check of any triangulation.
-    lower_hull : The lower hull of points in space.
+    convex_hull : The hull of points in space, which is compared without lifting.
 
     Notes
     -----
@@ -85,6 +107,8 @@ def compare(
     ('identical', 4)
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
+    if isinstance(cloud, ConvexHull):
+        return compare_hulls(cloud, most)
     triangulation, seconds = _triangulate(cloud, plane, nonfinite)
     triangles = triangulation.simplices
     rows = used_rows(triangulation.npoints, triangles)

@@ -63,6 +63,21 @@ def trimesh_hull(points: Floats, rows: Rows, apex: tuple[float, float]) -> HullF
     return HullFacets(facets, lower, int((n_z == 0).sum()), coincident, seconds)
 
 
+def convex_facets(points: Floats, rows: Rows) -> tuple[Rows, bool, float, str | None]:
+    """Return the facets of trimesh's hull of rows in space, and whether they are watertight."""
+    own = points[rows] + 0.0
+    mesh, seconds, error = _convex_hull(own)
+    if mesh is None:
+        return _NO_FACETS, False, seconds, error
+    match, _ = _match(own, np.asarray(mesh.vertices))
+    return (
+        rows[match[np.asarray(mesh.faces)]].reshape(-1, 3),
+        bool(mesh.is_watertight),
+        seconds,
+        error,
+    )
+
+
 def _lifted(points: Floats, rows: Rows, apex: tuple[float, float]) -> Floats:
     """Return centred x and y with z = |p - a|^2, without negative zeros."""
     centre = resolve_apex("median", points[rows])

@@ -59,13 +59,13 @@ class Proof:
 
     def __str__(self) -> str:
         row, value = self.determinants[0] if self.determinants else (-1, Fraction(0))
-        values = ", ".join(f"{_short(value)} (row {row})" for row, value in self.determinants)
+        values = ", ".join(f"{as_short(value)} (row {row})" for row, value in self.determinants)
         return _SENTENCES[self.claim].format(
-            rows=self.rows, row=row, value=_short(value), values=values, tested=self.tested
+            rows=self.rows, row=row, value=as_short(value), values=values, tested=self.tested
         )
 
 
-def _short(value: Fraction) -> str:
+def as_short(value: Fraction) -> str:
     """Format a number exactly if that is short, otherwise its leading digits."""
     exact = str(value)
     if len(exact) <= 12:

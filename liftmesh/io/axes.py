@@ -9,17 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 
 from liftmesh._typing import Floats
 from liftmesh.base.options import Up, check_option, refused
-from liftmesh.io.format import round_below
+from liftmesh.io.format import Origin, round_below
 from liftmesh.io.markup import finite_numbers
-
-if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
 
 OriginChoice: TypeAlias = Sequence[float] | Literal["center"] | None
 

@@ -20,21 +20,16 @@ from __future__ import annotations
 
 import codecs
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict
+from typing import Any, TypeAlias, TypedDict
 
 import numpy as np
 
 from liftmesh._typing import Floats
-from liftmesh.base.options import as_count, as_switch, refused
+from liftmesh.base.options import ClassChoice, Returns, Up, as_count, as_switch, refused
 from liftmesh.errors import FormatError, InputError, Option
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from liftmesh.base.options import ClassChoice, Returns, Up
 
 
 class ObjectOptions(TypedDict, total=False):

@@ -31,7 +31,7 @@ from liftmesh.crs.transformation import Operation, transform, with_heights
 from liftmesh.crs.units import SAYING_UNITS, height_factors, steps_in
 from liftmesh.errors import FormatError, InputError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.format import configured
+from liftmesh.io.format import ChunkReader, Format, Reader, configured
 from liftmesh.io.formats.text.columns import DEGREES
 from liftmesh.io.metadata import Label, Provenance, noted
 from liftmesh.io.registry import as_cloud, find_format
@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import ChunkReader, Format, Reader
     from liftmesh.io.options import FormatOptions, ReadOptions
 
 CHUNK_ROWS = 1_000_000

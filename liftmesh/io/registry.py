@@ -94,7 +94,7 @@ ADAPTERS = (
     Adapter("cloud", lambda source: isinstance(source, Cloud), lambda source: source),
     Adapter("table", is_table, _objects("tables", "to_cloud")),
     Adapter("array", plain.is_array, plain.from_array),
-    Adapter("grid", plain.is_grid, LazyFunction("liftmesh.raster.grids", "to_cloud")),
+    Adapter("grid", plain.is_grid, LazyFunction("liftmesh.raster.raster", "to_cloud")),
     Adapter("own mesh", is_of("liftmesh", {"Surface", "LowerHull"}), plain.converted),
     Adapter("path", lambda source: isinstance(source, str | os.PathLike), _refuse_path),
     Adapter(
@@ -117,7 +117,7 @@ FALLBACKS = (
 )
 
 _with_options = _objects("tables", "with_options")
-_with_transform = LazyFunction("liftmesh.raster.grids", "with_options")
+_with_transform = LazyFunction("liftmesh.raster.raster", "with_options")
 
 
 def known_formats() -> dict[str, Format]:

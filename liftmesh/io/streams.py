@@ -191,12 +191,28 @@ def seekable(stream: BinaryIO) -> BinaryIO:
     return stream if stream.seekable() else io.BytesIO(stream.read())
 
 
+@contextmanager
+def kept_place(stream: BinaryIO) -> Iterator[int]:
+    """Let a seekable stream go back to where it is, and yield that place."""
+    here = stream.tell()
+    try:
+        yield here
+    finally:
+        stream.seek(here)
+
+
 def remaining(stream: BinaryIO) -> int:
     """Count the bytes between the position of a seekable stream and its end."""
-    here = stream.tell()
-    end = stream.seek(0, os.SEEK_END)
-    stream.seek(here)
-    return max(end - here, 0)
+    with kept_place(stream) as here:
+        return max(stream.seek(0, os.SEEK_END) - here, 0)
+
+
+def is_file(stream: BinaryIO, name: str) -> bool:
+    """Whether a stream is the file that has its name."""
+    try:
+        return os.path.samestat(os.fstat(stream.fileno()), os.stat(name))  # noqa: PTH116
+    except (AttributeError, OSError, ValueError):
+        return False
 
 
 class Source(Protocol):
@@ -273,10 +289,8 @@ class _WholeWriter:
 
 def is_compressed(stream: BinaryIO) -> bool:
     """Whether a seekable stream begins like a gzip file, as no text does."""
-    begin = stream.tell()
-    magic = stream.read(2)
-    stream.seek(begin)
-    return magic == _MAGIC
+    with kept_place(stream):
+        return stream.read(2) == _MAGIC
 
 
 def decompressed(stream: BinaryIO, name: str, max_bytes: int | None) -> BinaryIO:

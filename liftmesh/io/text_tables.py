@@ -22,7 +22,7 @@ import os
 import re
 from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 
@@ -32,10 +32,15 @@ from liftmesh.base.options import as_threads
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import Ragged
 from liftmesh.io.options import MOST_COLUMNS
+from liftmesh.io.streams import kept_place
+
+if TYPE_CHECKING:
+    from collections import Counter
 
 _WORD = re.compile(r"\S+")
 
 _VALUES = 1 << 18  # printed at a time
+_MOST_KINDS = 1000
 
 
 def number_table(
@@ -236,6 +241,12 @@ def shortened(text: str, most: int = 40) -> str:
 def quoted(text: str) -> str:
     """Quote a piece of a file, shortened."""
     return repr(shortened(text))
+
+
+def count_kind(counts: Counter[str], kind: str) -> None:
+    """Count what is of a kind, under "..." if a file has too many of them."""
+    known = kind in counts or len(counts) < _MOST_KINDS
+    counts[kind if known else "..."] += 1
 
 
 BLOCK = 1 << 17  # lines taken at a time, at most
@@ -517,13 +528,10 @@ def leading_comments(
     stream: BinaryIO, name: str, *, encoding: str = "latin-1", marks: tuple[str, ...] = ("#",)
 ) -> Generator[str, None, None]:
     """Yield the comments at the top of a file, and restore the position of the stream."""
-    begin = stream.tell()
     lines = Lines(stream, name, encoding=encoding)
-    try:
+    with kept_place(stream):
         while len(block := lines.take(_COMMENTS)):
             for line in block.texts:
                 if not line.startswith(marks):
                     return
                 yield line.lstrip("".join(marks) + " \t")
-    finally:
-        stream.seek(begin)

@@ -16,7 +16,7 @@ from liftmesh.base.options import as_switch, counted
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import replacing
 from liftmesh.io.columns import checked_edges, checked_faces, with_used_rows
-from liftmesh.io.format import check_needs, dropped, renamed
+from liftmesh.io.format import Format, Found, Origin, Writer, check_needs, dropped, renamed
 from liftmesh.io.registry import as_cloud, find_written
 from liftmesh.io.streams import (
     PathOrStream,
@@ -31,7 +31,6 @@ from liftmesh.io.streams import (
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Format, Found, Origin, Writer
 
 
 _KEPT = frozenset({"las"})  # formats of what was measured: such files are replaced if asked only

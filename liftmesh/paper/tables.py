@@ -25,7 +25,6 @@ from liftmesh.paper.printed import TABLES, TableName, Vertex
 from liftmesh.planar.lifting import REJECTIONS, resolve_apex
 
 if TYPE_CHECKING:
-    from liftmesh.paper.printed import TableName
     from liftmesh.paper.results import Results, Settings
 
 LF, LFRES, INDEXED, ENGINE = METHODS

@@ -426,19 +426,26 @@ def in_space(points: Floats) -> Floats:
 def radii_of(found: AlphaMethods, is_up: bool) -> Floats:
     """Compute circumradii, to the nearest doubles or up."""
     radii = np.empty(len(found.simplices))
-    simplices = np.ascontiguousarray(found.simplices)
+    simplices = np.ascontiguousarray(_as_computed(found)[0])
     _kernel.circumradii(in_space(found.points), simplices, is_up, radii)
     return radii
 
 
+def _as_computed(found: AlphaMethods) -> tuple[Rows, Rows]:
+    """Return simplices and neighbours, which callers of SciPy's class may have rewritten."""
+    arrays: tuple[Rows, Rows] = getattr(found, "_exact", (found.simplices, found.neighbors))
+    return arrays
+
+
 def _arrays(found: AlphaMethods) -> tuple[Floats, Rows, Rows]:
     """Return the arrays of a triangulation that is Delaunay by its points alone."""
-    if not found._has_empty_circles or getattr(found, "metric", None) is not None:  # noqa: SLF001
+    other = getattr(found, "metric", None) is not None or getattr(found, "furthest_site", False)
+    if other or not found._has_empty_circles:  # noqa: SLF001 - of this class
         raise InputError(
-            "alpha shapes need triangles with empty circles, which constraints, weights and "
-            "metrics do not leave: triangulate the points alone, with liftmesh.delaunay"
+            "alpha shapes need triangles with empty circles, which constraints, weights, metrics "
+            "and farthest points do not leave: triangulate the points alone, with liftmesh.delaunay"
         )
-    simplices, neighbors = map(np.ascontiguousarray, (found.simplices, found.neighbors))
+    simplices, neighbors = map(np.ascontiguousarray, _as_computed(found))
     return in_space(found.points), simplices, neighbors
 
 
@@ -447,7 +454,7 @@ def alpha_complex_of(found: AlphaMethods, alpha: float) -> AlphaComplex:
     arrays = _arrays(found)
     radii = radii_of(found, is_up=True)
     (facets, facet_radii), (edges, edge_radii) = _kernel.alpha_filtration(*arrays, radii)
-    simplices: Array = np.sort(found.simplices, axis=1)
+    simplices: Array = np.sort(arrays[1], axis=1)
     vertices = used_rows(len(found.points), simplices)
     rows, values = [edges, facets, simplices], [edge_radii, facet_radii, radii]
     if simplices.shape[1] == 3:
@@ -462,7 +469,7 @@ def alpha_shape_of(found: AlphaMethods, alpha: float) -> AlphaShape:
     arrays = _arrays(found)
     mask = np.empty(len(found.simplices), dtype=np.bool_)
     faces, singular = _kernel.alpha_surface(*arrays, alpha, mask.view(np.uint8))
-    simplices = found.simplices[mask]
+    simplices = arrays[1][mask]
     rings: list[Rows] = []
     if simplices.shape[1] == 3:
         rows, starts = _kernel.rings(found.points, *arrays[1:], (~mask).view(np.uint8))

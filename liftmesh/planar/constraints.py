@@ -21,7 +21,7 @@ from liftmesh.base.arrays import MOST_ROWS, distinct, is_masked_array, starts_of
 from liftmesh.base.options import counted, shown
 from liftmesh.errors import InputError, Option
 from liftmesh.vector.geojson import planar_corners
-from liftmesh.vector.shapes import areas_in, lines_in
+from liftmesh.vector.polygons import areas_in, lines_in
 
 _BY_ROWS = "give whole numbers, the rows of points, counted from 0"
 _MOST_EDGES = 2**31 - 1

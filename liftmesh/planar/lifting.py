@@ -12,15 +12,22 @@ decides by exact signs of the coordinates, the weights, the radii and the metric
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Apex, Floats, Reals, Rows
-from liftmesh.base.arrays import as_coordinates, as_numbers, as_rows3, read_only
+from liftmesh.base.arrays import (
+    as_any_columns,
+    as_coordinates,
+    as_numbers,
+    as_rows3,
+    read_only,
+)
 from liftmesh.base.frozen import FrozenResult, check_numbers
 from liftmesh.base.options import refused
+from liftmesh.errors import InputError
 from liftmesh.planar.points import as_complex, rows_of
 
 if TYPE_CHECKING:
@@ -32,22 +39,25 @@ if TYPE_CHECKING:
     from liftmesh.io.write import WriteResult
 
 
-def lift(points: ArrayLike, apex: Apex = "median") -> Floats:
+def lift(points: ArrayLike, apex: Apex = "median", *, dimension: Literal[2, 3] = 2) -> Floats:
     """Lift planar points to the paraboloid z = (x - ax)^2 + (y - ay)^2 with the apex (ax, ay).
 
     Parameters
     ----------
     points : array_like of shape (n, 2) or (n, 3)
         Planar points, or a cloud or mesh as for `delaunay`; a third coordinate is ignored.
-    apex : {"median", "origin"} or (2,) array_like, default "median"
+    apex : {"median", "origin"} or (dimension,) array_like, default "median"
         The apex of the paraboloid: the coordinate-wise median of the distinct points that are
         finite, about which rounded heights are the most accurate; the origin, which gives
         z = x^2 + y^2; or any finite point.
+    dimension : {2, 3}, default 2
+        With 3 points in space are lifted, by the sum of the squares of all three coordinates.
 
     Returns
     -------
-    (n, 3) ndarray of float64
-        x and y as given; z computed in float64, with rounding (infinite if it overflows).
+    (n, dimension + 1) ndarray of float64
+        Coordinates as given; the last computed in float64, with rounding (infinite if it
+        overflows).
 
     Raises
     ------
@@ -67,13 +77,20 @@ def lift(points: ArrayLike, apex: Apex = "median") -> Floats:
            [ 1.,  0.,  1.]])
     >>> lift([[0, 0], [2, 0], [2, 0], [3, 1]])[:, 2]
     array([4., 0., 0., 2.])
+    >>> lift([[1, 2, 3]], apex="origin", dimension=3)
+    array([[ 1.,  2.,  3., 14.]])
     """
-    rows = as_coordinates(rows_of(points))[:, :2]
-    ax, ay = resolve_apex(apex, rows)
-    lifted = np.empty((len(rows), 3))
-    lifted[:, :2] = rows
+    if dimension not in (2, 3):
+        raise refused("dimension", dimension, "give 2 or 3")
+    rows = as_coordinates(rows_of(points))[:, :dimension]
+    if rows.shape[1] < dimension:
+        raise InputError("points have two columns: give z as a third, or lift them as planar ones")
+    place = _apex_in_space(apex, rows) if dimension == 3 else resolve_apex(apex, rows)
+    lifted = np.zeros((len(rows), dimension + 1))
+    lifted[:, :dimension] = rows
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        lifted[:, 2] = (lifted[:, 0] - ax) ** 2 + (lifted[:, 1] - ay) ** 2
+        for axis, value in enumerate(place):
+            lifted[:, dimension] += (lifted[:, axis] - value) ** 2
     return lifted
 
 
@@ -82,13 +99,13 @@ def project(points: ArrayLike) -> Floats:
 
     Parameters
     ----------
-    points : array_like of shape (n, 3)
-        Points in space, or a cloud or mesh as for `delaunay`.
+    points : array_like of shape (n, 3) or (n, 4)
+        Points in space, or a cloud or mesh as for `delaunay`; or points in space that were lifted.
 
     Returns
     -------
-    (n, 2) ndarray of float64
-        Their x and y: a read-only view if the points are float64.
+    (n, 2) or (n, 3) ndarray of float64
+        All columns but the last: a read-only view if the points are float64.
 
     Raises
     ------
@@ -104,6 +121,8 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]]))
     array([[3., 4.]])
     """
+    if getattr(points, "shape", ())[1:] == (4,):
+        return read_only(as_any_columns(points)[:, :3])
     return read_only(as_rows3(rows_of(points))[:, :2])
 
 
@@ -117,27 +136,49 @@ def resolve_apex(apex: Apex, points: Reals) -> tuple[float, float]:
 
 def given_apex(apex: Apex) -> tuple[float, float] | None:
     """Validate the option apex, and return the point if it is one."""
+    place = _given(apex, "(x, y)", 2)
+    return None if place is None else (place[0], place[1])
+
+
+def _given(apex: Apex, shown: str, length: int) -> list[float] | None:
     if isinstance(apex, str):
         if apex in ("median", "origin"):
             return None
-        raise refused("apex", apex, "give 'median', 'origin' or a point (x, y)")
+        raise refused("apex", apex, f"give 'median', 'origin' or a point {shown}")
     with np.errstate(all="ignore"):
-        pair = as_numbers("apex", apex, "give 'median', 'origin' or a point (x, y)")
-    if pair.shape != (2,) or not np.isfinite(pair).all():
-        raise refused("apex", apex, "give 'median', 'origin' or a finite point (x, y)")
-    return float(pair[0]), float(pair[1])
+        place = as_numbers("apex", apex, f"give 'median', 'origin' or a point {shown}")
+    if place.shape != (length,) or not np.isfinite(place).all():
+        raise refused("apex", apex, f"give 'median', 'origin' or a finite point {shown}")
+    values: list[float] = place.tolist()
+    return values
+
+
+def _apex_in_space(apex: Apex, points: Reals) -> list[float]:
+    """Convert the option apex to three coordinates."""
+    place = _given(apex, "(x, y, z)", 3)
+    finite = points[np.isfinite(points).all(axis=1)]
+    if place is None and (apex == "origin" or not len(finite)):
+        place = [0.0] * 3
+    if place is None:
+        place = _middle(np.unique(finite.astype(np.float64) + 0.0, axis=0).T)
+    return place
+
+
+def _middle(columns: Floats) -> list[float]:
+    """Return the median of each column, at half scale if it would overflow."""
+    scale = 0.5 if np.abs(columns).max() > 2.0**1022 else 1.0
+    values: list[float] = (np.median(columns * scale, axis=1) / scale).tolist()
+    return values
 
 
 def _median(points: Reals) -> tuple[float, float]:
-    """Coordinate-wise median of the distinct finite points, at half scale if it would overflow."""
+    """Coordinate-wise median of the distinct finite points."""
     finite = points[np.isfinite(points).all(axis=1)]
     if len(finite) == 0:
         return 0.0, 0.0
     distinct = np.unique(as_complex(finite + 0.0))  # 0.0 is -0.0
-    xy = np.stack([distinct.real, distinct.imag])
-    scale = 0.5 if np.abs(xy).max() > 2.0**1022 else 1.0
-    x, y = np.median(xy * scale, axis=1) / scale
-    return float(x), float(y)
+    x, y = _middle(np.stack([distinct.real, distinct.imag]))
+    return x, y
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -61,11 +61,11 @@ def verify_tetrahedra(
     Corners that are no rows may be any integers.
     """
     check_progress(progress)
-    as_threads(threads, len(rows))
+    used = as_threads(threads, len(rows))
     is_row = (given >= 0) & (given < len(rows))
     corners = np.ascontiguousarray(np.where(is_row, given, -1), dtype=np.int32)
     status, row, skipped, vertices, merged, facets, hull_facets, found = _kernel.verify_tetrahedra(
-        rows, corners, is_skipping, progress
+        rows, corners, is_skipping, *used, progress
     )
     if status == "non-finite":
         raise non_finite(row, rows[row])

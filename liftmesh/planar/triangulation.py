@@ -15,14 +15,13 @@ from liftmesh.base.options import NonFinite, as_threads
 from liftmesh.errors import InputError
 from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.kinds import options_of
-from liftmesh.planar.lifting import Heights, LowerHull, resolve_apex
+from liftmesh.planar.lifting import Counters, Heights, LowerHull, resolve_apex
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
     import scipy.spatial
 
     from liftmesh.planar.certificate import Certificate
-    from liftmesh.planar.lifting import Counters
 
 
 class Triangulation(AlphaMethods):

@@ -77,9 +77,9 @@ def verify(  # noqa: PLR0913 - options are keywords
         `Surface`, which is checked in its own plane, by the faces that are left if it was trimmed,
         which `Surface.triangulation` still has all (with breaklines, as `carved`); a
         `Triangulation` or `Tetrahedralization`, or one of SciPy or matplotlib; a mesh of trimesh or
-        Open3D, a `Cloud` with faces, or the path of a file, which are seen from above. Or an
-        `ApolloniusGraph`, which is checked as `ApolloniusGraph.verify` says; only `threads` and
-        `progress` can be given with it.
+        Open3D, a `Cloud` with faces, or the path of a file, which are seen from above, but for VTU,
+        VTK and MSH, whose tetrahedra are taken. Or an `ApolloniusGraph`, which is checked as
+        `ApolloniusGraph.verify` says; only `threads` and `progress` can be given with it.
     simplices : array_like of int, of shape (m, 3) or (m, 4), optional
         The corners of each triangle as rows of `points`. Triangles may be in any order, and any
         corner may be first. Those of tetrahedra, which must be positively oriented (`orient3d`).
@@ -230,7 +230,11 @@ def _is_graph_of_disks(value: Any) -> bool:
 
 
 def _are_tetrahedra(points: Any, simplices: Any) -> bool:
-    """Whether simplices, or those of an object, have four corners."""
+    """Whether simplices, or those of an object or a file, have four corners."""
+    if simplices is None and isinstance(points, str | os.PathLike):
+        from liftmesh.io.tetrahedra import is_of_tetrahedra  # noqa: PLC0415 - arrays do without
+
+        return is_of_tetrahedra(points)
     given: Any = getattr(points, "simplices", None) if simplices is None else simplices
     try:
         shape = np.shape(given)
@@ -244,7 +248,11 @@ def _space_triangulation(
 ) -> tuple[Floats, Array, bool]:
     """Return points in space, tetrahedra, and whether rows are skipped."""
     is_skipping = nonfinite == "skip"
-    if simplices is None:
+    if simplices is None and isinstance(points, str | os.PathLike):
+        from liftmesh.io.tetrahedra import read_tetrahedra  # noqa: PLC0415 - arrays do without
+
+        points, simplices = read_tetrahedra(points)
+    elif simplices is None:
         is_skipping |= len(getattr(points, "skipped", ())) > 0
         points, simplices = points.points, points.simplices
     rows = as_coordinates(points)

@@ -48,7 +48,7 @@ def faults_of(points: Floats, simplices: Array) -> list[str]:
     if products > MOST_PRODUCTS:
         limit = f"more than the {MOST_PRODUCTS:.0e} that are made"
         return [f"none is checked: this would take {products:.1e} products of integers, {limit}"]
-    exact = _integers(points)
+    exact, _ = integers_of(points)
     side = _signs(determinants(_edges(exact, corners)))
     missing = len(first) - len(np.unique(corners))
     counts = {
@@ -67,18 +67,17 @@ def _products(corners: Array, facets: _Facets, points: int) -> int:
     return int(m * width // 2 * width * 2**width + max(outer, 0) * points * (width - 1))
 
 
-def _integers(points: Floats) -> Array:
-    """Return coordinates as integers, scaled by a power of two."""
+def integers_of(points: Floats) -> tuple[Array, int]:
+    """Return coordinates as integers, and the power of two that scales them."""
     ratios = [value.as_integer_ratio() for value in points.reshape(-1).tolist()]
     scale = max(below for _, below in ratios)
-    return np.array([above * (scale // below) for above, below in ratios], object).reshape(
-        points.shape
-    )
+    exact = np.array([above * (scale // below) for above, below in ratios], object)
+    return exact.reshape(points.shape), scale
 
 
 def rank_of(points: Floats) -> int:
     """Return the dimension of the least flat that holds all points."""
-    exact = _integers(points)
+    exact, _ = integers_of(points)
     rows, rank = exact[1:] - exact[0], 0
     while len(places := np.argwhere(rows != 0)):
         i, j = places[0]

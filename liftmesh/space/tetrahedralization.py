@@ -3,19 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Progress, Rows
-from liftmesh.base.arrays import as_triples
+from liftmesh.base.arrays import as_numbers, as_triples
 from liftmesh.base.frozen import FrozenResult, cached_property, check_copied
+from liftmesh.errors import InputError
+from liftmesh.optional import load
 from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.tetrahedra import verify_tetrahedra
+from liftmesh.space.interpolation import interpolated
 
 if TYPE_CHECKING:
+    import pyvista
+
+    from liftmesh.io.write import WriteResult
     from liftmesh.planar.certificate import Certificate
 
 
@@ -114,6 +120,130 @@ class Tetrahedralization(FrozenResult, AlphaMethods):
     def _locator(self) -> _kernel.SpaceLocator:
         arrays = self.points, self.simplices, self.neighbors
         return _kernel.SpaceLocator(*map(np.ascontiguousarray, arrays))
+
+    def interpolate(self, values: ArrayLike, xi: ArrayLike, *, fill: float = np.nan) -> Floats:
+        """Interpolate values of the rows linearly, each in the tetrahedron that contains it.
+
+        Parameters
+        ----------
+        values : (n,) or (n, k) array_like
+            The values of the rows. Those of duplicates are not used.
+        xi : array_like of shape (..., 3)
+            Places in space.
+        fill : float, default NaN
+            The value outside the convex hull, and at places that are not finite.
+
+        Returns
+        -------
+        (...) or (..., k) ndarray of float64
+            The values, with the same bits in any order of the rows; at a vertex exactly its value.
+
+        Raises
+        ------
+        InputError
+            `values` are not one for each row, or no numbers; or the last axis of `xi` is not of
+            length three.
+
+        See Also
+        --------
+        Tetrahedralization.find_simplex : The tetrahedra.
+        Surface.sample : The same in the plane.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        >>> tetra = liftmesh.tetrahedralize(corners)
+        >>> tetra.interpolate([0, 1, 10, 100], [[0.25, 0.25, 0.25], [2, 0, 0]])
+        array([27.75,   nan])
+        """
+        given = as_numbers("values", values, "give a number for each row", verb="are")
+        if given.ndim not in (1, 2) or len(given) != len(self.points):
+            raise InputError(
+                f"values have the shape {given.shape}: give one for each of the "
+                f"{len(self.points):,} rows, or a row of them"
+            )
+        places = as_triples(xi)
+        found = self.find_simplex(places)
+        is_inside = found >= 0
+        result = np.full((*found.shape, *given.shape[1:]), float(fill))
+        if is_inside.any():
+            corners = self.simplices[found[is_inside]]
+            result[is_inside] = interpolated(self.points, corners, places[is_inside], given)
+        return result
+
+    def save(self, path: Any, *, overwrite: bool = True) -> WriteResult:
+        """Write the tetrahedra to a file, with every row of the points in its place.
+
+        Parameters
+        ----------
+        path : path
+            Where to write; the suffix determines the format: VTU, or VTK or MSH of Gmsh (4.1),
+            which meshio writes.
+        overwrite : bool, default True
+            Whether a file that exists is replaced.
+
+        Returns
+        -------
+        WriteResult
+            Summary of what was written.
+
+        Raises
+        ------
+        FormatError
+            The suffix is another.
+        FileExistsError
+            The file exists, and is not to be replaced.
+        OSError
+            The file cannot be written; the message gives the reason.
+
+        See Also
+        --------
+        verify : Reads such files, and proves them.
+
+        Examples
+        --------
+        >>> import liftmesh, tempfile
+        >>> tetra = liftmesh.tetrahedralize([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     written = tetra.save(f"{folder}/cells.vtu")
+        ...     print(written.format, liftmesh.verify(written.path).canonical)
+        vtu True
+        """
+        from liftmesh.io.tetrahedra import write_tetrahedra  # noqa: PLC0415 - arrays do without
+
+        return write_tetrahedra(path, self.points, self.simplices, overwrite=overwrite)
+
+    def to_pyvista(self) -> pyvista.UnstructuredGrid:
+        """Convert the tetrahedra to a grid of PyVista.
+
+        Returns
+        -------
+        pyvista.UnstructuredGrid
+            All rows of the points, with the tetrahedra as cells.
+
+        Raises
+        ------
+        MissingDependencyError
+            PyVista is not installed.
+
+        See Also
+        --------
+        Tetrahedralization.save : As a file, which PyVista reads, too.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> from importlib.util import find_spec
+        >>> tetra = liftmesh.tetrahedralize([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+        >>> tetra.to_pyvista().n_cells if find_spec("pyvista") else 1
+        1
+        """
+        made = load("pyvista")
+        grid: pyvista.UnstructuredGrid = made.UnstructuredGrid(
+            {made.CellType.TETRA: self.simplices.astype(np.int64)}, self.points.copy()
+        )
+        return grid
 
     def verify(
         self, *, threads: int | None = None, progress: Progress | None = None

@@ -16,7 +16,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -30,10 +30,6 @@ from liftmesh.planar.alpha import radii_of
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners, slope_scale
 from liftmesh.vector.polygons import contains, polygons_in
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
-
 
 _LEAST_WALL = 1.0  # mm
 

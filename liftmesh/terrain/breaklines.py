@@ -32,10 +32,10 @@ from liftmesh.planar.constrained_triangulation import (
 from liftmesh.planar.crossing_edges import TOO_NEAR
 from liftmesh.planar.delaunay import Solution
 from liftmesh.terrain.boundary import centroids, masked
-from liftmesh.terrain.lines import check_plain
+from liftmesh.terrain.lines import Line, Lines, check_plain
 from liftmesh.terrain.profile import HEADS, TAILS, LineCrossings, Met, between
 from liftmesh.terrain.sampling import heights_at
-from liftmesh.terrain.surface_data import ordered_corners
+from liftmesh.terrain.surface_data import AnySurface, SurfaceData, ordered_corners
 from liftmesh.vector.polygons import contains
 
 if TYPE_CHECKING:
@@ -43,8 +43,6 @@ if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
     from liftmesh.terrain.frame import Frame
     from liftmesh.terrain.lifting import Lifting
-    from liftmesh.terrain.lines import Line, Lines
-    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 BREAKLINE = "breakline"  # the values that say which rows lines have become
 OF_LINE, OF_AROUND = 1, 2  # such values: whose heights hold, and whose heights are the surface's

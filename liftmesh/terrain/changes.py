@@ -30,11 +30,10 @@ from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import RegularTriangulation, regular
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.terrain.own_faces import check_faces, kept_rows, with_faces
-from liftmesh.terrain.surface_data import HIDDEN, as_cloud
+from liftmesh.terrain.surface_data import HIDDEN, AnySurface, SurfaceData, as_cloud
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.terrain.surface_data import AnySurface, SurfaceData
 
 _WIDTHS = {"colors": (3, 4), "normals": (3,)}
 

@@ -37,11 +37,10 @@ from liftmesh.terrain.surface_data import (
     as_cloud,
     plane_system,
 )
-from liftmesh.vector.polygons import contains, polygons_in
+from liftmesh.vector.polygons import Polygon, contains, polygons_in
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.vector.polygons import Polygon
 
 _CUT = 0.9  # of the time
 _MOST_ROUNDS = 8

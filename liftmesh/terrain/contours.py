@@ -333,11 +333,11 @@ def contour_lines(
     points, starts, places, closed = relief.contours(wanted, *limit)
     crs = plane_system(surface)
     is_closed = closed.view(np.bool_)
-    is_single = levels is not None and np.ndim(levels) == 0
-    if is_single and not len(places) and len(surface.faces):
+    is_number = levels is not None and np.ndim(levels) == 0
+    if is_number and not len(places) and len(surface.faces):
         low, high = relief.height_range(*limit)
         message = (
-            f"no face has the height {shown(levels)}, they have {low:.6g} to {high:.6g}: for lines"
+            f"no face has the height {wanted[0]:g}, they have {low:.6g} to {high:.6g}: for lines"
         )
         message = f"{message} at all multiples, give {Option('interval', ...)}"
         warnings.warn(message, DataWarning, stacklevel=3)

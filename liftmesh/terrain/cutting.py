@@ -32,10 +32,9 @@ from liftmesh.planar.constrained_triangulation import (
 from liftmesh.terrain.measures import planar_areas
 from liftmesh.terrain.profile import between
 from liftmesh.terrain.sampling import heights_at
-from liftmesh.terrain.surface_data import ordered_corners
+from liftmesh.terrain.surface_data import SurfaceData, ordered_corners
 
 if TYPE_CHECKING:
-    from liftmesh.terrain.surface_data import SurfaceData
     from liftmesh.vector.polygons import Polygon
 
 _TAILS, _HEADS = [1, 2, 0], [2, 0, 1]  # of the sides opposite the corners

@@ -22,10 +22,10 @@ from liftmesh.terrain.boundary import mask_of
 from liftmesh.terrain.breaklines import check_exact, in_space
 from liftmesh.terrain.cutting import Layer, Overlay
 from liftmesh.terrain.measures import check_pair
-from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.overlay_mesh import OverlayMesh, overlay_mesh
 from liftmesh.terrain.report import bare_report
 from liftmesh.terrain.surface import Surface
+from liftmesh.terrain.triangulate import as_surface
 
 if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
@@ -68,6 +68,7 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     --------
     Surface.cut_and_fill : The volumes alone, which takes less than half of the time.
     Surface.height_above : Of points.
+    TiledSurface.raster : With ``minus=``, the difference of surfaces in tiles, as a raster alone.
 
     Notes
     -----

@@ -41,11 +41,10 @@ from liftmesh.terrain.surface_data import (
     plane_system,
     slope_scale,
 )
-from liftmesh.vector.polygons import polygons_in, regions_in
+from liftmesh.vector.polygons import Polygon, polygons_in, regions_in
 
 if TYPE_CHECKING:
     from liftmesh.planar.triangulation import Triangulation
-    from liftmesh.vector.polygons import Polygon
 
 _MOST_EXPONENT = 64
 _FARTHEST = 2.0**64  # shapely crosses lines to 2**-104 of their length

@@ -7,13 +7,13 @@ it are constraints, so nothing sees across them.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Rows
-from liftmesh.base.arrays import distinct, pair_keys, pairs_of_keys
+from liftmesh.base.arrays import pair_keys, pairs_of_keys
 from liftmesh.errors import CrossingError
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -23,10 +23,7 @@ from liftmesh.planar.constrained_triangulation import (
     bits_of,
 )
 from liftmesh.terrain.measures import touching
-from liftmesh.terrain.surface_data import kernel_surface
-
-if TYPE_CHECKING:
-    from liftmesh.terrain.surface_data import SurfaceData
+from liftmesh.terrain.surface_data import SurfaceData, kernel_surface
 
 _TAILS, _HEADS = [1, 2, 0], [2, 0, 1]  # of the sides opposite the corners
 _FILLER = 8  # above the bits of sides
@@ -78,20 +75,24 @@ def overlay_mesh(
         np.empty((0, 2), dtype=np.int32),
         np.empty(0, dtype=np.int32),
         bits,
-        _pieces(simplices, bits),
+        _pieces(simplices, neighbors, bits),
         len(simplices),
     )
     faces = simplices if mask is None else simplices[~mask]
     return OverlayMesh(points, rises, faces, solved, mask, crossings, displacement)
 
 
-def _pieces(simplices: Rows, bits: Bits) -> Pieces:
+def _pieces(simplices: Rows, neighbors: Rows, bits: Bits) -> Pieces:
     """Return the sides that are constraints, each of which is an input edge."""
     keys = []
     for k in range(3):
-        ends = simplices[(bits >> k & 1).astype(np.bool_)][:, [_TAILS[k], _HEADS[k]]]
-        keys.append(pair_keys(*np.sort(ends, axis=1).T))
-    rows = np.stack(pairs_of_keys(distinct(np.concatenate(keys))), axis=1).astype(np.int32)
+        chosen = np.flatnonzero(bits >> k & 1)
+        tails, heads = simplices[chosen, _TAILS[k]], simplices[chosen, _HEADS[k]]
+        once = (tails < heads) | (neighbors[chosen, k] < 0)  # the triangle beyond has it as well
+        lesser, greater = np.minimum(tails, heads), np.maximum(tails, heads)
+        keys.append(pair_keys(lesser[once], greater[once]))
+    ends = pairs_of_keys(np.sort(np.concatenate(keys)))
+    rows = np.stack(ends, axis=1).astype(np.int32)
     numbers = np.arange(len(rows) + 1, dtype=np.int32)
     none = np.full(len(rows), -1, dtype=np.int32)
     return Pieces(rows, numbers, numbers[:-1], rows, none, none, numbers[:0], 0, 0, 0.0)

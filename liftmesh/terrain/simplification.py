@@ -66,11 +66,10 @@ from liftmesh.planar.delaunay import solve, triangulation_of
 from liftmesh.planar.points import pieces
 from liftmesh.planar.triangulation import Triangulation, check_unwritten
 from liftmesh.terrain.boundary import masked
-from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.report import report_on
 from liftmesh.terrain.surface import Surface
 from liftmesh.terrain.surface_data import positions_of
-from liftmesh.terrain.triangulate import triangulate
+from liftmesh.terrain.triangulate import as_surface, triangulate
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

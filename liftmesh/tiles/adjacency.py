@@ -26,13 +26,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liftmesh._typing import Array, Integers
-from liftmesh.tiles.options import Done, RunContext, label, node_of
+from liftmesh.tiles.options import Done, RunContext, Runner, label, node_of
 from liftmesh.tiles.shards import open_shard
 from liftmesh.tiles.sorted_chunks import load_plan
 from liftmesh.tiles.store import links_name, mapped, neighbors_name, save_array
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.options import Runner
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.tiled_data import TiledData
 

@@ -29,7 +29,15 @@ from liftmesh.base.options import (
 from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.terrain.triangulate import check_system
 from liftmesh.tiles.lock import check_apart, clear, locked, release_copies
-from liftmesh.tiles.options import JOB, TILE_ROWS, Groups, Options, RunContext, TiledSurfaceOptions
+from liftmesh.tiles.options import (
+    JOB,
+    TILE_ROWS,
+    Groups,
+    Options,
+    RunContext,
+    Runner,
+    TiledSurfaceOptions,
+)
 from liftmesh.tiles.plan import Plan, frequent, planned
 from liftmesh.tiles.publish import publish
 from liftmesh.tiles.schedule import Serial, is_recorded, released
@@ -53,16 +61,14 @@ from liftmesh.tiles.store import (
     seal,
     wrong_job,
 )
-from liftmesh.tiles.tiled import open_tiled
+from liftmesh.tiles.tiled import Tiled, TiledSurface, open_tiled
 from liftmesh.tiles.tiled_data import TiledData, is_intact
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from liftmesh.io.options import ChunkOptions
-    from liftmesh.tiles.options import Runner
     from liftmesh.tiles.source_chunks import SourceChunk
-    from liftmesh.tiles.tiled import Tiled, TiledSurface
 
 _MANY = 1 << 30  # rows: enough for any number of threads
 

@@ -31,11 +31,10 @@ from liftmesh.base.options import (
 )
 from liftmesh.crs.comparison import given_text
 from liftmesh.errors import InputError
-from liftmesh.tiles.schema import Reading
+from liftmesh.tiles.schema import Reading, Schema
 
 if TYPE_CHECKING:
     from liftmesh.tiles.plan import Plan
-    from liftmesh.tiles.schema import Schema
     from liftmesh.tiles.source_chunks import SourceChunk
 
 _LINES = "lines of all tiles would have to be known before any"

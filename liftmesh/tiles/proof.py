@@ -32,7 +32,7 @@ from liftmesh.terrain.equal_positions import choose_rows
 from liftmesh.tiles.adjacency import AdjacencyProof
 from liftmesh.tiles.node import mesh_of
 from liftmesh.tiles.options import Groups, RunContext, label
-from liftmesh.tiles.plan import positions_of, set_apart
+from liftmesh.tiles.plan import Plan, positions_of, set_apart
 from liftmesh.tiles.schedule import in_order
 from liftmesh.tiles.schema import planar_of
 from liftmesh.tiles.shards import open_shard, vertices_of
@@ -40,7 +40,6 @@ from liftmesh.tiles.sorted_chunks import save_boxes, sorted_by_tile, tile_record
 from liftmesh.tiles.store import concatenated, faces_name, mapped, save_array, vertices_name
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.tiled_data import TiledData
 
 _BLOCK = 1 << 20  # triangles whose corners are looked up at once

@@ -15,7 +15,7 @@ from liftmesh.base.options import counted
 from liftmesh.errors import DegenerateInputError
 from liftmesh.tiles.adjacency import link_all
 from liftmesh.tiles.node import overhangs_apart
-from liftmesh.tiles.options import Done, RunContext, label
+from liftmesh.tiles.options import Done, RunContext, Runner, label
 from liftmesh.tiles.store import (
     KIND,
     MANIFEST,
@@ -28,7 +28,6 @@ from liftmesh.tiles.store import (
 )
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.options import Runner
     from liftmesh.tiles.plan import Plan
     from liftmesh.tiles.source_chunks import SourceChunk
 

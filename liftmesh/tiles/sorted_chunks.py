@@ -19,7 +19,7 @@ from liftmesh._typing import Array, Floats, Integers
 from liftmesh.base.arrays import non_finite
 from liftmesh.errors import FormatError, InputError, NonFiniteError, Option
 from liftmesh.io.read import classes_of
-from liftmesh.tiles.options import group_suffix
+from liftmesh.tiles.options import RunContext, group_suffix
 from liftmesh.tiles.plan import Plan, set_apart
 from liftmesh.tiles.schema import heights_of, planar_of
 from liftmesh.tiles.store import (
@@ -35,7 +35,6 @@ from liftmesh.tiles.store import (
 )
 
 if TYPE_CHECKING:
-    from liftmesh.tiles.options import RunContext
     from liftmesh.tiles.source_chunks import SourceChunk
 
 

@@ -17,10 +17,9 @@ from liftmesh.crs.transformation import transform
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.meshes import as_surface
 from liftmesh.terrain.surface_data import SurfaceData, as_cloud, bounds_of_faces
-from liftmesh.terrain.triangulate import triangulate
-from liftmesh.tiles.surface_heights import halves
+from liftmesh.terrain.triangulate import as_surface, triangulate
+from liftmesh.tiles.surface_parts import halves
 from liftmesh.tiles.surface_raster import Bounds, apart, mesh_of, part_of, points_of, touching
 from liftmesh.tiles.tiled_data import TiledSurfaceData, box_of
 

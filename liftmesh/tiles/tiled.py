@@ -13,9 +13,8 @@ from liftmesh._typing import Array, Floats, Integers, Progress, Rows
 from liftmesh.base.options import Interpolation, as_folder
 from liftmesh.errors import FormatError
 from liftmesh.tiles import (
-    surface_clip,
-    surface_heights,
     surface_lines,
+    surface_parts,
     surface_raster,
     tiled_data,
     verification,
@@ -524,7 +523,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ----------
         points, interpolation, threads : as for `Surface.sample`; "c1" needs a surface in memory
         """
-        return surface_heights.heights_at(self, points, interpolation, threads)
+        return surface_parts.heights_at(self, points, interpolation, threads)
 
     def height_above(
         self,
@@ -542,7 +541,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ----------
         cloud, interpolation, threads : as for `Surface.height_above`, and for `sample`
         """
-        return surface_heights.heights_above(self, cloud, interpolation, threads)
+        return surface_parts.heights_above(self, cloud, interpolation, threads)
 
     def raster(
         self,
@@ -667,7 +666,7 @@ class TiledSurface(TiledSurfaceData, Tiled):
         ----------
         polygon, threads, progress : as for `Surface.clip`; the shards that touch its box are read
         """
-        return surface_clip.clipped(self, polygon, threads, progress)
+        return surface_parts.clipped(self, polygon, threads, progress)
 
 
 def open_tiled(folder: str | os.PathLike[str]) -> Tiled:

@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,15 +18,12 @@ from liftmesh.errors import FormatError, InputError
 from liftmesh.io.atomic import working_folder
 from liftmesh.planar.certificate import Certificate, Flaw
 from liftmesh.tiles.plan import Plan
-from liftmesh.tiles.proof import proof_of
+from liftmesh.tiles.proof import Proof, proof_of
 from liftmesh.tiles.schema import Reading
 from liftmesh.tiles.sorted_chunks import digests_of
 from liftmesh.tiles.sources import files_of, source_chunks
 from liftmesh.tiles.store import PLAN, concatenated, digest_of, load_json
 from liftmesh.tiles.tiled_data import TiledData, UnprovedData, blocks_of, is_intact
-
-if TYPE_CHECKING:
-    from liftmesh.tiles.proof import Proof
 
 _MANY = 1 << 30  # rows: enough for any number of threads
 _READ = 0.3  # the share of the work before the first tile

@@ -33,7 +33,7 @@ from liftmesh._typing import Array
 from liftmesh.base.options import shown
 from liftmesh.crs.description import look_up
 from liftmesh.errors import DataWarning, FormatError, LiftmeshError, Option
-from liftmesh.io.streams import remaining
+from liftmesh.io.streams import is_file, remaining
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def _straight(shape: Geometry | None, row: int, name: str) -> Geometry | None:
 @contextmanager
 def opened(name: str, stream: BinaryIO | None = None) -> Iterator[_Package]:
     """Open a file by its name, or a stream that is in memory, and read it amid the block."""
-    held = None if stream is None or _is_file(stream, name) else stream
+    held = None if stream is None or is_file(stream, name) else stream
     if held is None:
         _check_complete(Path(name))
     try:
@@ -92,14 +92,6 @@ def opened(name: str, stream: BinaryIO | None = None) -> Iterator[_Package]:
         if isinstance(error, LiftmeshError):
             raise
         raise FormatError(f"{name}: damaged, or no GeoPackage: {error}") from error
-
-
-def _is_file(stream: BinaryIO, name: str) -> bool:
-    """Whether a stream is the file of a name."""
-    try:
-        return os.path.samestat(os.fstat(stream.fileno()), os.stat(name))  # noqa: PTH116
-    except (OSError, ValueError, AttributeError):
-        return False
 
 
 def _check_complete(path: Path) -> None:

@@ -8,13 +8,14 @@
     python scripts/fuzz structure --seconds 600 --jobs 2 --formats gltf npz
 
 libFuzzer drives the kernel, built with AddressSanitizer and UndefinedBehaviorSanitizer; the
-assertions are in `kernel/`. `changing`, `constraints`, `refinement`, `surface` and `simplification`
-are the same program, which only inserts and removes points, puts edges in, refines, asks surfaces,
-or simplifies terrains. Atheris drives the readers of PLY, OBJ and text, with the assertions of
-`round_trip.py`, and the kernel's numbers in text, which `text_numbers.py` compares with Python's. A
-run starts from the corpus in tests/corpus and from the one that earlier runs left in out/fuzz. It
-shrinks every find, and exits with 1 if there is one. `--run` runs the given files and nothing else;
-`--keep` replaces the corpus in tests/corpus by a minimal one with the same coverage.
+assertions are in `kernel/`. `changing`, `constraints`, `refinement`, `surface`, `simplification`
+and `space` are the same program, which only inserts and removes points, puts edges in, refines,
+asks surfaces, simplifies terrains, or makes tetrahedra. Atheris drives the readers of PLY, OBJ and
+text, with the assertions of `round_trip.py`, and the kernel's numbers in text, which
+`text_numbers.py` compares with Python's. A run starts from the corpus in tests/corpus and from the
+one that earlier runs left in out/fuzz. It shrinks every find, and exits with 1 if there is one.
+`--run` runs the given files and nothing else; `--keep` replaces the corpus in tests/corpus by a
+minimal one with the same coverage.
 
 `structure` is not guided by coverage: it makes files of every format from their parts, tells lies
 about some of these, and measures how each file is read (`structure/`). The same seed makes the same

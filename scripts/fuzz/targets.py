@@ -20,6 +20,7 @@ PARTS = (
     "refinement",
     "surface",
     "simplification",
+    "space",
 )  # of the kernel, by targets of their own
 SCRIPTS = ROOT / "scripts"
 CORPORA = ROOT / "tests" / "corpus"

@@ -9,6 +9,7 @@ from __future__ import annotations
 import copy
 import io
 import operator
+import tempfile
 import zipfile
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -241,6 +242,12 @@ def saved(thing: Any) -> object:
     return thing.save(io.BytesIO(), format="ply")
 
 
+def saved_cells(found: liftmesh.Tetrahedralization) -> object:
+    """Write tetrahedra to a folder that goes away."""
+    with tempfile.TemporaryDirectory() as folder:
+        return found.save(f"{folder}/cells.vtu")
+
+
 def halves(points: Points) -> Work:
     """Prepare the selection of every second row of a cloud that has everything."""
     rows = np.arange(len(points))
@@ -382,8 +389,13 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
     yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
     yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify())
+    mean = on_tetrahedra(lambda tetra: tetra.interpolate(tetra.points, tetra.points[::-1]))
+    yield "Tetrahedralization.interpolate", SOLID, mean, ()
+    kept = on_tetrahedra(saved_cells)
+    yield "Tetrahedralization.save", SOLID, kept, ()
     yield "convex_hull", SOLID, on_points(liftmesh.convex_hull), ("random heights",)
     yield "ConvexHull.vertices", SOLID, on_solid(lambda hull: hull.vertices), ()
+    yield "compare hulls", SOLID, on_solid(liftmesh.compare), ()
     for name in ("to_cloud", "to_trimesh", "to_open3d"):
         yield f"ConvexHull.{name}", SOLID, on_solid(operator.methodcaller(name)), ()
     yield "ConvexHull.save", SOLID, on_solid(saved), ()
@@ -451,6 +463,15 @@ def scipys_in_space() -> Iterator[tuple[Any, ...]]:
     grown = in_space(lambda tri: tri.add_points(tri.points[::2] / 2))
     yield "scipy.SpaceDelaunay.add_points", SOLID, grown, ()
     yield "scipy.SpaceDelaunay.close", SOLID, in_space(liftmesh.scipy.SpaceDelaunay.close), ()
+    yield "scipy.SpaceVoronoi", SOLID, on_points(liftmesh.scipy.SpaceVoronoi), ("random heights",)
+    diagram = on(lambda points: liftmesh.scipy.SpaceVoronoi(points, incremental=True), fresh=True)
+    lists = ("regions", "ridge_vertices", "ridge_dict", "ridge_points", "point_region")
+    for name in (*lists, "region_vertices", "ridge_corners"):
+        read = operator.attrgetter(name)
+        yield f"scipy.SpaceVoronoi.{name}", SOLID, diagram(read), ()
+    grown = diagram(lambda found: found.add_points(found.points[::2] / 2))
+    yield "scipy.SpaceVoronoi.add_points", SOLID, grown, ()
+    yield "scipy.SpaceVoronoi.close", SOLID, diagram(liftmesh.scipy.SpaceVoronoi.close), ()
 
 
 FUNCTIONS = (

@@ -36,6 +36,7 @@ void run_sets(const char* file) {
         add_changes(coordinates, rows, digests);
         add_constraints(coordinates, rows, digests);
         add_tiles(coordinates, rows, digests);
+        add_space(coordinates, rows, digests);
         add_signs(coordinates, rows, digests);
         add_printed(coordinates, rows, digests);
         at += 1 + 2 * rows;

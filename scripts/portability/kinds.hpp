@@ -29,6 +29,9 @@ void add_changes(const double* coordinates, std::size_t rows, Digests& digests);
 // Edges that a triangulation must have, the regions between them, and what these are refined to.
 void add_constraints(const double* coordinates, std::size_t rows, Digests& digests);
 
+// Tetrahedra of rows in space, their check, and signs.
+void add_space(const double* coordinates, std::size_t rows, Digests& digests);
+
 // The nodes of a tiled triangulation, and what their faces reach.
 void add_tiles(const double* coordinates, std::size_t rows, Digests& digests);
 

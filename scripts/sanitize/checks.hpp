@@ -41,6 +41,10 @@ void check_constraints(const Cloud& cloud);
 // if anything differs.
 void check_disks(const Cloud& cloud);
 
+// Makes, verifies and searches tetrahedra of the rows at heights of few values, on one thread and
+// on several, and interrupts some runs. Ends the process if anything differs.
+void check_space(const Cloud& cloud);
+
 // Exits with a message if what is parsed differs from what was printed, or threads change the text.
 void check_text(std::size_t rows);
 

@@ -23,7 +23,7 @@ from sites import (
 
 import liftmesh
 from liftmesh import ApolloniusCells, InputError, NonFiniteError
-from liftmesh.disks.arcs import Arcs
+from liftmesh.disks.sides import Arcs
 
 if TYPE_CHECKING:
     from liftmesh.cells.domain import Domain

@@ -48,8 +48,8 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 IN_THE_LIBRARY_ALONE = {
     "constrained_delaunay",
-    "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
-    "density", "dtype", "folder", "furthest_site", "gradients", "heights", "incremental",
+    "a", "alpha", "b", "bins", "canonical", "carved", "clouds", "colors", "components",
+    "constraints", "copy", "data", "degrees", "density", "dimension", "dtype", "folder", "furthest_site", "gradients", "heights", "incremental",
     "light", "markers", "masses", "max_iter", "max_proofs", "order", "planar", "progress",
     "row", "rows", "shape", "strict", "tol", "transform", "triangulation", "vertices",
 }  # fmt: skip

@@ -35,6 +35,8 @@ WRITING = [
     ("voronoi", "a.las", "old.svg"),
     ("constrain", "mesh.ply", "old.ply", "--edges", "pairs.txt"),
     ("refine", "box.geojson", "old.ply"),
+    ("tetrahedralize", "a.las", "old.vtu"),
+    ("hull", "a.las", "old.ply"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
     ("compare", "a.las", "--hull", "old.ply"),

@@ -113,11 +113,15 @@ def test_without_nameless_files_an_error_leaves_no_part(
 # Ends each command in the midst of a write: the system sends a signal that nobody hears where a
 # file grows beyond a limit.
 KILLED_AMID_WRITING = """
-import os, resource, signal, sys
+import importlib, os, resource, signal, sys
 from liftmesh.cli import main
 
 signal.signal(signal.SIGXFSZ, signal.SIG_DFL)
 resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+main("solid ../cloud.ply old.stl --thickness 1 --overwrite".split())  # what all of them import
+for name in ("geopandas", "laspy", "lazrs", "pyogrio", "rasterio", "scipy.spatial", "shapely"):
+    importlib.import_module(name)
+open("old.stl", "wb").write(b"old")
 for line in sys.stdin:
     limit, *words = line.split()
     child = os.fork()

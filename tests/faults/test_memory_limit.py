@@ -22,116 +22,130 @@ SWEEP = """
     import numpy as np, liftmesh
     from liftmesh import verify
 
-    name, rows, most, limits = sys.argv[1], *map(int, sys.argv[2:])
-    random = np.random.default_rng(0)
-    cloud = liftmesh.Cloud(random.random((rows, 3)), colors=np.zeros((rows, 3), np.uint8))
-    points = cloud.points
-    planar = np.ascontiguousarray(points[:, :2])
-    radii = random.random(rows) / 300
-    metrics = np.broadcast_to(np.eye(2), (rows, 2, 2))
-    few = random.random((50, 2))
+    limits = int(sys.argv[1])
 
-    def read(data, form):
-        return liftmesh.read(io.BytesIO(data), format=form).points
+    def swept(name, rows, most):
+        random = np.random.default_rng(0)
+        cloud = liftmesh.Cloud(random.random((rows, 3)), colors=np.zeros((rows, 3), np.uint8))
+        points = cloud.points
+        planar = np.ascontiguousarray(points[:, :2])
+        radii = random.random(rows) / 300
+        metrics = np.broadcast_to(np.eye(2), (rows, 2, 2))
+        few = random.random((50, 2))
 
-    def wrote(form):
-        stream = io.BytesIO()
-        mesh = cloud
-        if form in ("off", "landxml"):
-            corners = np.arange(rows // 3 * 3, dtype=np.int32)
-            mesh = liftmesh.Cloud(points, faces=corners.reshape(-1, 3))
-        liftmesh.write(stream, mesh, format=form)
-        return np.frombuffer(stream.getbuffer(), np.uint8)
+        def read(data, form):
+            return liftmesh.read(io.BytesIO(data), format=form).points
 
-    def text():
-        stream = io.BytesIO()
-        np.savetxt(stream, points)
-        return stream.getvalue()
+        def wrote(form):
+            stream = io.BytesIO()
+            mesh = cloud
+            if form in ("off", "landxml"):
+                corners = np.arange(rows // 3 * 3, dtype=np.int32)
+                mesh = liftmesh.Cloud(points, faces=corners.reshape(-1, 3))
+            liftmesh.write(stream, mesh, format=form)
+            return np.frombuffer(stream.getbuffer(), np.uint8)
 
-    def grid():
-        head = ("ncols 100", f"nrows {rows // 100}", "xllcorner 0", "yllcorner 0", "cellsize 1")
-        numbers = text().split()[: rows // 100 * 100]
-        return b"".join(each + os.linesep.encode() for each in (*map(str.encode, head), *numbers))
+        def text():
+            stream = io.BytesIO()
+            np.savetxt(stream, points)
+            return stream.getvalue()
 
-    def tiles():
-        with tempfile.TemporaryDirectory() as folder:
-            return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).to_array()
+        def grid():
+            head = ("ncols 100", f"nrows {rows // 100}", "xllcorner 0", "yllcorner 0", "cellsize 1")
+            numbers = text().split()[: rows // 100 * 100]
+            words = *map(str.encode, head), *numbers
+            return b"".join(each + os.linesep.encode() for each in words)
 
-    verb, _, kind = name.partition(" ")
-    made = {"xyz": text, "raster": grid}.get(kind, lambda: wrote(kind).tobytes())
-    data = made() if verb == "read" else b""
-    tri = liftmesh.delaunay(planar) if verb in ("find", "check") else None
-    runs = {
-        "delaunay": lambda: liftmesh.delaunay(planar, threads=int(kind)).simplices,
-        "stars": lambda: liftmesh.anisotropic_stars(planar, metrics).indices,
-        "disks": lambda: liftmesh.apollonius(planar, radii).simplices,
-        "regular": lambda: liftmesh.regular(planar, radii=radii, threads=int(kind)).simplices,
-        "tiles": tiles,
-        "wrap": lambda: liftmesh.delaunay(planar, algorithm=kind).simplices,
-        "hull": lambda: liftmesh.lower_hull(points).faces,
-        "surface": lambda: liftmesh.triangulate(cloud, plane=(1, 2, 3), on_duplicate="mean").faces,
-        "check": lambda: np.array([bool(verify(planar, tri.simplices, threads=int(kind)))]),
-        "find": lambda: tri.find_simplex(planar),
-        "predicates": lambda: liftmesh.orient2d(planar, planar[::-1], planar[0]),
-        "read": lambda: read(data, kind),
-        "write": lambda: wrote(kind),
-    }
-    run = runs[verb]
+        def tiles():
+            with tempfile.TemporaryDirectory() as folder:
+                return liftmesh.tile(planar, folder, tile_rows=rows // 2, threads=1).to_array()
 
-    def small():
-        return liftmesh.triangulate(few).report.n_triangles
+        verb, _, kind = name.partition(" ")
+        made = {"xyz": text, "raster": grid}.get(kind, lambda: wrote(kind).tobytes())
+        data = made() if verb == "read" else b""
+        tri = liftmesh.delaunay(planar) if verb in ("find", "check") else None
+        runs = {
+            "delaunay": lambda: liftmesh.delaunay(planar, threads=int(kind)).simplices,
+            "stars": lambda: liftmesh.anisotropic_stars(planar, metrics).indices,
+            "disks": lambda: liftmesh.apollonius(planar, radii).simplices,
+            "regular": lambda: liftmesh.regular(planar, radii=radii, threads=int(kind)).simplices,
+            "tiles": tiles,
+            "wrap": lambda: liftmesh.delaunay(planar, algorithm=kind).simplices,
+            "hull": lambda: liftmesh.lower_hull(points).faces,
+            "surface": lambda: liftmesh.triangulate(
+                cloud, plane=(1, 2, 3), on_duplicate="mean"
+            ).faces,
+            "check": lambda: np.array([bool(verify(planar, tri.simplices, threads=int(kind)))]),
+            "find": lambda: tri.find_simplex(planar),
+            "predicates": lambda: liftmesh.orient2d(planar, planar[::-1], planar[0]),
+            "read": lambda: read(data, kind),
+            "write": lambda: wrote(kind),
+        }
+        run = runs[verb]
 
-    small()
-    expected, before = run().copy(), None
-    outcomes, others = "", []
-    for number in range(1, limits + 1):
-        limit(most * number**2 // limits**2)
-        try:
-            outcomes += "o" if np.array_equal(run(), expected) else "?"
-        except MemoryError:
-            outcomes += "M"
-        except Exception as error:
-            outcomes += "X"
-            others.append(repr(error))
-        unlimited()
-        assert small() > 50
-        before = before or held()
-    print(json.dumps([outcomes, others, held() - before]))
+        def small():
+            return liftmesh.triangulate(few).report.n_triangles
+
+        small()
+        expected, before = run().copy(), None
+        outcomes, others = "", []
+        for number in range(1, limits + 1):
+            limit(most * number**2 // limits**2)
+            try:
+                outcomes += "o" if np.array_equal(run(), expected) else "?"
+            except MemoryError:
+                outcomes += "M"
+            except Exception as error:
+                outcomes += "X"
+                others.append(repr(error))
+            unlimited()
+            assert small() > 50
+            before = before or held()
+        return outcomes, others, held() - before
+
+    print(json.dumps({case[0]: swept(*case) for case in json.loads(sys.argv[2])}))
 """
 MEGA = 1_000_000
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "rows", "most"),
-    [
+CASES = {  # name, rows, and bytes of the last limit, in a process each
+    "planar": [
         ("delaunay 1", 100_000, 30 * MEGA),
         ("delaunay 3", 100_000, 70 * MEGA),
-        ("regular 1", 100_000, 30 * MEGA),
-        ("disks", 50_000, 30 * MEGA),
-        ("stars", 10_000, 12 * MEGA),
-        ("regular 3", 100_000, 70 * MEGA),
-        ("tiles", 100_000, 30 * MEGA),
         ("wrap lfres-indexed", 10_000, 5 * MEGA),
-        ("hull", 20_000, 20 * MEGA),
-        ("surface", 50_000, 40 * MEGA),
         ("find", 400_000, 8 * MEGA),
         ("check 1", 150_000, 40 * MEGA),
         ("check 3", 150_000, 60 * MEGA),
         ("predicates", 200_000, 20 * MEGA),
-        *(
-            (f"read {kind}", 20_000, 16 * MEGA)
-            for kind in ("ply", "obj", "npz", "xyz", "off", "las", "raster")
-        ),
+    ],
+    "others": [
+        ("regular 1", 100_000, 30 * MEGA),
+        ("regular 3", 100_000, 70 * MEGA),
+        ("disks", 50_000, 30 * MEGA),
+        ("stars", 10_000, 12 * MEGA),
+        ("tiles", 100_000, 30 * MEGA),
+        ("hull", 20_000, 20 * MEGA),
+        ("surface", 50_000, 40 * MEGA),
+    ],
+    "read": [
+        (f"read {kind}", 20_000, 16 * MEGA)
+        for kind in ("ply", "obj", "npz", "xyz", "off", "las", "raster")
+    ],
+    "write": [
         *((f"write {kind}", 20_000, 16 * MEGA) for kind in ("ply", "npz", "las", "vtu")),
         *((f"write {kind}", 5_000, 8 * MEGA) for kind in ("obj", "off", "landxml")),
     ],
-)
-def test_a_lack_of_memory_is_an_error_and_no_end(name: str, rows: int, most: int) -> None:
-    outcomes, others, leaked = json.loads(output(SWEEP, name, rows, most, 12))
-    assert others == []
-    assert set(outcomes) == {"M", "o"}
-    assert leaked < 3 * MEGA
+}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cases", CASES)
+def test_a_lack_of_memory_is_an_error_and_no_end(cases: str) -> None:
+    for name, found in json.loads(output(SWEEP, 12, json.dumps(CASES[cases]))).items():
+        outcomes, others, leaked = found
+        assert others == [], name
+        assert set(outcomes) == {"M", "o"}, name
+        assert leaked < 3 * MEGA, name
 
 
 COMMAND_LINE = """

@@ -9,7 +9,7 @@ from mypy import api
 
 import liftmesh
 from liftmesh.io.axes import validate_axes
-from liftmesh.io.formats.landxml_reader import validate_landxml_options
+from liftmesh.io.formats.landxml import validate_landxml_options
 from liftmesh.io.options import ChunkOptions, FormatOptions, ReadOptions, validate_table_options
 from liftmesh.raster.reader import validate_raster_options
 from liftmesh.vector.clouds import validate_feature_options

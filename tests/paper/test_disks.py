@@ -9,7 +9,7 @@ import numpy as np
 
 import liftmesh
 from liftmesh.paper.geometry import mu
-from liftmesh.paper.region import Circle, Disk, plane_of_circle, position_of_disk
+from liftmesh.paper.propositions import Circle, Disk, plane_of_circle, position_of_disk
 
 DIRECTIONS = [
     (Fraction(2 * t, 1 + t * t), Fraction(1 - t * t, 1 + t * t))

@@ -26,6 +26,7 @@ from liftmesh.paper.geometry import (
     orient,
 )
 from liftmesh.paper.propositions import (
+    Ellipse,
     first_edge,
     outward,
     proposition_3_1,
@@ -33,7 +34,6 @@ from liftmesh.paper.propositions import (
     proposition_4_3,
     proposition_4_4,
 )
-from liftmesh.paper.region import Ellipse
 
 TETRAHEDRON = [exact(p) for p in [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]]
 ORIGIN = (0, 0)

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
-from liftmesh.paper.pictures import anisotropic, farthest, weighted
+from liftmesh.paper.pictures import anisotropic, weighted
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.regular import regular
 
@@ -76,8 +76,8 @@ def test_circles_of_a_metric_go_through_three_points_and_are_empty() -> None:
 
 
 def test_circles_around_all_points_go_through_three_corners() -> None:
-    figure = farthest.figure_farthest()
-    points = farthest.example_points()
+    figure = weighted.figure_farthest()
+    points = weighted.example_points()
     (triangles, _) = figure.axes
     circles = [line for line in triangles.lines if str(line.get_gid()).startswith("circle")]
     assert len(circles) == 2
@@ -89,14 +89,14 @@ def test_circles_around_all_points_go_through_three_corners() -> None:
         np.testing.assert_allclose(radius, radius[0])
         assert np.isclose(distance, radius[0]).sum() == 3
         assert (distance < radius[0] * (1 + 1e-9)).all()
-    found, hidden = farthest.farthest_points(points)
+    found, hidden = weighted.farthest_points(points)
     np.testing.assert_array_equal(points_of(triangles, "hidden"), points[hidden])
     assert {*np.unique(found.simplices)} | {*hidden} == {*range(len(points))}
 
 
 def test_sides_of_the_farthest_cells_have_two_greatest_distances() -> None:
-    figure = farthest.figure_farthest()
-    points = farthest.example_points()
+    figure = weighted.figure_farthest()
+    points = weighted.example_points()
     drawn = sides(figure, 1, "sides")
     for share in (0.3, 0.7):
         middle = drawn[:, 0] * share + drawn[:, 1] * (1 - share)
@@ -106,15 +106,15 @@ def test_sides_of_the_farthest_cells_have_two_greatest_distances() -> None:
 
 
 def test_cells_have_the_colour_of_the_corner_that_is_farthest() -> None:
-    figure = farthest.figure_farthest()
-    found, _ = farthest.farthest_points(farthest.example_points())
+    figure = weighted.figure_farthest()
+    found, _ = weighted.farthest_points(weighted.example_points())
     (image,) = figure.axes[1].images
     shown = np.asarray(image.get_array())
     left, right, *_ = image.get_extent()
     size = len(shown)
     for row, column in ((5, 5), (5, size - 5), (size - 5, 5), (size // 2, size // 2 + 40)):
         place = (np.array([column, row]) + 0.5) / size * (right - left) + left
-        corners = found.points[farthest.corners(found)]
+        corners = found.points[weighted.corners(found)]
         mark = figure.axes[1].lines[1 + int(np.hypot(*(corners - place).T).argmax())]
         painted, asked = shown[row, column], np.array(to_rgb(mark.get_markerfacecolor()))
         np.testing.assert_allclose(1 - painted, 0.45 * (1 - asked))

@@ -20,7 +20,7 @@ from PIL import Image
 from liftmesh.paper import figures
 from liftmesh.paper.experiments import METHODS, Trial, measure
 from liftmesh.paper.geometry import Plane
-from liftmesh.paper.pictures import cross_section, first_edge, lifting, region
+from liftmesh.paper.pictures import cross_section, lifting, region
 from liftmesh.paper.printed import TABLES
 from liftmesh.paper.tables import Row, summarise
 from liftmesh.planar.delaunay import delaunay
@@ -92,7 +92,7 @@ def test_3_1_all_points_lie_on_the_right_side_of_both_lines(
     axes = drawn["figure_3_1"].axes[case - 1]
     assert axes.xaxis.get_inverted()
     projected = points_of(axes, "projected")
-    np.testing.assert_array_equal(projected, first_edge.example_points(case)[:, 1:])
+    np.testing.assert_array_equal(projected, region.example_points(case)[:, 1:])
     (v1,) = points_of(axes, "v1")
     assert v1[1] == projected[:, 1].min()
     mirrored = projected * (-1, 1)  # with Oy from right to left

@@ -6,9 +6,9 @@ import matplotlib as mpl
 import numpy as np
 
 from liftmesh import apollonius
+from liftmesh.paper.figures import log_axes
 from liftmesh.paper.pictures import anisotropic, style, weighted
 from liftmesh.paper.pictures.cross_section import CrossSection, behind_paraboloid, nearest_to_q
-from liftmesh.paper.pictures.running_times import log_axes
 from liftmesh.planar.lifting import lift
 
 CIRCLE = np.array([[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]])

@@ -28,6 +28,9 @@ from paper_positions import (
 from liftmesh.errors import DegenerateInputError, InputError
 from liftmesh.paper.geometry import Exact, Plane, exact, mu, mu_star, orient
 from liftmesh.paper.propositions import (
+    Circle,
+    Ellipse,
+    Surd,
     first_edge,
     lemma_4_1,
     lemma_4_2,
@@ -38,7 +41,6 @@ from liftmesh.paper.propositions import (
     proposition_4_4,
     tie_sign,
 )
-from liftmesh.paper.region import Circle, Ellipse, Surd
 from liftmesh.predicates import incircle
 
 Section = tuple[Ellipse, list[Exact], tuple[Planar, ...]]

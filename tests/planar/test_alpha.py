@@ -210,7 +210,7 @@ class TestInThePlane:
         shape = liftmesh.alpha_shape([[0, 0], [4, 0], [0, 3], [8, 8]], 3)
         assert shape.to_trimesh().area == 6
 
-    @pytest.mark.parametrize("kind", ["weighted", "constrained", "by a metric"])
+    @pytest.mark.parametrize("kind", ["weighted", "constrained", "by a metric", "farthest"])
     def test_other_triangulations_are_refused(self, kind: str) -> None:
         points = np.random.default_rng(1).random((9, 2))
         other: liftmesh.Triangulation = liftmesh.delaunay(points, metric=[[2, 0], [0, 1]])
@@ -218,10 +218,19 @@ class TestInThePlane:
             other = liftmesh.regular(points, weights=np.zeros(9))
         elif kind == "constrained":
             other = liftmesh.constrained_delaunay(points, [[0, 1]])
+        elif kind == "farthest":
+            other = liftmesh.scipy.Delaunay(points, furthest_site=True)
         for call in (other.alpha_shape, other.alpha_complex, other.optimal_alpha):
             with pytest.raises(liftmesh.InputError, match="triangles with empty circles"):
                 call()
         assert len(other.circumradii()) == other.nsimplex
+
+    def test_corners_that_a_caller_has_rewritten_do_not_count(self) -> None:
+        points = np.random.default_rng(2).random((30, 2))
+        rewritten = liftmesh.scipy.Delaunay(points)
+        rewritten.simplices[:] = -(10**6)
+        fresh = liftmesh.delaunay(points).alpha_shape(0.3)
+        assert np.array_equal(rewritten.alpha_shape(0.3).faces, fresh.faces)
 
 
 class TestAlpha:

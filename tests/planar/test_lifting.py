@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from liftmesh import InputError, delaunay, lift
+from liftmesh import InputError, delaunay, lift, project
 from liftmesh.planar.lifting import Heights, given_apex, resolve_apex
 
 
@@ -24,6 +24,25 @@ def test_the_median_is_that_of_the_distinct_points_in_any_order() -> None:
     assert str(resolve_apex("median", rows[[1, 0]])) == "(0.0, 0.0)"
     assert resolve_apex("median", np.array([[1e308, 0.0], [1.7e308, 2.0]])) == (1.35e308, 1.0)
     assert lift(rows[:5]).tolist() == delaunay([*rows[:5]]).lifted().vertices.tolist()
+
+
+def test_points_in_space() -> None:
+    rows = np.array([[1.0, 2, 3], [4, 0, 6], [9, 9, 0], [9, 9, 0], [np.nan, 0, 0]])
+    lifted = lift(rows, dimension=3)
+    np.testing.assert_array_equal(lifted[:4, 3], ((rows[:4] - (4, 2, 3)) ** 2).sum(axis=1))
+    np.testing.assert_array_equal(project(lifted), rows)
+    assert lift(rows[:1], (1, 2, 2), dimension=3).tolist() == [[1, 2, 3, 1]]
+    assert lift([[1e308, 0, 5e-324], [1.7e308, 2, 5e-324]], dimension=3)[0, 2] == 5e-324
+    assert lift(np.empty((0, 3)), dimension=3).shape == (0, 4)
+    assert lift(rows[:1], "origin").tolist() == [[1, 2, 5]]
+    for options, message in (
+        ({"apex": (1, 2)}, r"a finite point \(x, y, z\)"),
+        ({"dimension": 4}, "give 2 or 3"),
+    ):
+        with pytest.raises(InputError, match=message):
+            lift(rows, **{"dimension": 3, **options})
+    with pytest.raises(InputError, match="two columns"):
+        lift([[0, 0]], dimension=3)
 
 
 @pytest.mark.parametrize(

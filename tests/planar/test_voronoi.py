@@ -281,7 +281,7 @@ def test_errors_are_named() -> None:
         liftmesh.scipy.Voronoi([[0, 0], [1, 1]])
     with pytest.raises(liftmesh.NonFiniteError, match="row 1 is not finite"):
         liftmesh.scipy.Voronoi([[0, 0], [1, np.inf], [2, 5]])
-    with pytest.raises(liftmesh.InputError, match="3 columns"):
+    with pytest.raises(liftmesh.DegenerateInputError, match="1 distinct"):
         liftmesh.scipy.Voronoi(np.zeros((5, 3)))
 
 

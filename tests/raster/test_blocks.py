@@ -8,9 +8,9 @@ import pytest
 
 from liftmesh import FormatError
 from liftmesh.io.selection import Selection
-from liftmesh.raster.ascii_grid import is_grid
 from liftmesh.raster.blocks import Window, warnings_as_errors, window_of
 from liftmesh.raster.pixels import Affine
+from liftmesh.raster.reader import is_grid
 
 
 def test_steps_are_counted_from_the_first_row_and_column() -> None:

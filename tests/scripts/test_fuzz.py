@@ -33,6 +33,7 @@ BRANCHES |= {
     "refinement": 900,
     "surface": 900,
     "simplification": 900,
+    "space": 400,
 }
 
 

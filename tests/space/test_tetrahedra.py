@@ -12,7 +12,8 @@ from CGAL.CGAL_Triangulation_3 import Delaunay_triangulation_3
 from hypothesis import given, settings, strategies as st
 from numpy.typing import ArrayLike, NDArray
 from oracles import planar, space as oracle
-from space_clouds import SPACE
+from space_clouds import SPACE, sphere
+from stopped import LONG_RUN, seconds_to_stop
 
 import liftmesh
 from liftmesh.space import tetrahedra as module
@@ -209,6 +210,42 @@ class TestOneResult:
         points = rng.integers(0, 4, (40, 3)) * 2.0**-1074
         points = np.vstack((points, rng.normal(size=(3, 3)) * [[1e147], [1e-120], [1e94]]))
         assert_whole(liftmesh.tetrahedralize(points))
+
+
+MANY = 16_500  # so many that the last round is shared by two threads
+SHARED = {
+    "uniform": lambda rng: rng.random((MANY, 3)),
+    "lattice": lambda _: np.indices((26, 26, 26)).reshape(3, -1).T * 0.1,
+    "sphere": lambda rng: sphere(MANY, rng),
+    "clusters": lambda rng: rng.integers(0, 2, (MANY, 1)) * 9.0 + rng.random((MANY, 3)) ** 4,
+}
+
+
+class TestThreads:
+    @pytest.mark.parametrize("name", SHARED)
+    def test_the_list_is_the_same(self, name: str) -> None:
+        """Whatever stretches of the curve threads have, and which points are put off."""
+        points = SHARED[name](np.random.default_rng(3))
+        alone, *others = (liftmesh.tetrahedralize(points, threads=k) for k in (1, 2))
+        for other in others:
+            np.testing.assert_array_equal(other.simplices, alone.simplices)
+            np.testing.assert_array_equal(other.neighbors, alone.neighbors)
+            np.testing.assert_array_equal(other.convex_hull, alone.convex_hull)
+        assert alone.verify(threads=2) == alone.verify(threads=1)
+
+    @pytest.mark.slow
+    @pytest.mark.parametrize(
+        ("prepare", "call", "delay"),
+        [
+            ("", "liftmesh.tetrahedralize(points, threads=1)", 0.02),
+            ("", "liftmesh.tetrahedralize(points, threads=2)", 0.3),
+            ("tetra = liftmesh.tetrahedralize(points)", "tetra.verify(threads=1)", 0.1),
+        ],
+    )
+    def test_ctrl_c_stops_a_run(self, prepare: str, call: str, delay: float) -> None:
+        points = "rng.random((250_000, 3))"
+        program = LONG_RUN.format(points=points, prepare=prepare, call=call)
+        assert seconds_to_stop(program, delay) < 1.0
 
 
 class TestRows:

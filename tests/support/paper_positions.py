@@ -8,7 +8,7 @@ from itertools import combinations, permutations
 from hypothesis import assume, strategies as st
 
 from liftmesh.paper.geometry import Exact, Plane, exact, is_lower_facet, mu, orient
-from liftmesh.paper.region import Ellipse
+from liftmesh.paper.propositions import Ellipse
 
 Planar = tuple[int, int]
 

@@ -15,8 +15,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from liftmesh.paper.geometry import Exact, Plane, Point, orient
-from liftmesh.paper.propositions import Edge, first_edge, proposition_4_3, proposition_4_4, tie_sign
-from liftmesh.paper.region import Ellipse
+from liftmesh.paper.propositions import (
+    Edge,
+    Ellipse,
+    first_edge,
+    proposition_4_3,
+    proposition_4_4,
+    tie_sign,
+)
 
 Facet = tuple[int, int, int]
 Procedure = Callable[[Edge], "Facet | None"]

@@ -114,6 +114,7 @@ def test_the_overlay_is_that_of_constraints_to_the_bit(kind: str, changed: str) 
 
 
 DECIMALS = {
+    "sheared": lambda rng: rng.integers(0, 50, (120, 2)) * (0.1, 0.1 * 0.7) + (0.3, 1000),
     "thirds": lambda rng: rng.integers(0, 5, (30, 2)) / 3,
     "tenths": lambda rng: rng.integers(0, 200, (300, 2)) / 10,
     "negative tenths": lambda rng: np.round(rng.random((300, 2)) * 17 - 8, 1),

@@ -12,7 +12,7 @@ import liftmesh
 from liftmesh.errors import FormatError
 from liftmesh.vector.drawings import read_dxf
 from liftmesh.vector.files import lines_of
-from liftmesh.vector.shapes import areas_in, lines_in
+from liftmesh.vector.polygons import areas_in, lines_in
 
 CORNERS = [(0.1, 0.2), (3.0, 1 / 3), (2.5, 7.0)]
 

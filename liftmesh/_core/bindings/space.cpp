@@ -34,11 +34,12 @@ void insphere(const Places& a, const Places& b, const Places& c, const Places& d
 }
 
 nb::tuple tetrahedralize(const PlanarRows& rows, bool skip_non_finite, std::uint64_t secret,
-                         nb::handle progress) {
+                         unsigned threads, bool shared, nb::handle progress) {
     const Input input = read(rows);
     if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
     auto outcome = unlocked(progress, [&](auto& interrupt) {
-        return liftmesh::tetrahedralize(input, skip_non_finite, secret, interrupt);
+        return liftmesh::tetrahedralize(input, skip_non_finite, secret, {threads, shared},
+                                        interrupt);
     });
     raise_if(outcome.status == liftmesh::Status::interrupted);
     const nb::object simplices = adopt(std::move(outcome.simplices), outcome.count, 4);
@@ -51,12 +52,13 @@ nb::tuple tetrahedralize(const PlanarRows& rows, bool skip_non_finite, std::uint
 using Quadruples = Array<const std::int32_t, 4>;
 
 nb::tuple verify_tetrahedra(const PlanarRows& rows, const Quadruples& simplices,
-                            bool skip_non_finite, nb::handle progress) {
+                            bool skip_non_finite, unsigned threads, bool shared,
+                            nb::handle progress) {
     const Input input = read(rows);
     if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
     const auto verdict = unlocked(progress, [&](auto& interrupt) {
         return liftmesh::verify_tetrahedra(input, simplices.data(), simplices.shape(0),
-                                           skip_non_finite, interrupt);
+                                           skip_non_finite, {threads, shared}, interrupt);
     });
     raise_if(verdict.status == liftmesh::Status::interrupted);
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
@@ -88,10 +90,10 @@ class PySpaceLocator {
 }  // namespace
 
 void bind_space(nb::module_& m) {
-    m.def("tetrahedralize", &tetrahedralize, "rows"_a, "skip_non_finite"_a, "secret"_a,
-          "progress"_a.none());
+    m.def("tetrahedralize", &tetrahedralize, "rows"_a, "skip_non_finite"_a, "secret"_a, "threads"_a,
+          "shared"_a, "progress"_a.none());
     m.def("verify_tetrahedra", &verify_tetrahedra, "rows"_a, "simplices"_a, "skip_non_finite"_a,
-          "progress"_a.none());
+          "threads"_a, "shared"_a, "progress"_a.none());
     nb::class_<PySpaceLocator>(m, "SpaceLocator")
         .def(nb::init<Places, Quadruples, Quadruples>(), "points"_a, "simplices"_a, "neighbors"_a)
         .def("find", &PySpaceLocator::find, "queries"_a, "found"_a);

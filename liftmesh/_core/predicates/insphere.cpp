@@ -22,7 +22,7 @@ int insphere_by_scaled_filter(const SpacePoint (&points)[5]) {
     const double scale = std::ldexp(1.0, -std::ilogb(largest));
     for (SpaceSteps& step : steps) step.x *= scale, step.y *= scale, step.z *= scale;
     const auto& [p, q, r, s] = steps;
-    const auto [det, square] = insphere_filter(p, q, r, s);
+    const auto [det, square, volumes] = insphere_filter(p, q, r, s);
     const double error = insphere_error(p, q, r, s, square) + 1e-290;
     return (det > error) - (-det > error);
 }
@@ -176,15 +176,23 @@ int insphere_exact(const SpacePoint (&points)[5], const Trust& trust) {
 // As in the plane: the lexicographically largest point is lifted most. If it is the last, that
 // leaves the sphere; otherwise the last replaces it in the tetrahedron, whose orientation is then
 // the sign. Where the new one is flat, the next largest point decides.
-bool is_inside_by_rule(const SpacePoint (&points)[5], const Trust& trust) {
-    int order[5] = {0, 1, 2, 3, 4};
-    for (int at = 0; at < 4; ++at) {
-        for (int i = at + 1; i < 5; ++i)
-            if (before_xyz(points[order[at]], points[order[i]])) std::swap(order[at], order[i]);
-        if (order[at] == 4) return false;
-        SpacePoint p[4] = {points[0], points[1], points[2], points[3]};
-        p[order[at]] = points[4];
-        if (const int sign = volume_sign(p[0], p[1], p[2], p[3], trust); sign != 0) return sign > 0;
+bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust,
+                       const double* volumes) {
+    const SpacePoint& last = *points[4];
+    for (unsigned done = 0; done != 0xf;) {
+        unsigned largest = 4;
+        for (unsigned i = 0; i < 4; ++i)
+            if (!(done >> i & 1) && before_xyz(*points[largest], *points[i])) largest = i;
+        if (largest == 4) return false;
+        if (volumes != nullptr) {
+            if (volumes[largest] != 0) return volumes[largest] > 0;
+        } else {
+            std::array<const SpacePoint*, 5> p = points;
+            p[largest] = &last;
+            const int sign = volume_sign(*p[0], *p[1], *p[2], *p[3], trust);
+            if (sign != 0) return sign > 0;
+        }
+        done |= 1u << largest;
     }
     return false;  // GCOV_EXCL_LINE: in one of four the last is opposite
 }
@@ -194,8 +202,8 @@ int insphere_canonical_exact(const SpacePoint (&points)[5], const Trust& trust) 
     const auto& [a, b, c, d, e] = points;
     const int whole = volume_sign_exact(a, b, c, d, trust);
     if (whole == 0 || std::find(points, points + 4, e) != points + 4) return 0;
-    const bool is_inside =
-        whole > 0 ? is_inside_by_rule(points, trust) : is_inside_by_rule({b, a, c, d, e}, trust);
+    const bool is_inside = whole > 0 ? is_inside_by_rule({&a, &b, &c, &d, &e}, trust)
+                                     : is_inside_by_rule({&b, &a, &c, &d, &e}, trust);
     return is_inside ? whole : -whole;
 }
 

@@ -50,7 +50,9 @@ int insphere_exact(const SpacePoint (&points)[5], const Trust& trust);
 // It is 0 only if the first four are coplanar or the last coincides with one of them.
 int insphere_canonical_exact(const SpacePoint (&points)[5], const Trust& trust);
 // The same for distinct points on one sphere, of which the first four are a positive tetrahedron.
-bool is_inside_by_rule(const SpacePoint (&points)[5], const Trust& trust);
+// `volumes`, if known, are those with each of its corners replaced by the last point.
+bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust,
+                       const double* volumes = nullptr);
 
 struct SpaceSteps {
     double x, y, z;
@@ -83,6 +85,7 @@ inline int volume_sign(const SpacePoint& a, const SpacePoint& b, const SpacePoin
 
 struct SphereFilter {
     double det, square;  // L
+    double volumes[4];   // with each corner of the tetrahedron replaced by the fifth point
 };
 
 // From the differences to the fifth point.
@@ -97,7 +100,7 @@ inline SphereFilter insphere_filter(const SpaceSteps& p, const SpaceSteps& q, co
     const double spq = s.z * pq + p.z * qs + q.z * sp;
     const double of_p = p.square(), of_q = q.square(), of_r = r.square(), of_s = s.square();
     const double det = (of_r * spq - of_s * pqr) + (of_p * qrs - of_q * rsp);
-    return {det, std::max(std::max(of_p, of_q), std::max(of_r, of_s))};
+    return {det, std::max(std::max(of_p, of_q), std::max(of_r, of_s)), {qrs, -rsp, spq, -pqr}};
 }
 
 // For points that all differ little along some axis.
@@ -113,17 +116,17 @@ inline double insphere_error(const SpaceSteps& p, const SpaceSteps& q, const Spa
 inline bool is_inside_sphere(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
                              const SpacePoint& d, const SpacePoint& e, const Trust& trust) {
     const SpaceSteps p(a, e), q(b, e), r(c, e), s(d, e);
-    const auto [det, square] = insphere_filter(p, q, r, s);
+    const auto [det, square, volumes] = insphere_filter(p, q, r, s);
     const double error = sphere_bound * square * square * std::sqrt(square) + trust.guard.margin();
     if (det > error) return true;
     if (-det > error) return false;
     if (square <= trust.exact_square)
-        return det != 0 ? det > 0 : is_inside_by_rule({a, b, c, d, e}, trust);
+        return det != 0 ? det > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, trust, volumes);
     const double closer = insphere_error(p, q, r, s, square) + trust.guard.margin();
     if (det > closer) return true;
     if (-det > closer) return false;
     const int sign = insphere_exact({a, b, c, d, e}, trust);
-    return sign != 0 ? sign > 0 : is_inside_by_rule({a, b, c, d, e}, trust);
+    return sign != 0 ? sign > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, trust);
 }
 
 }  // namespace liftmesh

@@ -21,7 +21,7 @@ struct SpacePoint {
 };
 
 inline bool before_xyz(const SpacePoint& a, const SpacePoint& b) {
-    return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
+    return (a.x < b.x) | ((a.x == b.x) & ((a.y < b.y) | ((a.y == b.y) & (a.z < b.z))));
 }
 
 // Both are exact for all finite doubles; called where the filter below is inconclusive.

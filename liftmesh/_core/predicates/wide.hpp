@@ -59,7 +59,7 @@ template <int N, int M>
 Wide<N + M> unsigned_product(const Wide<N>& p, const Wide<M>& q) {
     Wide<N + M> result{};
     for (int i = 0; i < N; ++i) {
-        if (N > 2 && p.limb[i] == 0) continue;
+        if (N + M > 5 && p.limb[i] == 0) continue;
         std::uint64_t carry = 0;
         for (int j = 0; j < M; ++j) {
             const Uint128 part =
@@ -72,38 +72,37 @@ Wide<N + M> unsigned_product(const Wide<N>& p, const Wide<M>& q) {
     return result;
 }
 
-// The full product: no bit is lost. A negative factor of two limbs was taken for one that is larger
-// by 2^128, which is subtracted again without a branch; of many limbs most are often zero in the
-// magnitude, and skipped.
-template <int N>
-Wide<2 * N> operator*(const Wide<N>& a, const Wide<N>& b) {
-    if constexpr (N == 1) {
-        const Int128 product = static_cast<Int128>(static_cast<std::int64_t>(a.limb[0])) *
-                               static_cast<std::int64_t>(b.limb[0]);
-        return {static_cast<std::uint64_t>(product), static_cast<std::uint64_t>(product >> 64)};
-    } else if constexpr (N == 2) {
-        const std::uint64_t if_a = a.negative() ? ~std::uint64_t{0} : 0;
-        const std::uint64_t if_b = b.negative() ? ~std::uint64_t{0} : 0;
-        Wide<2 * N> excess{};
-        std::uint64_t carry = 0;
-        for (int i = 0; i < N; ++i) {
-            const Uint128 sum = static_cast<Uint128>(b.limb[i] & if_a) + (a.limb[i] & if_b) + carry;
-            excess.limb[i + N] = static_cast<std::uint64_t>(sum);
-            carry = static_cast<std::uint64_t>(sum >> 64);
-        }
-        return unsigned_product(a, b) - excess;
-    } else {
-        const Wide<2 * N> product = unsigned_product(magnitude(a), magnitude(b));
-        return a.negative() != b.negative() ? Wide<2 * N>{} - product : product;
+// Takes `part`, if it is to be, from the limbs that begin at `first`.
+template <int N, int M>
+void take_away(Wide<N>& from, int first, const Wide<M>& part, bool is_to_be) {
+    const std::uint64_t mask = is_to_be ? ~std::uint64_t{0} : 0;
+    std::uint64_t borrow = 0;
+    for (int i = first; i < N; ++i) {
+        const std::uint64_t limb = i - first < M ? part.limb[i - first] & mask : 0;
+        const Uint128 difference = static_cast<Uint128>(from.limb[i]) - limb - borrow;
+        from.limb[i] = static_cast<std::uint64_t>(difference);
+        borrow = static_cast<std::uint64_t>(difference >> 64) & 1;
     }
 }
 
-// Of factors of different widths.
+// The full product: no bit is lost. A negative factor of few limbs was taken for one that is larger
+// by 2^64N, which is taken away again without a branch; of many limbs most are often zero in the
+// magnitude, and skipped.
 template <int N, int M>
-    requires(N != M)
 Wide<N + M> operator*(const Wide<N>& a, const Wide<M>& b) {
-    const Wide<N + M> product = unsigned_product(magnitude(a), magnitude(b));
-    return a.negative() != b.negative() ? Wide<N + M>{} - product : product;
+    if constexpr (N == 1 && M == 1) {
+        const Int128 product = static_cast<Int128>(static_cast<std::int64_t>(a.limb[0])) *
+                               static_cast<std::int64_t>(b.limb[0]);
+        return {static_cast<std::uint64_t>(product), static_cast<std::uint64_t>(product >> 64)};
+    } else if constexpr (N + M <= 5) {
+        Wide<N + M> product = unsigned_product(a, b);
+        take_away(product, N, b, a.negative());
+        take_away(product, M, a, b.negative());
+        return product;
+    } else {
+        const Wide<N + M> product = unsigned_product(magnitude(a), magnitude(b));
+        return a.negative() != b.negative() ? Wide<N + M>{} - product : product;
+    }
 }
 
 // The sign of a b - c d, from the products of magnitudes.

@@ -23,7 +23,11 @@ T pivot(const T* values, std::size_t count, Less less) {
 
 // False if interrupted; the values are then in some order.
 template <class T, class Less>
-bool patient_sort(std::vector<T>& values, Less less, Interrupt& interrupt) {
+bool patient_sort(std::span<T> values, Less less, Interrupt& interrupt) {
+    if (values.size() <= patient_sort_detail::small) {
+        std::sort(values.begin(), values.end(), less);
+        return true;
+    }
     struct Part {
         T *first, *last;
     };
@@ -48,6 +52,11 @@ bool patient_sort(std::vector<T>& values, Less less, Interrupt& interrupt) {
         parts.push_back({middle, last});
     }
     return true;
+}
+
+template <class T, class Less>
+bool patient_sort(std::vector<T>& values, Less less, Interrupt& interrupt) {
+    return patient_sort(std::span<T>(values), less, interrupt);
 }
 
 }  // namespace liftmesh

@@ -2,7 +2,9 @@
 
 #include "parallel/blocks.hpp"
 #include "predicates/lattice.hpp"
+#include "sorting/counting_sort.hpp"
 #include "sorting/hilbert.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
@@ -47,21 +49,14 @@ struct PlacedRow {
 
 class SpaceSort {
  public:
-    SpaceSort(SpaceRows rows, Interrupt& interrupt, SpaceOrder& order)
-        : rows_(std::move(rows)), interrupt_(interrupt), order_(order) {}
+    SpaceSort(SpaceRows rows, ThreadPool& pool, SpaceOrder& order)
+        : rows_(std::move(rows)), pool_(pool), interrupt_(pool.interrupt()), order_(order) {}
 
-    bool run() {
-        if (!find_places()) return false;
-        std::sort(placed_.get(), placed_.get() + count_,
-                  [](const PlacedRow& a, const PlacedRow& b) {
-                      return std::tie(a.place, a.row) < std::tie(b.place, b.row);
-                  });
-        if (interrupt_.requested()) return false;
-        sort_equal_places();
-        return keep_distinct();
-    }
+    bool run() { return find_places() && sort() && keep_distinct(); }
 
  private:
+    static constexpr std::size_t length = std::size_t{1} << 14;  // of a task
+
     bool find_places() {
         placed_ = allocate<PlacedRow>(rows_.count);
         SpaceBox box;
@@ -78,24 +73,71 @@ class SpaceSort {
         if (!for_each_in_blocks(rows_.count, interrupt_, add)) return false;
         scale_.settle();
         const HilbertCurveInSpace curve(box);
-        return for_each_in_blocks(count_, interrupt_, [&](std::size_t i) {
-            placed_[i].place = curve(rows_.points[placed_[i].row]);
+        return in_blocks(count_, length, pool_, [&](std::size_t i, std::size_t last, std::size_t) {
+            interrupt_.advance(work::sorting / 2 * (last - i));
+            for (; i < last; ++i) placed_[i].place = curve(rows_.points[placed_[i].row]);
         });
     }
 
-    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
+    // By the first bits of the place, and then each part of the curve by the rest.
+    bool sort() {
+        constexpr int key_bits = 12, place_bits = 63;
+        const std::size_t shares = std::clamp<std::size_t>(count_ / length, 1, pool_.size());
+        CountingSort parts(count_, shares, std::size_t{1} << key_bits, pool_);
+        auto sorted = allocate<PlacedRow>(count_);
+        const bool done = parts.sort(
+            [this](const Share& share, auto visit) {
+                for (std::size_t i = share.first; i < share.last; ++i) visit(placed_[i]);
+            },
+            [](const PlacedRow& item) { return item.place >> (place_bits - key_bits); },
+            [&](std::size_t to, const PlacedRow& item) { sorted[to] = item; });
+        if (!done) return false;
+        placed_ = std::move(sorted);
+        const std::vector<std::size_t> starts = std::move(parts).starts();
+        const std::size_t tasks = count_ < length ? 1 : std::size_t{1} << (key_bits - 4);
+        const std::size_t each = (starts.size() - 1) / tasks;
+        return pool_.run(tasks, [&](std::size_t task) {
+            const std::span part(&placed_[starts[task * each]],
+                                 &placed_[starts[(task + 1) * each]]);
+            interrupt_.advance(work::sorting / 2 * part.size());
+            sort(part);
+        });
+    }
 
-    void sort_equal_places() {
-        PlacedRow* const end = placed_.get() + count_;
-        for (PlacedRow *first = placed_.get(), *last; first != end; first = last) {
-            last = std::find_if(first, end,
+    // By place, and those at one place by a curve of their own, unless that is one place again.
+    void sort(std::span<PlacedRow> part, bool is_refined = false) {
+        const auto is_before = [](const PlacedRow& a, const PlacedRow& b) {
+            return a.place != b.place ? a.place < b.place : a.row < b.row;
+        };
+        if (!patient_sort(part, is_before, interrupt_)) return;
+        for (auto first = part.begin(), last = first; first != part.end(); first = last) {
+            last = std::find_if(first, part.end(),
                                 [&](const PlacedRow& p) { return p.place != first->place; });
-            if (last - first < 2) continue;
-            std::sort(first, last, [this](const PlacedRow& a, const PlacedRow& b) {
-                return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
-            });
+            const std::span same(first, last);
+            constexpr std::size_t few = 64;
+            if (same.size() > few && (!is_refined || same.size() < part.size()))
+                refine(same);
+            else if (same.size() > 1)
+                sort_by_position(same);
         }
     }
+
+    void refine(std::span<PlacedRow> same) {
+        SpaceBox box;
+        for (const PlacedRow& item : same) box.add(at(item));
+        const HilbertCurveInSpace curve(box);
+        for (PlacedRow& item : same) item.place = curve(at(item));
+        sort(same, true);
+    }
+
+    void sort_by_position(std::span<PlacedRow> same) {
+        const auto is_before = [this](const PlacedRow& a, const PlacedRow& b) {
+            return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
+        };
+        patient_sort(same, is_before, interrupt_);
+    }
+
+    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
 
     bool keep_distinct() {
         order_.points = allocate<SpacePoint>(count_);
@@ -112,12 +154,12 @@ class SpaceSort {
             order_.rows[order_.count++] = row;
         });
         order_.trust = scale_.trust();
-        std::sort(order_.duplicates.begin(), order_.duplicates.end(),
-                  [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; });
-        return done;
+        const auto is_before = [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; };
+        return done && patient_sort(order_.duplicates, is_before, interrupt_);
     }
 
     SpaceRows rows_;
+    ThreadPool& pool_;
     Interrupt& interrupt_;
     SpaceOrder& order_;
     Buffer<PlacedRow> placed_;
@@ -127,8 +169,8 @@ class SpaceSort {
 
 }  // namespace
 
-bool sort_in_space(SpaceRows rows, Interrupt& interrupt, SpaceOrder& order) {
-    return SpaceSort(std::move(rows), interrupt, order).run();
+bool sort_in_space(SpaceRows rows, ThreadPool& pool, SpaceOrder& order) {
+    return SpaceSort(std::move(rows), pool, order).run();
 }
 
 }  // namespace liftmesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "base/input.hpp"
+#include "parallel/thread_pool.hpp"
 #include "predicates/insphere.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/spatial_sort.hpp"
@@ -46,6 +47,6 @@ struct SpaceOrder {
 };
 
 // Takes the rows. False if the interrupt came first.
-bool sort_in_space(SpaceRows rows, Interrupt& interrupt, SpaceOrder& order);
+bool sort_in_space(SpaceRows rows, ThreadPool& pool, SpaceOrder& order);
 
 }  // namespace liftmesh

@@ -263,7 +263,7 @@ SphereResult triangulate_sphere(const Input& input, bool skip_non_finite, std::u
                                 Interrupt& interrupt) {
     const IeeeArithmetic ieee;
     SphereResult result;
-    interrupt.expect(input.rows);
+    interrupt.expect(input.rows * (work::sorting + 1));
     result.status = Status::interrupted;
     SpaceRows rows;
     if (!read_space(input, interrupt, rows)) return result;
@@ -273,8 +273,9 @@ SphereResult triangulate_sphere(const Input& input, bool skip_non_finite, std::u
         return result;
     }
     result.skipped = rows.skipped;
+    ThreadPool alone({}, interrupt);
     SpaceOrder points;
-    if (!sort_in_space(std::move(rows), interrupt, points)) return result;
+    if (!sort_in_space(std::move(rows), alone, points)) return result;
     result.status = Status::ok;
     if (!SphereInsertion(points, interrupt, result).run(secret))
         result.status = Status::interrupted;

@@ -7,6 +7,7 @@ namespace liftmesh {
 namespace {
 
 constexpr std::size_t none = 3;
+constexpr double unit = 0x1p-52;
 
 }  // namespace
 
@@ -23,8 +24,10 @@ Face face_of(const Relief& relief, std::int32_t simplex) {
             std::max(width, high_y - low_y)};
 }
 
-FacePair::FacePair(const Face& first, const Face& second, double nearness)
-    : faces_{&first, &second}, nearness_(nearness) {
+FacePair::FacePair(const Face& first, const Face& second, Nearness nearness)
+    : faces_{&first, &second},
+      nearness_(nearness),
+      reach_(2 * unit * nearness.units * nearness.largest * std::max(first.extent, second.extent)) {
     Point apart[3][3];
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j)
@@ -42,13 +45,12 @@ FacePair::FacePair(const Face& first, const Face& second, double nearness)
 
 // Of a turn that is no zero. It has the same size from either face, and with both ends exchanged.
 bool FacePair::is_near(double value, std::size_t face, std::size_t side, std::size_t corner) const {
-    constexpr double unit = 0x1p-52;
     const Point tail = faces_[face]->at(tail_of(side)), head = faces_[face]->at(head_of(side)),
                 at = faces_[1 - face]->at(corner);
     const auto size = [](double a, double b, double c) {
         return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
     };
-    return std::fabs(value) <= nearness_ * unit *
+    return std::fabs(value) <= nearness_.units * unit *
                                    (size(at.x, tail.x, head.x) * std::fabs(head.y - tail.y) +
                                     size(at.y, tail.y, head.y) * std::fabs(head.x - tail.x));
 }
@@ -60,11 +62,13 @@ void FacePair::set_turn(std::size_t face, std::size_t side, std::size_t corner, 
     const double left = tail.x * head.y, right = tail.y * head.x;
     Turn& turn = turns_[face][side][corner];
     turn = {left - right, std::fabs(left) + std::fabs(right)};
-    if (nearness_ > 0 && is_near(turn.value, face, side, corner)) {
+    const double error = bound * turn.size + underflow;
+    if (std::fabs(turn.value) > error + reach_) return;
+    if (nearness_.units > 0 && is_near(turn.value, face, side, corner)) {
         turn.value = 0;
         return;
     }
-    if (std::fabs(turn.value) > bound * turn.size + underflow) return;
+    if (std::fabs(turn.value) > error) return;
     const Face& of = *faces_[face];
     const int sign =
         orient2d_exact(of.at(tail_of(side)), of.at(head_of(side)), faces_[1 - face]->at(corner));

@@ -39,6 +39,12 @@ struct Turn {
     double value, size;
 };
 
+// A turn counts as zero where moving coordinates by so many units in their last place, if any, can
+// make it zero. Of faces no coordinate of which is larger.
+struct Nearness {
+    double units = 0, largest = 0;
+};
+
 class FacePair {
  public:
     // A corner of a face in the other, or a side of each where they cross.
@@ -57,9 +63,7 @@ class FacePair {
         }
     };
 
-    // A turn counts as zero where moving coordinates by so many units in their last place, if any,
-    // can make it zero.
-    FacePair(const Face& first, const Face& second, double nearness);
+    FacePair(const Face& first, const Face& second, Nearness nearness = {});
 
     const Face& face(std::size_t number) const { return *faces_[number]; }
     // Of a corner of the other face about a side of a face.
@@ -102,7 +106,8 @@ class FacePair {
     void follow(std::size_t face, std::size_t side, std::size_t other, Outline& outline) const;
 
     std::array<const Face*, 2> faces_;
-    double nearness_;
+    Nearness nearness_;
+    double reach_;  // no near turn has a larger value
     Turn turns_[2][3][3];
     Sides sides_[2][3];
 };

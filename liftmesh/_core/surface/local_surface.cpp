@@ -18,6 +18,8 @@ bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
         if (ranks[row] >= 0)
             corners_[static_cast<std::size_t>(ranks[row])] = {
                 mesh.points[row], relief.height_of(static_cast<std::int32_t>(row))};
+    for (const SurfaceCorner& each : corners_)
+        largest_ = std::max({largest_, std::fabs(each.at.x), std::fabs(each.at.y)});
     shown_.resize(mesh.count);
     for (std::size_t i = 0; i < mesh.count; ++i)
         shown_[static_cast<std::size_t>(triangles_.names[i])] =
@@ -25,10 +27,21 @@ bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
     return true;
 }
 
+bool LocalSurface::is_before(const LocalSurface& other) const {
+    if (vertices() != other.vertices()) return vertices() < other.vertices();
+    for (std::size_t i = 0; i < vertices(); ++i) {
+        const Point own = corners_[i].at, its = other.corners_[i].at;
+        if (own != its) return before_xy(own, its);
+    }
+    return false;
+}
+
 Face LocalSurface::face(std::int32_t face) const {
     const SurfaceCorner &a = corner(vertex(face, 0)), &b = corner(vertex(face, 1)),
                         &c = corner(vertex(face, 2));
-    return {{a, b, c}, 0, 0};
+    const auto [left, right] = std::minmax({a.at.x, b.at.x, c.at.x});
+    const auto [low, high] = std::minmax({a.at.y, b.at.y, c.at.y});
+    return {{a, b, c}, 0, std::max(right - left, high - low)};
 }
 
 }  // namespace liftmesh

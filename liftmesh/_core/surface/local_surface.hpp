@@ -14,6 +14,9 @@ class LocalSurface {
 
     std::size_t count() const { return shown_.size(); }
     std::size_t vertices() const { return corners_.size(); }
+    double largest() const { return largest_; }  // coordinate, in magnitude
+    // An order of surfaces: whether it has fewer vertices or, at the first that differ, the lesser.
+    bool is_before(const LocalSurface& other) const;
     // The new number of a simplex of the relief.
     std::int32_t named(std::int32_t simplex) const { return triangles_.names[simplex]; }
 
@@ -38,6 +41,7 @@ class LocalSurface {
     OrderedTriangles triangles_;
     std::vector<SurfaceCorner> corners_;
     std::vector<std::uint8_t> shown_;
+    double largest_ = 0;
 };
 
 }  // namespace liftmesh

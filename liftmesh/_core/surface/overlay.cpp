@@ -186,7 +186,7 @@ class Overlay {
         return reliefs_[mesh]->mesh().neighbor(number, static_cast<int>(face.of_mesh(side)));
     }
 
-    static constexpr double nearness() { return 0; }
+    static constexpr Nearness nearness() { return {}; }
     bool goes_on(Point tail, Point head) const { return !part_ || touches(*part_, tail, head); }
 
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {

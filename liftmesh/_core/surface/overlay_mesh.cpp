@@ -151,11 +151,13 @@ class Overlaid {
             if (!is_finite(places_[name])) return unsound();
             sites.push_back({places_[name], static_cast<Row>(name)});
         }
+        const Buffer<double> rises = allocate<double>(crossings_.size());
         for (std::size_t i = 0; i < crossings_.size(); ++i) {
             if (patience_.ends()) return false;
             const Point place = place_of(crossings_[i]);
             if (!is_finite(place)) return unsound();
             places_[all + i] = place;
+            rises[i] = rise_at(crossings_[i], place);
             sites.push_back({place, static_cast<Row>(all + i)});
         }
         const auto is_less = [](const Site& a, const Site& b) {
@@ -174,8 +176,7 @@ class Overlaid {
             if (row > 0 && place == sites[row - 1].point) return unsound();
             range.add(place);
             found_.points[row] = place;
-            found_.rises[row] =
-                name < all ? rise_at(name, first) : rise_at(crossings_[name - all], place);
+            found_.rises[row] = name < all ? rise_at(name, first) : rises[name - all];
             rows_[name] = static_cast<std::int32_t>(row);
         }
         const Scale scale(range);
@@ -361,22 +362,28 @@ class Overlaid {
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
                   OverlayMesh& found, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
-    interrupt.expect(10 * first.mesh().count);
     std::array<LocalSurface, 2> surfaces;
     if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
-    interrupt.advance(first.mesh().count);
+    std::int32_t faces[] = {surfaces[0].named(face), surfaces[1].named(other)};
+    const bool is_turned = surfaces[1].is_before(surfaces[0]);  // either way gives the same
+    if (is_turned) {
+        std::swap(surfaces[0], surfaces[1]);
+        std::swap(faces[0], faces[1]);
+    }
+    interrupt.expect(10 * surfaces[0].count());
+    interrupt.advance(surfaces[0].count());
     for (const double nearness : {few_units, 0.0}) {
         found = {};
         Pieces pieces;
-        if (!find_pieces(surfaces, surfaces[0].named(face), surfaces[1].named(other), nearness,
-                         pieces, interrupt))
-            return false;
+        if (!find_pieces(surfaces, faces[0], faces[1], nearness, pieces, interrupt)) return false;
         found.displacement = pieces.displacement;
         found.is_sound = pieces.is_sound;
         if (!found.is_sound) continue;
-        if (Overlaid(surfaces, pieces, found, interrupt).run()) return true;
+        if (Overlaid(surfaces, pieces, found, interrupt).run()) break;
         if (found.is_sound) return false;
     }
+    if (is_turned && found.is_sound)
+        for (std::size_t row = 0; row < found.rows; ++row) found.rises[row] = 0 - found.rises[row];
     return true;
 }
 

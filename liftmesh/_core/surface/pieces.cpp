@@ -75,13 +75,16 @@ bool outline_of(const FacePair& pair, OverlayPiece& piece) {
     if (count > 1 && piece.corners[count - 1].same_place(piece.corners[0])) --count;
     if (count < 3) return false;
     piece.count = static_cast<std::uint8_t>(count);
+    std::array<unsigned, OverlayPiece::most + 1>
+        sides;  // of the first face, and times 8 the second
+    for (std::size_t i = 0; i < count; ++i)
+        sides[i] = sides_with(pair, 0, piece.corners[i]) | sides_with(pair, 1, piece.corners[i])
+                                                               << 3;
+    sides[count] = sides[0];
     for (std::size_t i = 0; i < count; ++i) {
-        PieceCorner& from = piece.corners[i];
-        const PieceCorner to = piece.corners[i + 1 == count ? 0 : i + 1];
-        const unsigned first = sides_with(pair, 0, from) & sides_with(pair, 0, to),
-                       second = sides_with(pair, 1, from) & sides_with(pair, 1, to);
-        if (first == 0 && second == 0) return false;
-        from.goes_on(side_in(first), side_in(second));
+        const unsigned both = sides[i] & sides[i + 1];
+        if (both == 0) return false;
+        piece.corners[i].goes_on(side_in(both & 7u), side_in(both >> 3));
     }
     return true;
 }
@@ -119,7 +122,10 @@ class Collector {
  public:
     Collector(const std::array<LocalSurface, 2>& surfaces, double nearness, Pieces& found,
               Interrupt& interrupt)
-        : surfaces_(surfaces), nearness_(nearness), found_(found), interrupt_(interrupt) {
+        : surfaces_(surfaces),
+          nearness_{nearness, std::max(surfaces[0].largest(), surfaces[1].largest())},
+          found_(found),
+          interrupt_(interrupt) {
         // About as many as of points at random; what is not used takes no memory.
         found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
         for (std::size_t k : {0, 1}) found_.heights[k].assign(surfaces[k].vertices(), no_height);
@@ -130,7 +136,7 @@ class Collector {
                           std::size_t side) const {
         return surfaces_[mesh].neighbor(number, side);
     }
-    double nearness() const { return nearness_; }
+    Nearness nearness() const { return nearness_; }
     bool goes_on(Point, Point) const { return true; }
 
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {
@@ -156,7 +162,7 @@ class Collector {
             found_.heights[of][static_cast<std::size_t>(surfaces_[of].vertex(face, corner.k()))];
         if (!std::isnan(height)) return;
         height = height_over(pair, of, corner.k());
-        const unsigned sides = nearness_ > 0 ? sides_at(pair, 1 - of, corner.k()) : 0;
+        const unsigned sides = nearness_.units > 0 ? sides_at(pair, 1 - of, corner.k()) : 0;
         for (std::size_t k = 0; k < 3; ++k) {
             if (sides == 1u << k) add_displacement(pair, of, corner.k(), k);
             if (sides != sides_of_corner(k) || of == 1) continue;
@@ -177,7 +183,7 @@ class Collector {
     }
 
     const std::array<LocalSurface, 2>& surfaces_;
-    double nearness_;
+    Nearness nearness_;
     Pieces& found_;
     Interrupt& interrupt_;
     std::int32_t last_ = -1;

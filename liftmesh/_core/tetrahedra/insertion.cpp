@@ -1,10 +1,13 @@
 #include "tetrahedra/insertion.hpp"
 
 #include "predicates/orient2d.hpp"
+#include "tetrahedra/cavity.hpp"
 
 namespace liftmesh {
 
 namespace {
+
+constexpr std::size_t tetrahedra_a_point = 7;  // as of most sets
 
 bool are_collinear(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c) {
     return orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) == 0 &&
@@ -12,132 +15,233 @@ bool are_collinear(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c
            orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
 }
 
-// For each facet of a positive tetrahedron, its corners counter-clockwise seen from the vertex
-// opposite.
-constexpr unsigned corners_of[4][3] = {{2, 1, 3}, {0, 2, 3}, {1, 0, 3}, {0, 1, 2}};
+// A stretch of the curve. The ghost is everybody's.
+struct Stretch {
+    Vertex first, last;
 
-// A facet of a cavity's surface: the tetrahedron that it will make with the new point at place k,
-// and the neighbour outside.
-struct SurfaceFacet {
-    std::array<Vertex, 4> vertex;
-    Word across;
-    unsigned k;
-    Word slot;
+    bool holds(Vertex v) const { return ((v >= first) & (v < last)) | (v == Tetrahedron::ghost); }
+    bool holds(const Tetrahedron& t) const {
+        return holds(t.vertex[0]) & holds(t.vertex[1]) & holds(t.vertex[2]) & holds(t.vertex[3]);
+    }
+    // All vertices of a facet.
+    bool holds(const Tetrahedron& t, unsigned k) const {
+        bool all = true;
+        for (unsigned i = 0; i < 4; ++i) all &= (i == k) | holds(t.vertex[i]);
+        return all;
+    }
 };
 
-// Joins the tetrahedra on the facets of a surface: each edge of it is in two of them, once in each
-// direction. A square table of few numbered vertices needs no search and no branch.
-class SmallSurface {
- public:
-    explicit SmallSurface(std::size_t points) : numbers_(points + 1, none) {}
+using Vertices = std::span<const Vertex>;
 
-    // False if the vertices are too many.
-    bool join(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh) {
-        const bool is_small = number(facets);
-        if (is_small) {
-            for (std::size_t i = 0; i < facets.size(); ++i)
-                for_each_edge(facets[i], numbered_[i], [this](Word name, unsigned a, unsigned b) {
-                    facet_at_[a][b] = name;
-                });
-            for (std::size_t i = 0; i < facets.size(); ++i)
-                for_each_edge(facets[i], numbered_[i], [&](Word name, unsigned a, unsigned b) {
-                    mesh[name / 4].across[name % 4] = facet_at_[b][a];
-                });
-        }
-        for (Vertex v : known_) numbers_[index(v)] = none;
-        return is_small;
-    }
-
- private:
-    static constexpr std::uint8_t none = 0xff;
-    static constexpr unsigned most = 64;
-    using Numbers = std::array<std::uint8_t, 3>;
-
-    std::size_t index(Vertex v) const { return v < numbers_.size() ? v : numbers_.size() - 1; }
-
-    bool number(const std::vector<SurfaceFacet>& facets) {
-        known_.clear();
-        numbered_.clear();
-        for (const SurfaceFacet& facet : facets) {
-            Numbers& numbers = numbered_.emplace_back();
-            for (unsigned i = 0; i < 3; ++i) {
-                const Vertex v = facet.vertex[corners_of[facet.k][i]];
-                std::uint8_t& known = numbers_[index(v)];
-                if (known == none) {
-                    if (known_.size() == most) return false;
-                    known = static_cast<std::uint8_t>(known_.size());
-                    known_.push_back(v);
-                }
-                numbers[i] = known;
-            }
-        }
-        return true;
-    }
-
-    // Its name is that of the facet on it and the new point.
-    template <class Visit>
-    static void for_each_edge(const SurfaceFacet& facet, const Numbers& number, Visit visit) {
-        const auto& corner = corners_of[facet.k];
-        visit(facet_name(facet.slot, corner[2]), number[0], number[1]);
-        visit(facet_name(facet.slot, corner[0]), number[1], number[2]);
-        visit(facet_name(facet.slot, corner[1]), number[2], number[0]);
-    }
-
-    std::vector<std::uint8_t> numbers_;  // of the vertices that have one, the ghost last
-    std::vector<Vertex> known_;
-    std::vector<Numbers> numbered_;
-    Word facet_at_[most][most];
-};
-
-// The same for any number of vertices.
-class LargeSurface {
- public:
-    void join(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh) {
-        edges_.clear();
-        for (const SurfaceFacet& facet : facets) {
-            for (unsigned i = 0; i < 3; ++i) {
-                const auto& corner = corners_of[facet.k];
-                const Vertex a = facet.vertex[corner[i]], b = facet.vertex[corner[(i + 1) % 3]];
-                edges_.push_back({std::minmax(a, b), facet_name(facet.slot, corner[(i + 2) % 3])});
-            }
-        }
-        std::sort(edges_.begin(), edges_.end());
-        for (std::size_t i = 0; i < edges_.size(); i += 2)
-            mesh.join(edges_[i].second, edges_[i + 1].second);
-    }
-
- private:
-    std::vector<std::pair<std::pair<Vertex, Vertex>, Word>> edges_;
-};
-
+// Of one thread, alone or in its stretch.
+template <bool is_alone>
 class SpaceInsertion {
  public:
-    SpaceInsertion(const SpaceOrder& points, Interrupt& interrupt, SpaceMesh& mesh)
+    SpaceInsertion(const SpaceOrder& points, Stretch stretch, Interrupt& interrupt, SpaceMesh& mesh,
+                   Word start)
         : p_(points.points.get()),
           trust_(points.trust),
+          stretch_(stretch),
           interrupt_(interrupt),
           patience_(interrupt),
           mesh_(mesh),
-          small_(points.count) {}
+          free_(mesh),
+          last_(start),
+          small_(stretch.first, stretch.last - stretch.first) {}
 
-    bool run(const std::vector<Vertex>& order, const Seed& seed) {
-        start(seed.vertex);
+    // Those that are not inserted go to `later`: none if alone. False if interrupted.
+    bool insert(Vertices vertices, std::vector<Vertex>& later) {
         constexpr std::size_t reported_every = std::size_t{1} << 12;
-        std::size_t inserted = 0;
-        for (Vertex v : order) {
-            if (++inserted % reported_every == 0) interrupt_.advance(reported_every);
-            if (std::find(seed.vertex.begin(), seed.vertex.end(), v) != seed.vertex.end()) continue;
-            find_cavity(v, locate(v));
-            fill_cavity();
-            if (patience_.ends(cavity_.size())) return false;
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            if (!insert(vertices[i])) {
+                if (patience_.ends()) return false;
+                later.push_back(vertices[i]);
+            }
+            if ((i + 1) % reported_every == 0)
+                interrupt_.advance(work::triangulating * reported_every);
         }
         return true;
     }
+
+    // Whether that was possible here.
+    bool insert(Vertex v) {
+        const Word first = locate(v);
+        if (first == nowhere || !find_cavity(v, first)) return false;
+        fill_cavity();
+        return !patience_.ends(cavity_.size());
+    }
+
+    // The tetrahedron that the last point made.
+    Word last() const { return last_; }
+    FreeSlots& free() { return free_; }
 
  private:
     static constexpr std::uint8_t unknown = 0, inside = 1, outside = 2;
     static constexpr Word nowhere = ~Word{0};
 
+    bool may_cross(const Tetrahedron& at, unsigned k) const {
+        return is_alone || stretch_.holds(at, k);
+    }
+
+    // The visibility walk: to a tetrahedron that contains the point, or a ghost that sees it. It
+    // ends, because spheres along the way come nearer to the point.
+    Word locate(Vertex v) {
+        const SpacePoint& p = p_[v];
+        Word t = last_;
+        if (mesh_[t].is_ghost()) {
+            if (!may_cross(mesh_[t], 3)) return nowhere;
+            t = mesh_[t].across[3] / 4;
+        }
+        for (Word from = nowhere; !mesh_[t].is_ghost();) {
+            const unsigned k = exit_towards(t, from, p);
+            if (k == 4) break;
+            if (!may_cross(mesh_[t], k) || patience_.ends()) return nowhere;
+            from = mesh_[t].across[k];
+            t = from / 4;
+        }
+        return t;
+    }
+
+    // A facet that the point is strictly outside of, 4 if there is none.
+    unsigned exit_towards(Word t, Word from, const SpacePoint& p) const {
+        const Tetrahedron& at = mesh_[t];
+        const SpacePoint* q[4] = {&p_[at.vertex[0]], &p_[at.vertex[1]], &p_[at.vertex[2]],
+                                  &p_[at.vertex[3]]};
+        for (unsigned k = 0; k < 4; ++k) {
+            if (facet_name(t, k) == from) continue;
+            const SpacePoint* const corner = std::exchange(q[k], &p);
+            if (volume_sign(*q[0], *q[1], *q[2], *q[3], trust_) < 0) return k;
+            q[k] = corner;
+        }
+        return 4;
+    }
+
+    // Whether inserting p removes the tetrahedron: inside or outside, unknown where another thread
+    // works. A point in the plane of a facet of the hull is in the perturbed circle of the facet
+    // exactly if it is in the sphere behind it.
+    std::uint8_t conflict(Word t, const SpacePoint& p) const {
+        const Tetrahedron* at = &mesh_[t];
+        if (at->is_ghost()) {
+            const int side =
+                volume_sign(p_[at->vertex[0]], p_[at->vertex[1]], p_[at->vertex[2]], p, trust_);
+            if (side != 0) return side > 0 ? inside : outside;
+            if (!may_cross(*at, 3)) return unknown;
+            at = &mesh_[at->across[3] / 4];
+        }
+        const bool is_inside = is_inside_sphere(p_[at->vertex[0]], p_[at->vertex[1]],
+                                                p_[at->vertex[2]], p_[at->vertex[3]], p, trust_);
+        return is_inside ? inside : outside;
+    }
+
+    // What is in conflict is connected. False, and nothing has changed, if it leads out of the
+    // stretch, or there is no room.
+    bool find_cavity(Vertex v, Word first) {
+        cavity_.assign(1, first);
+        surface_.clear();
+        mesh_.mark(first) = inside;
+        for (std::size_t i = 0; i < cavity_.size(); ++i) {
+            const Tetrahedron at = mesh_[cavity_[i]];
+            for (unsigned k = 0; k < 4; ++k) {
+                if (!may_cross(at, k)) return give_up();
+                const Word t = at.across[k] / 4;
+                std::uint8_t& mark = mesh_.mark(t);
+                if (mark == unknown) {
+                    mark = conflict(t, p_[v]);
+                    if (!is_alone && mark == unknown) return give_up();
+                    if (mark == inside) push(t);
+                }
+                if (mark == inside) continue;
+                surface_.push_back({at.vertex, at.across[k], k, 0});
+                surface_.back().vertex[k] = v;
+            }
+        }
+        return provide_slots() || give_up();
+    }
+
+    // What is around it will be asked next.
+    void push(Word t) {
+        cavity_.push_back(t);
+        for (Word facet : mesh_[t].across) prefetch(&mesh_[facet / 4]);
+    }
+
+    bool provide_slots() {
+        if (surface_.size() <= cavity_.size()) return true;
+        const std::size_t more = surface_.size() - cavity_.size();
+        if (free_.provide(more)) return true;
+        if (!is_alone) return false;
+        mesh_.reserve(2 * more + (1 << 10));
+        if (!free_.provide(more)) throw std::bad_alloc();  // GCOV_EXCL_LINE: of 17 GB
+        return true;
+    }
+
+    bool give_up() {
+        for (Word t : cavity_) mesh_.mark(t) = unknown;
+        for (const SurfaceFacet& facet : surface_) mesh_.mark(facet.across / 4) = unknown;
+        return false;
+    }
+
+    void fill_cavity() {
+        std::size_t used = 0;
+        for (SurfaceFacet& facet : surface_)
+            facet.slot = used < cavity_.size() ? cavity_[used++] : free_.take();
+        const bool is_small = small_.number(surface_);
+        if (!is_small) large_.find(surface_, mesh_);
+        for (Word t : cavity_) mesh_.mark(t) = unknown;
+        for (const SurfaceFacet& facet : surface_) {
+            mesh_[facet.slot].vertex = facet.vertex;
+            mesh_.mark(facet.across / 4) = unknown;
+            mesh_.join(facet_name(facet.slot, facet.k), facet.across);
+        }
+        is_small ? small_.join(surface_, mesh_) : large_.join(mesh_);
+        last_ = surface_.back().slot;
+        for (; used < cavity_.size(); ++used) free_.release(cavity_[used]);
+    }
+
+    const SpacePoint* p_;
+    const Trust trust_;
+    const Stretch stretch_;
+    Interrupt& interrupt_;
+    Patience patience_;
+    SpaceMesh& mesh_;
+    FreeSlots free_;
+    Word last_;
+    std::vector<Word> cavity_;
+    std::vector<SurfaceFacet> surface_;
+    SmallSurface small_;
+    LargeSurface large_;
+};
+
+// The rounds of an order, by one thread or many.
+class Rounds {
+ public:
+    Rounds(const SpaceOrder& points, ThreadPool& pool, SpaceMesh& mesh)
+        : points_(points),
+          count_(static_cast<Vertex>(points.count)),
+          pool_(pool),
+          mesh_(mesh),
+          alone_(points, {0, count_}, pool.interrupt(), mesh, 0) {}
+
+    bool run(Vertices order, const Seed& seed) {
+        start(seed.vertex);
+        for (std::size_t first = 0, last; first < order.size(); first = last) {
+            const auto descent = std::adjacent_find(order.begin() + static_cast<long>(first),
+                                                    order.end(), std::greater<>());
+            last = std::min<std::size_t>(static_cast<std::size_t>(descent - order.begin()) + 1,
+                                         order.size());
+            round_.clear();
+            for (Vertex v : order.subspan(first, last - first))
+                if (std::find(seed.vertex.begin(), seed.vertex.end(), v) == seed.vertex.end())
+                    round_.push_back(v);
+            for (unsigned pass = 0; pass < 2 && is_worth_sharing(); ++pass)
+                if (!share(pass)) return false;
+            if (!alone_.insert(round_, later_)) return false;
+        }
+        return true;
+    }
+
+    const std::vector<Word>& free() { return alone_.free().all(); }
+
+ private:
     // A tetrahedron and the ghosts at its facets.
     void start(const std::array<Vertex, 4>& v) {
         constexpr Vertex far = Tetrahedron::ghost;
@@ -146,11 +250,11 @@ class SpaceInsertion {
                                               {v[2], v[0], v[3], far},
                                               {v[0], v[1], v[3], far},
                                               {v[1], v[0], v[2], far}};
-        for (const auto& vertices : all) mesh_[mesh_.take()].vertex = vertices;
+        for (Word t = static_cast<Word>(mesh_.take(5)); const auto& vertices : all)
+            mesh_[t++].vertex = vertices;
         for (Word f = 0; f < 20; ++f)
             for (Word g = 0; g < f; ++g)
                 if (corners(f) == corners(g)) mesh_.join(f, g);
-        last_ = 0;
     }
 
     std::array<Vertex, 4> corners(Word facet) const {
@@ -161,108 +265,90 @@ class SpaceInsertion {
         return sorted;
     }
 
-    // The visibility walk: to a tetrahedron that contains the point, or a ghost that sees it. It
-    // ends, because spheres along the way come nearer to the point.
-    Word locate(Vertex v) {
-        const SpacePoint& p = p_[v];
-        Word t = mesh_[last_].is_ghost() ? mesh_[last_].across[3] / 4 : last_;
-        for (Word from = nowhere; !mesh_[t].is_ghost();) {
-            const Word exit = exit_towards(t, from, p);
-            if (exit == nowhere) break;
-            from = exit;
-            t = exit / 4;
+    bool is_worth_sharing() const {
+        return pool_.size() > 1 && round_.size() >= rows_per_thread * pool_.size();
+    }
+
+    // Stretches of equal length; in the second pass they end in the middle of those of the first.
+    std::vector<Stretch> stretches(unsigned pass) const {
+        const std::uint64_t all = 2 * std::uint64_t{pool_.size()};
+        std::vector<Stretch> found;
+        for (std::uint64_t at = 0, end = 2 - pass; at < all; at = end, end = std::min(at + 2, all))
+            found.push_back(
+                {static_cast<Vertex>(count_ * at / all), static_cast<Vertex>(count_ * end / all)});
+        return found;
+    }
+
+    // By all threads: leaves in the round what was put off.
+    bool share(unsigned pass) {
+        mesh_.reserve(tetrahedra_a_point * round_.size());
+        std::vector<Part> parts;
+        for (const Stretch& stretch : stretches(pass))
+            if (!add_part(stretch, parts)) return false;
+        for (Part& part : parts) {
+            const Tetrahedron& start = mesh_[part.start];  // which another part may have removed
+            part.is_ready = !start.is_free() && part.stretch.holds(start);
         }
-        return t;
-    }
-
-    // Beyond a facet that the point is strictly outside of, the name of the facet there.
-    Word exit_towards(Word t, Word from, const SpacePoint& p) const {
-        const Tetrahedron& at = mesh_[t];
-        const SpacePoint* q[4] = {&p_[at.vertex[0]], &p_[at.vertex[1]], &p_[at.vertex[2]],
-                                  &p_[at.vertex[3]]};
-        for (unsigned k = 0; k < 4; ++k) {
-            if (facet_name(t, k) == from) continue;
-            const SpacePoint* const corner = std::exchange(q[k], &p);
-            if (volume_sign(*q[0], *q[1], *q[2], *q[3], trust_) < 0) return at.across[k];
-            q[k] = corner;
+        const bool done = pool_.run(parts.size(), [&](std::size_t i) { insert(parts[i]); });
+        std::vector<Vertex> left;
+        for (const Part& part : parts) {
+            left.insert(left.end(), part.later.begin(), part.later.end());
+            alone_.free().add(part.free);
         }
-        return nowhere;
+        round_ = std::move(left);
+        return done;
     }
 
-    // Whether inserting p removes the tetrahedron. A point in the plane of a facet of the hull is
-    // in the perturbed circle of the facet exactly if it is in the sphere behind it.
-    bool is_in_conflict(Word t, const SpacePoint& p) const {
-        const Tetrahedron* at = &mesh_[t];
-        if (at->is_ghost()) {
-            const int side =
-                volume_sign(p_[at->vertex[0]], p_[at->vertex[1]], p_[at->vertex[2]], p, trust_);
-            if (side != 0) return side > 0;
-            at = &mesh_[at->across[3] / 4];
+    // What one thread inserts, from a tetrahedron of its own.
+    struct Part {
+        Stretch stretch;
+        Vertices vertices;
+        Word start;
+        bool is_ready = false;
+        std::vector<Vertex> later = {};
+        std::vector<Word> free = {};
+    };
+
+    // The first points are inserted alone until one of their tetrahedra is in the stretch.
+    bool add_part(const Stretch& stretch, std::vector<Part>& parts) {
+        const auto first = std::lower_bound(round_.begin(), round_.end(), stretch.first);
+        const auto last = std::lower_bound(first, round_.end(), stretch.last);
+        for (auto v = first; v != last; ++v) {
+            if (!alone_.insert(*v)) return false;
+            if (!stretch.holds(mesh_[alone_.last()])) continue;
+            parts.push_back({stretch, Vertices(v + 1, last), alone_.last()});
+            return true;
         }
-        return is_inside_sphere(p_[at->vertex[0]], p_[at->vertex[1]], p_[at->vertex[2]],
-                                p_[at->vertex[3]], p, trust_);
+        return true;
     }
 
-    // What is in conflict is connected.
-    void find_cavity(Vertex v, Word first) {
-        cavity_.assign(1, first);
-        surface_.clear();
-        mesh_.mark(first) = inside;
-        for (std::size_t i = 0; i < cavity_.size(); ++i) {
-            const Tetrahedron at = mesh_[cavity_[i]];
-            for (unsigned k = 0; k < 4; ++k) {
-                const Word t = at.across[k] / 4;
-                std::uint8_t& mark = mesh_.mark(t);
-                if (mark == unknown) {
-                    mark = is_in_conflict(t, p_[v]) ? inside : outside;
-                    if (mark == inside) push(t);
-                }
-                if (mark == inside) continue;
-                surface_.push_back({at.vertex, at.across[k], k, 0});
-                surface_.back().vertex[k] = v;
-            }
+    void insert(Part& part) {
+        part.later.reserve(part.vertices.size() / 8);
+        if (!part.is_ready) {
+            part.later.assign(part.vertices.begin(), part.vertices.end());
+            return;
         }
+        SpaceInsertion<false> insertion(points_, part.stretch, pool_.interrupt(), mesh_,
+                                        part.start);
+        insertion.insert(part.vertices, part.later);
+        part.free = insertion.free().all();
     }
 
-    // What is around it will be asked next.
-    void push(Word t) {
-        cavity_.push_back(t);
-        for (Word facet : mesh_[t].across) prefetch(&mesh_[facet / 4]);
-    }
-
-    void fill_cavity() {
-        for (Word t : cavity_) mesh_.mark(t) = unknown;
-        std::size_t used = 0;
-        for (SurfaceFacet& facet : surface_) {
-            const Word t = used < cavity_.size() ? cavity_[used++] : mesh_.take();
-            facet.slot = t;
-            mesh_[t].vertex = facet.vertex;
-            mesh_.mark(facet.across / 4) = unknown;
-            mesh_.join(facet_name(t, facet.k), facet.across);
-        }
-        last_ = surface_.back().slot;
-        for (; used < cavity_.size(); ++used) mesh_.release(cavity_[used]);
-        if (!small_.join(surface_, mesh_)) large_.join(surface_, mesh_);
-    }
-
-    const SpacePoint* p_;
-    const Trust trust_;
-    Interrupt& interrupt_;
-    Patience patience_;
+    const SpaceOrder& points_;
+    Vertex count_;
+    ThreadPool& pool_;
     SpaceMesh& mesh_;
-    Word last_ = 0;
-    std::vector<Word> cavity_;
-    std::vector<SurfaceFacet> surface_;
-    SmallSurface small_;
-    LargeSurface large_;
+    SpaceInsertion<true> alone_;
+    std::vector<Vertex> round_, later_;
 };
 
 }  // namespace
 
-Seed find_seed(const SpaceOrder& points) {
+bool find_seed(const SpaceOrder& points, Interrupt& interrupt, Seed& seed) {
     const auto at = [&](Vertex v) -> const SpacePoint& { return points.points[v]; };
-    Seed seed;
+    Patience patience(interrupt);
     for (Vertex v = 0; v < points.count && seed.count < 4; ++v) {
+        if (patience.ends()) return false;
         auto& [a, b, c, d] = seed.vertex;
         if (seed.count == 2 && are_collinear(at(a), at(b), at(v))) continue;
         if (seed.count == 3) {
@@ -272,12 +358,15 @@ Seed find_seed(const SpaceOrder& points) {
         }
         seed.vertex[static_cast<std::size_t>(seed.count++)] = v;
     }
-    return seed;
+    return true;
 }
 
 bool insert_points(const SpaceOrder& points, const std::vector<Vertex>& order, const Seed& seed,
-                   Interrupt& interrupt, SpaceMesh& mesh) {
-    return SpaceInsertion(points, interrupt, mesh).run(order, seed);
+                   ThreadPool& pool, SpaceMesh& mesh, std::vector<Word>& free) {
+    Rounds rounds(points, pool, mesh);
+    if (!rounds.run(order, seed)) return false;
+    free = rounds.free();
+    return true;
 }
 
 }  // namespace liftmesh

@@ -3,6 +3,7 @@
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
 #include "sorting/hilbert.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
@@ -14,20 +15,20 @@ bool is_finite(const SpacePoint& p) {
 
 class SpaceWalk {
  public:
-    SpaceWalk(const SpaceTriangulation& tetrahedra, const Trust& trust)
-        : tetrahedra_(tetrahedra), trust_(trust) {}
+    SpaceWalk(const SpaceTriangulation& tetrahedra, const Trust& trust, Interrupt& interrupt)
+        : tetrahedra_(tetrahedra), trust_(trust), patience_(interrupt) {}
 
     // A visibility walk, from where the last one ended, then a search among those that share the
     // facets, edges or vertices that the query is on.
     std::int32_t find(const SpacePoint& query) {
-        for (std::size_t steps = 0; steps <= tetrahedra_.count; ++steps) {
+        for (std::size_t steps = 0; steps <= tetrahedra_.count && !patience_.ends(); ++steps) {
             const unsigned exit = exit_towards(last_, query);
             if (exit == 4) return first_around(query);
             const std::int32_t across = neighbor(last_, exit);
             if (across < 0) return -1;
             last_ = across;
         }
-        return -1;  // GCOV_EXCL_LINE: of a damaged triangulation
+        return -1;  // GCOV_EXCL_LINE: of a damaged triangulation, or interrupted
     }
 
  private:
@@ -80,6 +81,7 @@ class SpaceWalk {
 
     const SpaceTriangulation& tetrahedra_;
     Trust trust_;
+    Patience patience_;
     std::int32_t last_ = 0;
     bool is_on_facet_ = false;
     std::vector<std::int32_t> around_;
@@ -91,16 +93,17 @@ struct PlacedQuery {
     std::size_t index;
 };
 
-std::vector<PlacedQuery> in_order(const SpacePoint* queries, std::size_t count,
-                                  const SpaceBox& box) {
+// False if the interrupt came first.
+bool in_order(const SpacePoint* queries, std::size_t count, const SpaceBox& box,
+              Interrupt& interrupt, std::vector<PlacedQuery>& order) {
     const HilbertCurveInSpace curve(box);
-    std::vector<PlacedQuery> order;
     order.reserve(count);
     for (std::size_t i = 0; i < count; ++i)
         if (is_finite(queries[i])) order.push_back({curve(queries[i]), i});
-    std::sort(order.begin(), order.end(),
-              [](const PlacedQuery& a, const PlacedQuery& b) { return a.place < b.place; });
-    return order;
+    const auto is_before = [](const PlacedQuery& a, const PlacedQuery& b) {
+        return a.place < b.place;
+    };
+    return patient_sort(order, is_before, interrupt);
 }
 
 }  // namespace
@@ -119,12 +122,15 @@ bool SpaceLocator::find(const SpacePoint* queries, std::size_t count, Interrupt&
     for (std::size_t i = 0; i < count; ++i)
         if (is_finite(queries[i])) scale.add(queries[i]), box.add(queries[i]);
     scale.settle();
-    SpaceWalk walk(tetrahedra_, scale.moves() ? Trust() : scale.trust());
-    const std::vector<PlacedQuery> order = in_order(queries, count, box);
-    return for_each_in_blocks(order.size(), interrupt, [&](std::size_t i) {
-        const std::size_t index = order[i].index;
-        found[index] = walk.find(queries[index]);
-    });
+    SpaceWalk walk(tetrahedra_, scale.moves() ? Trust() : scale.trust(), interrupt);
+    std::vector<PlacedQuery> order;
+    if (!in_order(queries, count, box, interrupt, order)) return false;
+    return for_each_in_blocks(order.size(), interrupt,
+                              [&](std::size_t i) {
+                                  const std::size_t index = order[i].index;
+                                  found[index] = walk.find(queries[index]);
+                              }) &&
+           !interrupt.requested();
 }
 
 }  // namespace liftmesh

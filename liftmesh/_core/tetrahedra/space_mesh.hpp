@@ -48,39 +48,72 @@ class SpaceMesh {
         tetrahedra_[other / 4].across[other % 4] = facet;
     }
 
-    // A slot, whose mark is 0.
-    Word take() {
-        if (!free_.empty()) {
-            const Word t = free_.back();
-            free_.pop_back();
-            return t;
-        }
-        if (slots_ == room_) grow();
-        marks_[slots_] = 0;
-        return static_cast<Word>(slots_++);
+    // Makes room for so many more slots, as far as there are names. Moves the arrays.
+    void reserve(std::size_t more) {
+        if (slots_ + more <= room_) return;
+        room_ = std::min(std::max(slots_ + more, room_ + room_ / 2), most);
+        tetrahedra_ = enlarged(std::move(tetrahedra_), room_);
+        marks_ = enlarged(std::move(marks_), room_);
     }
-    void release(Word t) { free_.push_back(t); }
+
+    // The first of so many slots one after the other, if there is room; `most` otherwise. Several
+    // threads may ask at the same time.
+    std::size_t take(std::size_t count) {
+        const std::size_t first = slots_.fetch_add(count);
+        if (first + count > room_) {
+            slots_ -= count;
+            return most;
+        }
+        std::fill_n(&marks_[first], count, std::uint8_t{0});
+        return first;
+    }
 
     // Ends the use of the mesh: hands over all slots, of which those that are free begin with a
     // ghost.
-    Buffer<Tetrahedron> finish() {
-        for (Word t : free_) tetrahedra_[t].vertex[0] = Tetrahedron::ghost;
-        free_ = {};
+    Buffer<Tetrahedron> finish(const std::vector<Word>& free) {
+        for (Word t : free) tetrahedra_[t].vertex[0] = Tetrahedron::ghost;
         marks_.reset();
         return std::move(tetrahedra_);
     }
 
  private:
-    void grow() {
-        if (room_ >= most) throw std::bad_alloc();  // GCOV_EXCL_LINE: of 17 GB
-        room_ = std::min(room_ + room_ / 2 + 64, most);
-        tetrahedra_ = enlarged(std::move(tetrahedra_), room_);
-        marks_ = enlarged(std::move(marks_), room_);
-    }
-
-    std::size_t room_, slots_ = 0;
+    std::size_t room_;
+    std::atomic<std::size_t> slots_ = 0;
     Buffer<Tetrahedron> tetrahedra_;
     Buffer<std::uint8_t> marks_;
+};
+
+// The free slots of one thread, whose marks are 0.
+class FreeSlots {
+ public:
+    explicit FreeSlots(SpaceMesh& mesh) : mesh_(mesh) {}
+
+    // False if there is no room for so many.
+    bool provide(std::size_t count) {
+        constexpr std::size_t block = 256;
+        if (free_.size() >= count) return true;
+        count = std::max(count - free_.size(), block);
+        std::size_t next = mesh_.take(count) + count;
+        if (next > SpaceMesh::most) return false;
+        while (count-- > 0) free_.push_back(static_cast<Word>(--next));
+        return true;
+    }
+    Word take() {
+        const Word t = free_.back();
+        free_.pop_back();
+        return t;
+    }
+    void release(Word t) {
+        mesh_[t].vertex[0] = Tetrahedron::ghost;
+        free_.push_back(t);
+    }
+    void add(const std::vector<Word>& others) {
+        free_.insert(free_.end(), others.begin(), others.end());
+    }
+    const std::vector<Word>& all() const { return free_; }
+
+ private:
+    SpaceMesh& mesh_;
     std::vector<Word> free_;
 };
 

@@ -3,7 +3,7 @@
 
 #include "base/buffer.hpp"
 #include "base/input.hpp"
-#include "base/status.hpp"
+#include "parallel/thread_pool.hpp"
 #include "sorting/space_order.hpp"
 
 namespace liftmesh {
@@ -29,6 +29,6 @@ struct Tetrahedra {
 // Tetrahedra are in the order of the curve, by their least vertex, then the others; each begins
 // with its two least. So simplices, neighbours and hull depend on the coordinates alone, as a list.
 Tetrahedra tetrahedralize(const Input& input, bool skip_non_finite, std::uint64_t secret,
-                          Interrupt& interrupt);
+                          Threads threads, Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -2,6 +2,7 @@
 
 #include "base/floating_point.hpp"
 #include "sorting/counting_sort.hpp"
+#include "sorting/patient_sort.hpp"
 #include "sorting/space_order.hpp"
 
 namespace liftmesh {
@@ -28,11 +29,12 @@ struct SpaceFacet {
 class TetrahedraVerifier {
  public:
     TetrahedraVerifier(const SpaceOrder& points, const std::int32_t* simplices, std::size_t count,
-                       Interrupt& interrupt, SpaceVerdict& verdict)
+                       ThreadPool& pool, SpaceVerdict& verdict)
         : points_(points),
           simplices_(simplices),
           count_(count),
-          interrupt_(interrupt),
+          pool_(pool),
+          interrupt_(pool.interrupt()),
           verdict_(verdict) {}
 
     // False if the interrupt came first.
@@ -41,11 +43,33 @@ class TetrahedraVerifier {
         if (verdict_.flaws.any()) return true;
         if (!check_volumes() || !pair_facets()) return false;
         verdict_.hull_facets = boundary_.size();
-        check_boundary();
-        return find_missing();
+        return check_boundary() && find_missing();
     }
 
  private:
+    using Flaws = FlawsOf<SpaceFlaw>;
+
+    // What is found in a part of the tetrahedra or facets, by any thread.
+    struct Found {
+        Flaws flaws;
+        std::size_t facets = 0;
+        std::vector<std::size_t> boundary;  // facets with one tetrahedron alone
+    };
+
+    // Calls check(i, found) for all; what is found is put together whatever thread was first.
+    template <class Check>
+    bool for_each(std::size_t count, Check check) {
+        return in_blocks(count, block, pool_, [&](std::size_t i, std::size_t last, std::size_t) {
+            interrupt_.advance((last - i) * rows_ / count);
+            Found found;
+            for (; i < last; ++i) check(i, found);
+            const std::lock_guard lock(mutex_);
+            verdict_.flaws.add(found.flaws);
+            verdict_.facets += found.facets;
+            boundary_.insert(boundary_.end(), found.boundary.begin(), found.boundary.end());
+        });
+    }
+
     void add(SpaceFlaw flaw, std::uint64_t at, std::uint64_t other = 0) {
         verdict_.flaws.add(flaw, {at, other});
     }
@@ -94,11 +118,12 @@ class TetrahedraVerifier {
     }
 
     bool check_volumes() {
-        return for_each_in_blocks(count_, interrupt_, [this](std::size_t t) {
+        return for_each(count_, [this](std::size_t t, Found& found) {
             const std::size_t first = 4 * t;
             const int sign =
                 side(corner(first), corner(first + 1), corner(first + 2), corner(first + 3));
-            if (sign <= 0) add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::degenerate, t);
+            if (sign <= 0)
+                found.flaws.add(sign < 0 ? SpaceFlaw::negative : SpaceFlaw::degenerate, {t, 0});
         });
     }
 
@@ -110,14 +135,14 @@ class TetrahedraVerifier {
 
     // By their least corner, then by the others.
     bool pair_facets() {
-        ThisThread alone{interrupt_};
-        CountingSort by_least(4 * count_, 1, points_.count, alone);
+        constexpr std::size_t most_shares = 4;  // each has a number for every point
+        const std::size_t shares = std::clamp<std::size_t>(count_ / block, 1, pool_.size());
+        CountingSort by_least(4 * count_, std::min(shares, most_shares), points_.count, pool_);
         const auto all = allocate<SpaceFacet>(4 * count_);
-        const auto visit_all = [this](auto, auto visit) {
-            for_each_in_blocks(4 * count_, interrupt_, visit);
-        };
         const bool done = by_least.sort(
-            visit_all,
+            [](const Share& share, auto visit) {
+                for (std::size_t place = share.first; place < share.last; ++place) visit(place);
+            },
             [this](std::size_t place) {
                 const auto [a, b, c] = facet(place);
                 return std::min({a, b, c});
@@ -125,9 +150,14 @@ class TetrahedraVerifier {
             [&](std::size_t to, std::size_t place) { all[to] = sorted(place); });
         if (!done) return false;
         const std::vector<std::size_t> starts = std::move(by_least).starts();
-        return for_each_in_blocks(points_.count, interrupt_, [&](std::size_t v) {
-            pair(std::span(&all[starts[v]], starts[v + 1] - starts[v]));
-        });
+        const bool is_solid =
+            !verdict_.flaws.any(SpaceFlaw::negative) && !verdict_.flaws.any(SpaceFlaw::degenerate);
+        return for_each(points_.count,
+                        [&](std::size_t v, Found& found) {
+                            pair(std::span(&all[starts[v]], starts[v + 1] - starts[v]), is_solid,
+                                 found);
+                        }) &&
+               patient_sort(boundary_, std::less<>(), interrupt_);
     }
 
     SpaceFacet sorted(std::size_t place) const {
@@ -140,37 +170,37 @@ class TetrahedraVerifier {
         return {b, c, static_cast<std::uint32_t>(place), is_odd};
     }
 
-    void pair(std::span<SpaceFacet> facets) {
-        std::sort(facets.begin(), facets.end(),
-                  [](const SpaceFacet& a, const SpaceFacet& b) { return a.key() < b.key(); });
+    void pair(std::span<SpaceFacet> facets, bool is_solid, Found& found) {
+        const auto is_before = [](const SpaceFacet& a, const SpaceFacet& b) {
+            return a.key() < b.key();
+        };
+        if (!patient_sort(facets, is_before, interrupt_)) return;
         for (std::size_t i = 0, end; i < facets.size(); i = end) {
             for (end = i + 1; end < facets.size() && facets[end].is_same(facets[i]);) ++end;
-            pair_same(facets.subspan(i, end - i));
+            pair_same(facets.subspan(i, end - i), is_solid, found);
         }
     }
 
-    void pair_same(std::span<const SpaceFacet> same) {
-        ++verdict_.facets;
+    void pair_same(std::span<const SpaceFacet> same, bool is_solid, Found& found) const {
+        ++found.facets;
         for (std::size_t i = 1; i < same.size(); ++i)
             if (same[i].is_odd == same[i - 1].is_odd)
-                add(SpaceFlaw::non_manifold_facets, same[i].place, same[i - 1].place);
+                found.flaws.add(SpaceFlaw::non_manifold_facets, {same[i].place, same[i - 1].place});
         if (same.size() == 1)
-            boundary_.push_back(same.front().place);
-        else if (same.front().is_odd != same.back().is_odd)
-            check_sphere(same.front().place, same.back().place);
+            found.boundary.push_back(same.front().place);
+        else if (is_solid && same.front().is_odd != same.back().is_odd)
+            check_sphere(same.front().place, same.back().place, found.flaws);
     }
 
-    void check_sphere(std::size_t place, std::size_t other) {
-        if (verdict_.flaws.any(SpaceFlaw::negative) || verdict_.flaws.any(SpaceFlaw::degenerate))
-            return;
+    void check_sphere(std::size_t place, std::size_t other, Flaws& flaws) const {
         const std::size_t first = place - place % 4;
         const SpacePoint five[5] = {at(corner(first)), at(corner(first + 1)), at(corner(first + 2)),
                                     at(corner(first + 3)), at(corner(other))};
         const auto& [a, b, c, d, e] = five;
         if (!is_inside_sphere(a, b, c, d, e, points_.trust)) return;
         const bool is_tie = insphere_exact(five, points_.trust) == 0;
-        add(is_tie ? SpaceFlaw::not_canonical : SpaceFlaw::not_delaunay, std::min(place, other),
-            std::max(place, other));
+        flaws.add(is_tie ? SpaceFlaw::not_canonical : SpaceFlaw::not_delaunay,
+                  {std::min(place, other), std::max(place, other)});
     }
 
     struct BoundaryEdge {
@@ -179,18 +209,21 @@ class TetrahedraVerifier {
         auto operator<=>(const BoundaryEdge&) const = default;
     };
 
-    void check_boundary() {
-        if (boundary_.empty()) return;
+    bool check_boundary() {
+        if (boundary_.empty()) return true;
         std::vector<BoundaryEdge> edges;
-        for (std::size_t i = 0; i < boundary_.size(); ++i) {
+        const bool done = for_each_in_blocks(boundary_.size(), interrupt_, [&](std::size_t i) {
             const auto [a, b, c] = facet(boundary_[i]);
             edges.insert(edges.end(), {{a, b, i}, {b, c, i}, {c, a, i}});
             for (std::size_t k = 0; k < 4; ++k)
                 if (side(a, b, c, corner(k)) > 0) add(SpaceFlaw::not_convex, boundary_[i]);
-        }
-        std::sort(edges.begin(), edges.end());
-        for (std::size_t i = 0; i < edges.size(); ++i) check_edge(edges, i);
+        });
+        if (!done || !patient_sort(edges, std::less<>(), interrupt_) ||
+            !for_each_in_blocks(edges.size(), interrupt_,
+                                [&](std::size_t i) { check_edge(edges, i); }))
+            return false;
         if (!verdict_.flaws.any(SpaceFlaw::non_manifold_edges)) check_turn(edges);
+        return true;
     }
 
     static auto from(const std::vector<BoundaryEdge>& edges, Vertex tail, Vertex head) {
@@ -245,16 +278,18 @@ class TetrahedraVerifier {
     }
 
     bool find_missing() {
-        return for_each_in_blocks(points_.count, interrupt_, [this](std::size_t v) {
-            if (!is_vertex_[v]) add(SpaceFlaw::missing_vertices, points_.rows[v]);
+        return for_each(points_.count, [this](std::size_t v, Found& found) {
+            if (!is_vertex_[v]) found.flaws.add(SpaceFlaw::missing_vertices, {points_.rows[v], 0});
         });
     }
 
     const SpaceOrder& points_;
     const std::int32_t* simplices_;
     std::size_t count_, rows_ = 0;
+    ThreadPool& pool_;
     Interrupt& interrupt_;
     SpaceVerdict& verdict_;
+    std::mutex mutex_;
     Buffer<Vertex> vertex_of_;  // of each row
     std::vector<std::uint8_t> is_vertex_;
     std::vector<std::size_t> boundary_;
@@ -263,8 +298,10 @@ class TetrahedraVerifier {
 }  // namespace
 
 SpaceVerdict verify_tetrahedra(const Input& input, const std::int32_t* simplices, std::size_t count,
-                               bool skip_non_finite, Interrupt& interrupt) {
+                               bool skip_non_finite, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
+    constexpr std::size_t stages = 3;  // volumes, facets, rows
+    interrupt.expect(input.rows * (work::sorting + stages));
     SpaceVerdict verdict;
     SpaceRows rows;
     if (!read_space(input, interrupt, rows)) {
@@ -277,9 +314,10 @@ SpaceVerdict verify_tetrahedra(const Input& input, const std::int32_t* simplices
         verdict.row = rows.skipped.front();
         return verdict;
     }
+    ThreadPool pool(threads.for_rows(rows.count), interrupt);
     SpaceOrder points;
-    if (!sort_in_space(std::move(rows), interrupt, points) ||
-        !TetrahedraVerifier(points, simplices, count, interrupt, verdict).run(input.rows))
+    if (!sort_in_space(std::move(rows), pool, points) ||
+        !TetrahedraVerifier(points, simplices, count, pool, verdict).run(input.rows))
         verdict.status = Status::interrupted;
     return verdict;
 }

@@ -15,6 +15,7 @@
 #pragma once
 
 #include "base/input.hpp"
+#include "parallel/thread_pool.hpp"
 #include "verify/flaws.hpp"
 
 namespace liftmesh {
@@ -45,6 +46,6 @@ struct SpaceVerdict {
 // Simplices are count x 4. Places are facets 4 t + k, opposite corner k of tetrahedron t, if
 // nothing else is said.
 SpaceVerdict verify_tetrahedra(const Input& input, const std::int32_t* simplices, std::size_t count,
-                               bool skip_non_finite, Interrupt& interrupt);
+                               bool skip_non_finite, Threads threads, Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -8,18 +8,22 @@ from __future__ import annotations
 
 from typing import Any
 
-from liftmesh.io.format import Format, LazyFunction
+from liftmesh.io.format import CONTENT, Format, LazyFunction
 
 
 def _code(module: str, name: str) -> LazyFunction:
     return LazyFunction(f"liftmesh.{module}", name)
 
 
+def _all_but(*lost: str) -> tuple[str, ...]:
+    return tuple(each for each in CONTENT if each not in lost)
+
+
 _AXES = _code("io.axes", "validate_axes")
 _FEATURES = _code("vector.clouds", "validate_feature_options")
 
 _GLTF: dict[str, Any] = {
-    "keeps": ("points", "faces", "colors", "alpha", "normals", "attributes", "crs", "metadata"),
+    "keeps": _all_but("edges", "deep_colors", "float64"),
     "needs": ("points", "finite"),
     "loses": _code("io.formats.gltf.writer", "dropped_parts"),
     "expands": True,
@@ -48,17 +52,7 @@ FORMATS = (
         read=_code("io.formats.obj", "read_obj"),
         write=_code("io.formats.obj", "write_obj"),
         description="Wavefront OBJ: shortest digits that round-trip, colours, normals, triangles",
-        keeps=(
-            "points",
-            "faces",
-            "edges",
-            "colors",
-            "deep_colors",
-            "normals",
-            "crs",
-            "metadata",
-            "float64",
-        ),
+        keeps=_all_but("alpha", "attributes"),
         needs=("points",),
         loses=_code("io.formats.obj", "dropped_parts"),
         options=_AXES,
@@ -137,14 +131,14 @@ FORMATS = (
     Format(
         name="landxml",
         suffixes=(".xml", ".landxml"),
-        read=_code("io.formats.landxml_reader", "read_landxml"),
+        read=_code("io.formats.landxml", "read_landxml"),
         write=_code("io.formats.landxml", "write_landxml"),
         description="LandXML surfaces: northing, easting, height, and faces; breaklines, points",
         keeps=("points", "faces", "edges", "crs", "float64"),
         needs=("faces", "finite"),
         loses=_code("io.formats.landxml", "dropped_parts"),
         check=_code("io.formats.landxml", "check"),
-        options=_code("io.formats.landxml_reader", "validate_landxml_options"),
+        options=_code("io.formats.landxml", "validate_landxml_options"),
         gzip=True,
         entries=("landxml",),
     ),
@@ -174,17 +168,7 @@ FORMATS = (
         read=None,
         write=_code("io.formats.vtu", "write_vtu"),
         description="VTU, unstructured grids of VTK: faces and values",
-        keeps=(
-            "points",
-            "faces",
-            "edges",
-            "colors",
-            "alpha",
-            "deep_colors",
-            "normals",
-            "attributes",
-            "float64",
-        ),
+        keeps=_all_but("crs", "metadata"),
         loses=_code("io.formats.vtu", "dropped_parts"),
         entries=("markers",),
     ),
@@ -245,16 +229,7 @@ FORMATS = (
         write=_code("io.formats.las.writer", "write_las"),
         description="LAS and LAZ, airborne lidar: classes, returns, colours, extra bytes",
         suffix_options={".laz": {"compressed": True}},
-        keeps=(
-            "points",
-            "colors",
-            "deep_colors",
-            "normals",
-            "attributes",
-            "crs",
-            "metadata",
-            "float64",
-        ),
+        keeps=_all_but("faces", "edges", "alpha"),
         needs=("finite",),
         loses=_code("io.formats.las.writer", "dropped_parts"),
         check=_code("io.formats.las.writer", "check"),

@@ -29,14 +29,14 @@ from liftmesh.errors import FormatError
 from liftmesh.io.columns import edges_of, faces_of
 from liftmesh.io.formats.stl import weld
 from liftmesh.io.metadata import noted
-from liftmesh.io.text_tables import quoted, shortened, write_rows
+from liftmesh.io.text_tables import count_kind, quoted, shortened, write_rows
 
 Tags: TypeAlias = dict[int, list[float]]
 
 _BINARY = b"AutoCAD Binary DXF"
 _PIECE, _LONGEST = 1 << 18, 1 << 20  # bytes that are read at a time, and of a line
 _MOST_WHOLE = 2.0**31
-_MOST_KINDS, _LISTED = 1000, 8
+_LISTED = 8
 _AT_ONCE = 1 << 16  # rows that are written at a time
 _POINT, _FACE, _LINE, _LIGHT, _HEAVY, _VERTEX = (
     *("POINT", "3DFACE", "LINE", "LWPOLYLINE", "POLYLINE", "VERTEX"),
@@ -157,7 +157,7 @@ class _Drawing:
             return
         reason = self._refused(kind, tags)
         if reason:
-            self._leave_out(reason)
+            count_kind(self._left_out, reason)
         if kind == _HEAVY:
             flags = _GRID if reason else _whole(tags)
             self._open = (flags, tags.get(30, [0.0])[0], _side(tags))
@@ -173,10 +173,6 @@ class _Drawing:
         if kind in (_LIGHT, _HEAVY) and self._is_turned(tags):
             return f"turned {kind}"
         return "POLYLINE grid" if kind == _HEAVY and _whole(tags) & _GRID else ""
-
-    def _leave_out(self, kind: str) -> None:
-        known = kind in self._left_out or len(self._left_out) < _MOST_KINDS
-        self._left_out[kind if known else "..."] += 1
 
     def _is_turned(self, tags: Tags) -> bool:
         is_spatial = _whole(tags) & (_SPATIAL | _POLYFACE) and 30 in tags

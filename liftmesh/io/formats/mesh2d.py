@@ -31,6 +31,7 @@ from liftmesh.io.text_tables import (
     BLOCK,
     Block,
     Lines,
+    count_kind,
     quoted,
     ragged_numbers,
     shortened,
@@ -43,7 +44,6 @@ _NODE, _TRIANGLE, _QUAD, _STRING = "ND", "E3T", "E4Q", "NS"
 _CARDS = (_NODE, _TRIANGLE, _QUAD, _STRING)
 _OTHERS = ("E2L", "E3L", "E6T", "E8Q", "E9Q")  # elements
 _PARAMETERS = ("NUM_MATERIALS_PER_ELEM", "MESHNAME", "MESHNM")
-_MOST_CARDS = 1000
 _NODES = 10  # of a string in a line
 _AT_ONCE = 1 << 18  # nodes that are looked for
 
@@ -86,8 +86,7 @@ class _Reading:
         if card in (*_OTHERS, *_CARDS):
             reason = "without numbers" if card in _CARDS else "an element that is not read"
             raise FormatError(f"{self._name}: line {number}: {quoted(text)} is {reason}")
-        known = card in self._others or len(self._others) < _MOST_CARDS
-        self._others[card if known else "..."] += 1
+        count_kind(self._others, card)
 
     def cloud(self) -> Cloud:
         """Return the mesh."""

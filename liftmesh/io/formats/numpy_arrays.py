@@ -25,8 +25,8 @@ import zlib
 from collections.abc import Collection, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, BinaryIO
-from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile, ZipFile
+from typing import BinaryIO
+from zipfile import ZIP_BZIP2, ZIP_DEFLATED, ZIP_LZMA, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 import numpy as np
 from numpy.lib import format as npy
@@ -37,10 +37,6 @@ from liftmesh.errors import FormatError
 from liftmesh.io.options import check_expanded, limit_of
 from liftmesh.io.streams import Source, read_into, read_most, remaining
 from liftmesh.io.text_tables import shortened
-
-if TYPE_CHECKING:
-    from zipfile import ZipInfo
-
 
 _LONGEST_HEADER = 10_000  # what NumPy takes from a file that is not trusted
 

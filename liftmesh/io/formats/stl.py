@@ -35,7 +35,7 @@ import re
 import struct
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,14 +46,10 @@ from liftmesh.base.arrays import used_rows, widened
 from liftmesh.base.cloud import Cloud
 from liftmesh.errors import FormatError
 from liftmesh.io.columns import faces_of
-from liftmesh.io.format import checked_origin, needed_origin, with_origin, without_origin
+from liftmesh.io.format import Origin, checked_origin, needed_origin, with_origin, without_origin
 from liftmesh.io.metadata import noted
 from liftmesh.io.streams import read_exactly, remaining
 from liftmesh.io.text_tables import BLOCK, Block, Lines, Syntax, number_table, quoted
-
-if TYPE_CHECKING:
-    from liftmesh.io.format import Origin
-
 
 _FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _TITLE_SIZE = 80

@@ -22,12 +22,11 @@ from liftmesh.base.arrays import pair_keys, used_rows
 from liftmesh.base.options import Unit3MF as Unit, check_option
 from liftmesh.crs.units import band_unit, length_unit
 from liftmesh.errors import FormatError, Option
-from liftmesh.io.format import needed_origin, without_origin
+from liftmesh.io.format import Origin, needed_origin, without_origin
 from liftmesh.io.text_tables import write_rows
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.format import Origin
 
 _SPACE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
 _TYPES = """<?xml version="1.0" encoding="UTF-8"?>

@@ -15,11 +15,11 @@ from __future__ import annotations
 import sys
 from base64 import b64encode
 from collections.abc import Collection, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
 
 import numpy as np
 
-from liftmesh._typing import Array
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.colors import as_float, as_uint8, fits_eight_bits
 from liftmesh.io.columns import edges_of, faces_of
 from liftmesh.io.format import dropped_values
@@ -29,19 +29,31 @@ from liftmesh.io.tags import markers_of, regions_of
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
 
+_Arrays: TypeAlias = list[tuple[str, Array]]  # by their names
+
 _TYPES = {
     "i1": "Int8", "i2": "Int16", "i4": "Int32", "i8": "Int64", "u1": "UInt8", "u2": "UInt16",
     "u4": "UInt32", "u8": "UInt64", "f4": "Float32", "f8": "Float64",
 }  # fmt: skip
-_VERTEX, _LINE, _TRIANGLE = 1, 3, 5  # kinds of cells
+_VERTEX, _LINE, _TRIANGLE, _TETRAHEDRON = 1, 3, 5, 10  # kinds of cells
 _COLORS, _NORMALS = "Colors", "Normals"
 _ROWS = 1 << 18  # written at a time
 
 
 def write_vtu(stream: BinaryIO, cloud: Cloud) -> None:
     """Write a mesh or a cloud as VTU."""
-    cells, values = _cells(cloud), _of_cells(cloud)
-    arrays = [*_of_points(cloud), ("", cloud.points), *cells, *values]
+    _write(stream, cloud.points, _of_points(cloud), _cells(_parts(cloud)), _of_cells(cloud))
+
+
+def write_tetrahedra(stream: BinaryIO, points: Floats, simplices: Rows) -> None:
+    """Write tetrahedra as VTU, with all rows of the points."""
+    _write(stream, points, [], _cells([(simplices, _TETRAHEDRON)]), [])
+
+
+def _write(
+    stream: BinaryIO, points: Floats, of_points: _Arrays, cells: _Arrays, values: _Arrays
+) -> None:
+    arrays = [*of_points, ("", points), *cells, *values]
     places = np.cumsum([0, *(4 * -(-(8 + each.nbytes) // 3) for _, each in arrays)]).tolist()
     tags = [
         _tag(name, each, place) for (name, each), place in zip(arrays, places[:-1], strict=True)
@@ -52,7 +64,7 @@ def write_vtu(stream: BinaryIO, cloud: Cloud) -> None:
     head = f'type="UnstructuredGrid" version="1.0" header_type="UInt64" byte_order="{byte_order}"'
     lines = [
         '<?xml version="1.0"?>', f"<VTKFile {head}>", "<UnstructuredGrid>",
-        f'<Piece NumberOfPoints="{len(cloud)}" NumberOfCells="{len(cells[1][1])}">',
+        f'<Piece NumberOfPoints="{len(points)}" NumberOfCells="{len(cells[1][1])}">',
         "<PointData>", *tags[:count], "</PointData>",
         "<Points>", tags[count], "</Points>",
         "<Cells>", *tags[count + 1 : end], "</Cells>",
@@ -83,13 +95,18 @@ def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
     return [dropped_values(name) for name in cloud.attributes if name not in kept]
 
 
-def _cells(cloud: Cloud) -> list[tuple[str, Array]]:
-    """Return the corners of all cells, lines last, where each ends, and its kind."""
+def _parts(cloud: Cloud) -> list[tuple[Array, int]]:
+    """Return the cells of each kind, lines last."""
     parts = [(np.arange(len(cloud), dtype=np.int32)[:, None], _VERTEX)]
     if cloud.faces is not None and len(cloud.faces):
         parts = [(cloud.faces, _TRIANGLE)]
     if len(edges := edges_of(cloud)):
         parts.append((edges, _LINE))
+    return parts
+
+
+def _cells(parts: list[tuple[Array, int]]) -> _Arrays:
+    """Return the corners of all cells, where each ends, and its kind."""
     cells, kinds = zip(*parts, strict=True)
     counts = [len(each) for each in cells]
     corners = np.concatenate([each.reshape(-1) for each in cells])
@@ -98,7 +115,7 @@ def _cells(cloud: Cloud) -> list[tuple[str, Array]]:
     return [("connectivity", corners), ("offsets", ends), ("types", of_cells)]
 
 
-def _of_cells(cloud: Cloud) -> list[tuple[str, Array]]:
+def _of_cells(cloud: Cloud) -> _Arrays:
     """Return the regions of faces, and the markers of edges."""
     faces, edges = faces_of(cloud), edges_of(cloud)
     if not len(faces) or not len(edges):
@@ -110,7 +127,7 @@ def _of_cells(cloud: Cloud) -> list[tuple[str, Array]]:
     return [("region", regions), ("marker", markers)]
 
 
-def _of_points(cloud: Cloud) -> list[tuple[str, Array]]:
+def _of_points(cloud: Cloud) -> _Arrays:
     """Return the values of the points: colours in 8 bits, or as floats from 0 to 1."""
     arrays = _attributes(cloud)
     if cloud.colors is not None:
@@ -119,7 +136,7 @@ def _of_points(cloud: Cloud) -> list[tuple[str, Array]]:
     return arrays if cloud.normals is None else [*arrays, (_NORMALS, _known(cloud.normals))]
 
 
-def _attributes(cloud: Cloud) -> list[tuple[str, Array]]:
+def _attributes(cloud: Cloud) -> _Arrays:
     taken = {_COLORS} if cloud.colors is not None else set()
     taken |= {_NORMALS} if cloud.normals is not None else set()
     return [

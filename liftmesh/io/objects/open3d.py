@@ -25,7 +25,7 @@ from liftmesh.base.colors import as_float, is_opaque
 from liftmesh.base.options import refused
 from liftmesh.errors import FormatError, InputError
 from liftmesh.io.columns import faces_of, narrowed
-from liftmesh.io.format import needed_origin
+from liftmesh.io.format import Origin, needed_origin
 from liftmesh.io.metadata import Unread, noted
 from liftmesh.optional import load
 
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 
     import open3d as o3d
 
-    from liftmesh.io.format import Origin
 
 # What only legacy objects have and clouds do not hold. Normals of triangles follow from these.
 _REST = {

@@ -30,8 +30,6 @@ from liftmesh.io.metadata import NOTE, Provenance, Unread, user_entries
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     import trimesh
 
 

@@ -30,7 +30,7 @@ from liftmesh.paper.pictures.style import (
     styled,
     unit_circle,
 )
-from liftmesh.planar.anisotropic import anisotropic_stars
+from liftmesh.planar.anisotropic import AnisotropicStars, anisotropic_stars
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.terrain.thinning import thin
 from liftmesh.terrain.triangulate import triangulate
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from liftmesh.planar.anisotropic import AnisotropicStars
     from liftmesh.planar.triangulation import Triangulation
 
 

@@ -35,7 +35,7 @@ from liftmesh.paper.pictures.style import (
     styled,
     unit_circle,
 )
-from liftmesh.paper.region import Ellipse
+from liftmesh.paper.propositions import Ellipse
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.lifting import lift
 

@@ -26,12 +26,10 @@ from liftmesh.paper.pictures.style import (
 )
 from liftmesh.paper.printed import SQUARE, Vertex
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.planar.lifting import lift, resolve_apex
+from liftmesh.planar.lifting import LowerHull, lift, resolve_apex
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-    from liftmesh.planar.lifting import LowerHull
 
 
 CORNERS = np.array([[3.4, 0.9, 1.9], [1.2, 3.7, 1.5], [0.7, 1.1, 2.5]])  # p, q, t

@@ -38,14 +38,16 @@ def built(make: Callable[..., Result], *given: Any) -> Result:
         raise SystemExit(f"CGAL is not here: {error}") from error
 
 
-def answer(program: Path, numbers: NDArray[Any], *words: str) -> tuple[NDArray[np.int32], Any]:
+def answer(
+    program: Path, numbers: NDArray[Any], *words: str, corners: int = 3
+) -> tuple[NDArray[np.int32], Any]:
     """Hand a program a file of numbers; return the triangles that it writes, and what it says."""
     with tempfile.TemporaryDirectory() as folder:
         given, made = Path(folder, "given"), Path(folder, "triangles")
         numbers.tofile(given)
         command = [program, given, made, *words]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
-        return np.fromfile(made, np.int32).reshape(-1, 3), json.loads(done.stdout)
+        return np.fromfile(made, np.int32).reshape(-1, corners), json.loads(done.stdout)
 
 
 def clocked(call: Callable[[], Result]) -> tuple[Result, float]:

@@ -152,6 +152,43 @@ int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canoni
     return sign_of(corners, at.x, at.y, on_lattice({a.z, b.z, c.z, d.z}), canonical);
 }
 
+int insphere(const SpacePoint (&points)[5], bool canonical) {
+    int low = std::numeric_limits<int>::max();
+    for (const SpacePoint& p : points) low = lattice_of(std::array{p.x, p.y, p.z}, low);
+    Integers x, y, z;
+    for (const SpacePoint& p : points) {
+        x.push_back(in_units(p.x, low));
+        y.push_back(in_units(p.y, low));
+        z.push_back(in_units(p.z, low));
+    }
+    Integer determinant;
+    int slope[5];  // the sign of the change of the determinant as a point is lifted
+    for (std::size_t i = 0; i < 5; ++i) {
+        std::array<std::size_t, 4> others;
+        for (std::size_t k = 0; k < 4; ++k) others[k] = k + (k >= i);
+        Integer volume;
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t a = k == 0 ? 1 : 0, b = k < 2 ? 2 : 1, c = k < 3 ? 3 : 2;
+            Integer area;
+            turn_of(x, y, others[a], others[b], others[c], area);
+            const Integer term = z[others[k]] * area;
+            volume = k % 2 == 0 ? volume + term : volume - term;
+        }
+        slope[i] = i % 2 == 0 ? volume.sign() : -volume.sign();
+        const Integer term = (x[i] * x[i] + y[i] * y[i] + z[i] * z[i]) * volume;
+        determinant = i % 2 == 0 ? determinant + term : determinant - term;
+    }
+    if (determinant.sign() != 0 || !canonical) return determinant.sign();
+    std::array<std::size_t, 5> order = {0, 1, 2, 3, 4};
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        const SpacePoint &p = points[i], &q = points[j];
+        return p.x != q.x ? p.x > q.x : p.y != q.y ? p.y > q.y : p.z > q.z;
+    });
+    for (const std::size_t i : order)
+        if (slope[i] != 0) return slope[i];
+    return 0;
+}
+
 bool exceeds(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, double distance) {
     const Coordinates at({a.planar(), b.planar(), c.planar(), d.planar()});
     const Integers z = on_lattice({a.z, b.z, c.z, d.z, distance});

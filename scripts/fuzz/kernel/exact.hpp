@@ -23,6 +23,10 @@ int turn(Point a, Point b, Point c);
 int incircle(Point a, Point b, Point c, Point d, bool canonical);
 int orient3d(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, bool canonical);
 
+// +1 if e is inside the sphere through a, b, c, d that turn as positive tetrahedra do, -1 for those
+// that turn the other way; `canonical` lifts lexicographically larger points more.
+int insphere(const SpacePoint (&points)[5], bool canonical);
+
 // By what points are lifted: see predicates/lift.hpp.
 enum class Lift : std::uint8_t { weights, radii, metric, farthest };
 

@@ -85,10 +85,13 @@ struct Target {
     void (*check)(Bytes);
 };
 
-constexpr Target targets[] = {
-    {"kernel", check_kernel},           {"changing", check_sequence},
-    {"constraints", check_constraints}, {"refinement", check_refinement},
-    {"surface", check_surface},         {"simplification", check_simplification}};
+constexpr Target targets[] = {{"kernel", check_kernel},
+                              {"changing", check_sequence},
+                              {"constraints", check_constraints},
+                              {"refinement", check_refinement},
+                              {"surface", check_surface},
+                              {"simplification", check_simplification},
+                              {"space", check_space}};
 const Target* chosen = targets;
 
 }  // namespace

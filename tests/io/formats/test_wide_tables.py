@@ -18,9 +18,9 @@ from liftmesh import Cloud, FormatError
 from liftmesh.cli import exit_codes, main
 from liftmesh.io.options import COLUMN_BYTES, MOST_COLUMNS
 
-MANY = 20_000  # columns
+MANY = 12_000  # columns: more than are read by default
 NAMES = ["z", *(f"a{k}" for k in range(3, MANY))]
-ROWS = 4
+ROWS = 2
 VALUES = np.arange(ROWS * MANY, dtype=float).reshape(ROWS, MANY) * (0.5 ** np.arange(ROWS)[:, None])
 
 
@@ -87,7 +87,7 @@ def test_wide_tables_are_read_with_the_limit_that_they_need(name: str) -> None:
 
 def test_a_delimiter_of_the_caller_counts_as_others_do() -> None:
     stream = io.BytesIO(rows(":"))
-    with pytest.raises(FormatError, match="a row of 20,000 values expands to 40,000,000 bytes"):
+    with pytest.raises(FormatError, match="a row of 12,000 values expands to 24,000,000 bytes"):
         liftmesh.read(stream, format="csv", delimiter=":")
     row = b"1:1\n" + b'"1":' * 300_000
     with pytest.raises(FormatError, match="line 2: expected 2 values, found 300,001"):

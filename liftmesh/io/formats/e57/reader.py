@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 
@@ -29,10 +29,6 @@ from liftmesh.io.formats.e57.decoding import Decoder, Limits, Scan, decoded
 from liftmesh.io.formats.e57.header import check_header
 from liftmesh.io.metadata import noted
 from liftmesh.io.options import check_columns, check_expanded, limit_of
-
-if TYPE_CHECKING:
-    from liftmesh.io.formats.e57.decoding import Scan
-
 
 _CARTESIAN = ("cartesianX", "cartesianY", "cartesianZ")
 _SPHERICAL = ("sphericalRange", "sphericalAzimuth", "sphericalElevation")

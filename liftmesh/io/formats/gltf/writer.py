@@ -25,7 +25,7 @@ import warnings
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, BinaryIO, TypeAlias
+from typing import Any, BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -34,11 +34,12 @@ from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Up, check_option, refused
 from liftmesh.crs.units import system_of
 from liftmesh.errors import DataWarning, FormatError
-from liftmesh.io.axes import chosen_origin
+from liftmesh.io.axes import OriginChoice, chosen_origin
 from liftmesh.io.format import (
     SINGLE,
     TOLERANCE,
     LazyFunction,
+    Origin,
     fits_whole,
     needed_origin,
     without_origin,
@@ -47,11 +48,6 @@ from liftmesh.io.formats.gltf.shading import COMPUTED, as_light, vertex_normals
 from liftmesh.io.metadata import NOTE, as_extras, storable
 from liftmesh.io.objects.trimesh import to_mesh, to_points
 from liftmesh.optional import load
-
-if TYPE_CHECKING:
-    from liftmesh.io.axes import OriginChoice
-    from liftmesh.io.format import Origin
-
 
 PathLike: TypeAlias = str | os.PathLike[str]
 

@@ -31,18 +31,15 @@ import struct
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
-from liftmesh.base.cloud import is_crs
+from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.crs.geokeys import KEYS, OF_KEYS, crs_of_geokeys, has_parameters, wkt_of
 from liftmesh.errors import FormatError
 from liftmesh.io import metadata
 from liftmesh.io.markup import parsed_or_none
 from liftmesh.io.metadata import Provenance
-from liftmesh.io.streams import read_exactly, read_most, remaining
-
-if TYPE_CHECKING:
-    from liftmesh.base.cloud import Cloud
+from liftmesh.io.streams import kept_place, read_exactly, read_most, remaining
 
 _HEADER = struct.Struct("<4s H H 16s B B 32s 32s H H H I I B H I 5I 6d 6d")  # of every version
 _OF_1_4 = struct.Struct("<Q I Q")  # of the extended records and the points
@@ -104,20 +101,15 @@ class LasHeader:
 
 def read_header(stream: BinaryIO, name: str) -> LasHeader:
     """Read a header and its records, and check them; the stream goes back to where it was."""
-    begin = stream.tell()
-    size = remaining(stream)
-    try:
-        return _Reading(stream, begin, size, name).all()
-    finally:
-        stream.seek(begin)
+    with kept_place(stream):
+        return _Reading(stream, remaining(stream), name).all()
 
 
 class _Reading:
-    """Reads a header of a file of ``size`` bytes that begins at ``begin``."""
+    """Reads a header of a file of ``size`` bytes, which begins where its stream does."""
 
-    def __init__(self, stream: BinaryIO, begin: int, size: int, name: str) -> None:
+    def __init__(self, stream: BinaryIO, size: int, name: str) -> None:
         self._stream = stream
-        self._begin = begin
         self._size = size
         self._name = name
 
@@ -165,7 +157,7 @@ class _Reading:
         return min([self._size, *(each for each in places if start <= each)])
 
     def _bytes(self, place: int, size: int) -> bytes:
-        self._stream.seek(self._begin + place)
+        self._stream.seek(place)
         return read_exactly(self._stream, size, self._name, "the header")
 
     def _gap(self, place: int, start: int, records: list[Record]) -> bytes:
@@ -209,7 +201,7 @@ class _Reading:
 
     def _extended(self, older: int) -> tuple[int, int, int]:
         """Read the numbers of 64 bits, which count where both are there."""
-        self._stream.seek(self._begin + _PLACE_OF_1_4)
+        self._stream.seek(_PLACE_OF_1_4)
         data = read_exactly(self._stream, _OF_1_4.size, self._name, "the header of LAS 1.4")
         start, count, points = _OF_1_4.unpack(data)
         if older and not points:
@@ -224,7 +216,7 @@ class _Reading:
 
     def _records(self, place: int, end: int, count: int) -> Iterator[Record]:
         """Walk over the records before the points, which are read at once."""
-        self._stream.seek(self._begin + place)
+        self._stream.seek(place)
         data = io.BytesIO(read_exactly(self._stream, end - place, self._name, "the records"))
         for k in range(count):
             at = place + data.tell()
@@ -240,7 +232,7 @@ class _Reading:
         """Walk over the extended records; waveforms and very long ones are left out."""
         left = _MOST_EXTENDED
         for k in range(count):
-            self._stream.seek(self._begin + place)
+            self._stream.seek(place)
             data = read_exactly(self._stream, LONG_RECORD.size, self._name, "a record")
             _, user, number, size, _ = LONG_RECORD.unpack(data)
             first = place + LONG_RECORD.size

@@ -24,8 +24,6 @@ from __future__ import annotations
 import io
 import math
 import struct
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -33,12 +31,11 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.errors import FormatError
-from liftmesh.io.formats.las.header import PACKING
-from liftmesh.io.streams import read_exactly
+from liftmesh.io.formats.las.header import PACKING, LasHeader
+from liftmesh.io.streams import kept_place, read_exactly
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from liftmesh.io.formats.las.header import LasHeader
     from liftmesh.io.selection import Selection
 
 LARGEST_CHUNK = 1 << 20  # points that a thread decodes at once
@@ -52,6 +49,7 @@ _CHUNKED, _LAYERED = 2, 3  # compressors
 _LAYERS = {10: 9, 11: 1, 12: 2, 13: 1}  # of the items of formats 6 to 10; of extra bytes one each
 _EXTRA_BYTES = 14
 _EMPTY = 16  # chunks of nothing, which some programs write
+_PASSED_ON = {"seek", "tell", "read", "readinto", "write", "flush"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,19 +65,15 @@ class Chunks:
 
 def chunks_of(stream: BinaryIO, header: LasHeader, name: str) -> Chunks:
     """Check what a file states of its chunks; the stream goes back to where it was."""
-    begin = stream.tell()
-    try:
-        return _Reading(stream, begin, header, name).chunks()
-    finally:
-        stream.seek(begin)
+    with kept_place(stream):
+        return _Reading(stream, header, name).chunks()
 
 
 class _Reading:
     """Reads the record of LAZ, the table of chunks, and the beginning of each chunk."""
 
-    def __init__(self, stream: BinaryIO, begin: int, header: LasHeader, name: str) -> None:
+    def __init__(self, stream: BinaryIO, header: LasHeader, name: str) -> None:
         self._stream = stream
-        self._begin = begin
         self._header = header
         self._name = name
 
@@ -149,7 +143,7 @@ class _Reading:
     def _listed(self, record: bytes, size: int, place: int) -> list[tuple[int, int]]:
         """Read the points and bytes of each chunk, and check their sums."""
         lazrs = load("lazrs", extra="las")
-        self._stream.seek(self._begin + self._header.start)
+        self._stream.seek(self._header.start)
         source = ErrorRecordingStream(self._stream)
         try:
             vlr = lazrs.LazVlr(record)
@@ -188,7 +182,7 @@ class _Reading:
         return points
 
     def _at(self, place: int, form: struct.Struct, what: str) -> Any:
-        self._stream.seek(self._begin + max(place, 0))
+        self._stream.seek(max(place, 0))
         return form.unpack(read_exactly(self._stream, form.size, self._name, what))
 
     def _error(self, cause: str) -> FormatError:
@@ -201,46 +195,20 @@ class ErrorRecordingStream:
     def __init__(self, stream: BinaryIO) -> None:
         self._stream = stream
         self.failure: OSError | None = None
-        if hasattr(stream, "readinto"):  # which laspy asks for, as it spares a copy
-            self.readinto = self._readinto
 
-    def seek(self, place: int, whence: int = io.SEEK_SET) -> int:
-        """Go to a place."""
-        with self._remembered():
-            return self._stream.seek(place, whence)
+    def __getattr__(self, name: str) -> Any:
+        if name not in _PASSED_ON:  # readinto is what laspy asks for, as it spares a copy
+            raise AttributeError(name)
+        method = getattr(self._stream, name)
 
-    def tell(self) -> int:
-        """Return the place."""
-        with self._remembered():
-            return self._stream.tell()
+        def remembering(*values: Any) -> Any:
+            try:
+                return method(*values)
+            except OSError as error:
+                self.failure = self.failure or error
+                raise
 
-    def read(self, size: int = -1) -> bytes:
-        """Read bytes."""
-        with self._remembered():
-            return self._stream.read(size)
-
-    def write(self, data: bytes) -> int:
-        """Write bytes."""
-        with self._remembered():
-            return self._stream.write(data)
-
-    def flush(self) -> None:
-        """Hand on what has been written."""
-        with self._remembered():
-            self._stream.flush()
-
-    def _readinto(self, memory: Any) -> int:
-        with self._remembered():
-            count: int = self._stream.readinto(memory)  # type: ignore[attr-defined]
-            return count
-
-    @contextmanager
-    def _remembered(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            self.failure = self.failure or error
-            raise
+        return remembering
 
 
 class OffsetStream:
@@ -335,18 +303,15 @@ def index_of(stream: BinaryIO, header: LasHeader, chunks: Chunks, name: str) -> 
     record = header.record(*_RECORD)
     if record is None:
         return None
-    begin = stream.tell()
-    try:
-        return _IndexReading(stream, begin, header, name).index(record, chunks)
-    finally:
-        stream.seek(begin)
+    with kept_place(stream):
+        return _IndexReading(stream, header, name).index(record, chunks)
 
 
 class _IndexReading:
     """Reads the record, and the pages that it leads to."""
 
-    def __init__(self, stream: BinaryIO, begin: int, header: LasHeader, name: str) -> None:
-        self._stream, self._begin, self._header, self._name = stream, begin, header, name
+    def __init__(self, stream: BinaryIO, header: LasHeader, name: str) -> None:
+        self._stream, self._header, self._name = stream, header, name
 
     def index(self, record: bytes, chunks: Chunks) -> Index:
         if len(record) < _INFO.size:
@@ -375,7 +340,7 @@ class _IndexReading:
         """Return the first point of each chunk, which stands there as it is."""
         points = bytearray()
         for place in places:
-            self._stream.seek(self._begin + place)
+            self._stream.seek(place)
             points += read_exactly(self._stream, _FIRST.itemsize, self._name, "a chunk")
         with np.errstate(over="ignore"):
             return np.frombuffer(points, _FIRST)["xyz"] * self._header.scales + self._header.offsets
@@ -391,7 +356,7 @@ class _IndexReading:
             if place > self._header.size:
                 raise self._error("an entry leads to a page outside the file")
             seen.add(place)
-            self._stream.seek(self._begin + place)
+            self._stream.seek(place)
             data = read_exactly(self._stream, size, self._name, "a page of COPC")
             entries = np.frombuffer(data, _ENTRY)
             is_page = entries["points"] == _PAGE

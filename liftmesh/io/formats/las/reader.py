@@ -33,6 +33,7 @@ from liftmesh.io.columns import COLOR, POSITION, CloudBuilder, built_in_chunks
 from liftmesh.io.formats.las.header import (
     DEPTH,
     PACKING,
+    LasHeader,
     LiftmeshVlr,
     crs_of,
     entry_of,
@@ -52,12 +53,11 @@ from liftmesh.io.formats.las.laz import (
 from liftmesh.io.metadata import noted
 from liftmesh.io.options import check_columns, check_expanded, limit_of
 from liftmesh.io.selection import Selection, Selector
-from liftmesh.io.streams import read_exactly
+from liftmesh.io.streams import kept_place, read_exactly
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
-    from liftmesh.io.formats.las.header import LasHeader
 
 DENSEST = 200  # bytes in memory that a byte of LAZ is allowed
 _KNOWN = (b"LASF_Spec", b"copc")  # records of waveforms, and of the places of points
@@ -246,7 +246,7 @@ class Points:
         self._name = name
         self._header = header
         chunks = chunks_of(stream, header, name) if header.compressed and header.points else None
-        self._stream, self._begin, self._chunks = stream, stream.tell(), chunks
+        self._stream, self._chunks = stream, chunks
         self.surplus = "" if chunks is None else chunks.surplus
         # Nodes are decoded on the threads of lazrs, which do not survive a fork.
         is_indexed = chunks is not None and may_use_threads() and chunks.largest <= LARGEST_CHUNK
@@ -296,12 +296,9 @@ class Points:
 
     def _bytes(self, place: int, size: int) -> bytes:
         """Read a chunk; the stream goes back to where `blocks` goes on."""
-        begin = self._stream.tell()
-        try:
-            self._stream.seek(self._begin + place)
+        with kept_place(self._stream):
+            self._stream.seek(place)
             return read_exactly(self._stream, size, self._name, "a chunk")
-        finally:
-            self._stream.seek(begin)
 
     def _decoded(self, data: bytes, table: list[tuple[int, int]]) -> Any:
         laspy, lazrs = load("laspy", extra="las"), load("lazrs", extra="las")

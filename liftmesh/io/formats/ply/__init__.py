@@ -26,8 +26,7 @@ from liftmesh.io.columns import (
     face_counts,
     triangulated,
 )
-from liftmesh.io.formats.ply.ascii_body import AsciiBody
-from liftmesh.io.formats.ply.binary_body import BinaryBody
+from liftmesh.io.formats.ply.body import AsciiBody, BinaryBody
 from liftmesh.io.formats.ply.header import (
     EDGE,
     Element,

@@ -18,11 +18,10 @@ import numpy as np
 from liftmesh._typing import Floats
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import POSITION
-from liftmesh.io.options import MOST_LISTED, Outliers, spelled
+from liftmesh.io.options import MOST_LISTED, Outliers, TableOptions, spelled
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.text.columns import Columns
-    from liftmesh.io.options import TableOptions
 
 
 _PIECE = 1 << 10  # rows

@@ -22,14 +22,18 @@ from liftmesh._typing import Floats
 from liftmesh.errors import FormatError, Option
 from liftmesh.io.columns import POSITION
 from liftmesh.io.formats.text.column_ambiguity import named_points
-from liftmesh.io.formats.text.layout import may_be_grouped, split, with_point, without_remark
-from liftmesh.io.options import MOST_COLUMNS, spelled
+from liftmesh.io.formats.text.layout import (
+    Layout,
+    may_be_grouped,
+    split,
+    with_point,
+    without_remark,
+)
+from liftmesh.io.options import MOST_COLUMNS, TableOptions, spelled
 from liftmesh.io.text_tables import Block, is_number, number_table, quoted, values_at_most
 
 if TYPE_CHECKING:
     from liftmesh.io.formats.text.columns import Columns
-    from liftmesh.io.formats.text.layout import Layout
-    from liftmesh.io.options import TableOptions
 
 _NAN = "nan"
 _STRINGS = 1 << 17  # held at a time

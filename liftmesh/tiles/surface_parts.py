@@ -1,8 +1,11 @@
-"""Heights of tiled surfaces at points: bit for bit those of `Surface.sample`.
+"""Heights of tiled surfaces at points, and what is in polygons: bit for bit those of a `Surface`.
 
 The points are asked of the part of the surface that answers in their box (`surface_raster.py`). If
 it has too many faces, the points are cut in two across the longer side of the box, so memory is
 bounded by the faces of two large shards.
+
+Of a polygon, the faces that touch the box are read. Inside of the polygon nothing else is cut, and
+by heredity the triangulation of their corners has them (`surface_raster.py`).
 """
 
 from __future__ import annotations
@@ -12,13 +15,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liftmesh._typing import Floats, Integers
+from liftmesh._typing import Floats, Integers, Progress
 from liftmesh.base.options import Interpolation, check_option
+from liftmesh.errors import InputError
+from liftmesh.terrain.clipping import clip, polygons_over, sides_of
 from liftmesh.terrain.sampling import points_above
 from liftmesh.terrain.surface_data import places_on
-from liftmesh.tiles.surface_raster import Parts, check_in_tiles
+from liftmesh.tiles.surface_raster import Parts, check_in_tiles, part_of, touching
 
 if TYPE_CHECKING:
+    from liftmesh.terrain.surface import Surface
     from liftmesh.tiles.tiled_data import TiledSurfaceData
 
 
@@ -59,3 +65,15 @@ def halves(rows: Integers, places: Floats) -> list[Integers]:
     middle = len(rows) // 2
     order = np.argpartition(places[rows, axis], middle)
     return [rows[order[:middle]], rows[order[middle:]]]
+
+
+def clipped(
+    tiled: TiledSurfaceData, polygon: object, threads: int | None, progress: Progress | None
+) -> Surface:
+    """Read what is in the box of a polygon, and cut it."""
+    corners = np.concatenate(sides_of(polygons_over(tiled, polygon)))
+    box = (*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist())
+    part = part_of(tiled, touching(tiled, box), 1 << 31, threads, with_values=True)
+    if isinstance(part, int):
+        raise InputError("no face is left: give a polygon over the faces")
+    return clip(part, polygon, progress=progress)

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <vector>
+
+#include "checks.hpp"
+#include "patient.hpp"
+#include "tetrahedra/locate.hpp"
+#include "tetrahedra/tetrahedra.hpp"
+#include "verify/tetrahedra.hpp"
+
+namespace parallel {
+
+namespace {
+
+using liftmesh::Input;
+using liftmesh::SpacePoint;
+using liftmesh::Status;
+using liftmesh::Tetrahedra;
+
+Input input_of(const std::vector<SpacePoint>& points) {
+    return {reinterpret_cast<const std::byte*>(points.data()), points.size(), sizeof(SpacePoint),
+            sizeof(double), false};
+}
+
+// The rows at heights of few values, so that many are on spheres; where there are none, x.
+std::vector<SpacePoint> raised(const Cloud& cloud) {
+    std::mt19937_64 random(cloud.points.size());
+    std::vector<SpacePoint> points;
+    for (const liftmesh::Point p : cloud.points)
+        points.push_back({p.x, p.y, static_cast<double>(random() % 64) / 64});
+    return points;
+}
+
+Tetrahedra run(const std::vector<SpacePoint>& points, unsigned threads,
+               std::size_t patience = ~std::size_t{0}) {
+    Patient interrupt(patience);
+    return liftmesh::tetrahedralize(input_of(points), true, threads, {threads, false}, interrupt);
+}
+
+bool same(const Tetrahedra& a, const Tetrahedra& b) {
+    const std::size_t bytes = 4 * a.count * sizeof(std::int32_t);
+    const auto equal = [&](const auto& x, const auto& y) {
+        return bytes == 0 || std::memcmp(x.get(), y.get(), bytes) == 0;
+    };
+    return a.status == b.status && a.count == b.count && a.hull == b.hull &&
+           equal(a.simplices, b.simplices) && equal(a.neighbors, b.neighbors);
+}
+
+void verified(const Cloud& cloud, const std::vector<SpacePoint>& points, const Tetrahedra& found) {
+    for (const unsigned threads : {1u, 4u}) {
+        Patient interrupt;
+        const liftmesh::SpaceVerdict verdict =
+            liftmesh::verify_tetrahedra(input_of(points), found.simplices.get(), found.count, true,
+                                        {threads, false}, interrupt);
+        demand(!verdict.flaws.any() && verdict.vertices == found.distinct, cloud,
+               "the verifier finds flaws in tetrahedra");
+    }
+}
+
+void located(const Cloud& cloud, const std::vector<SpacePoint>& points, const Tetrahedra& found) {
+    const liftmesh::SpaceLocator locator(
+        {points.data(), points.size(), found.simplices.get(), found.neighbors.get(), found.count});
+    std::vector<std::int32_t> at(points.size());
+    Patient interrupt;
+    demand(locator.find(points.data(), points.size(), interrupt, at.data()), cloud,
+           "a search in tetrahedra is interrupted");
+    for (std::size_t row = 0; row < points.size(); ++row)
+        demand((at[row] >= 0) == std::isfinite(points[row].x + points[row].y), cloud,
+               "a row is in no tetrahedron");
+}
+
+}  // namespace
+
+void check_space(const Cloud& cloud) {
+    const std::vector<SpacePoint> points = raised(cloud);
+    const Tetrahedra alone = run(points, 1);
+    for (const unsigned threads : {2u, 5u})
+        demand(same(run(points, threads), alone), cloud, "threads change the tetrahedra");
+    for (const std::size_t patience : {1u, 3u, 9u, 30u}) {
+        const Tetrahedra found = run(points, 4, patience);
+        demand(found.status == Status::interrupted || same(found, alone), cloud,
+               "a run that could be interrupted comes to other tetrahedra");
+    }
+    if (alone.status != Status::ok) return;
+    verified(cloud, points, alone);
+    located(cloud, points, alone);
+}
+
+}  // namespace parallel
