@@ -97,6 +97,8 @@ def _lines() -> Iterator[str]:
     yield "clip <mesh.ply >part.ply --within <area.geojson"
     yield "voronoi <flat.npz >cells.geojson --domain <area.geojson"
     yield "constrain <flat.npz >edges.obj --polygons <area.geojson --json"
+    yield "tetrahedralize <mesh.npy >cells.vtu --json"
+    yield "hull <mesh.npy >hull.ply --json"
     yield "tile <mesh.npy made --json"
     yield "tileset <mesh.ply made --max-error 0.1 --levels 2 --extrapolate hull"
     yield "paper --n 50 --seeds 1 --no-figures --out made"

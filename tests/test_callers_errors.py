@@ -129,6 +129,12 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
     "insphere": (liftmesh.insphere, liftmesh.insphere, dict.fromkeys("abcde", ROWS)),
     "tetrahedralize": (liftmesh.tetrahedralize, liftmesh.tetrahedralize, {"cloud": ROWS}),
     "convex_hull": (liftmesh.convex_hull, liftmesh.convex_hull, {"cloud": ROWS}),
+    "alpha_shape": (liftmesh.alpha_shape, liftmesh.alpha_shape, {"cloud": ROWS, "alpha": 0.5}),
+    "spherical_delaunay": (
+        liftmesh.spherical_delaunay,
+        liftmesh.spherical_delaunay,
+        {"points": ROWS},
+    ),
     "compare": (liftmesh.compare, liftmesh.compare, {"cloud": ROWS}),
     "classify_ground": (liftmesh.classify_ground, liftmesh.classify_ground, {"cloud": ROWS}),
     "merge": (liftmesh.merge, liftmesh.merge, {"clouds": [ROWS, ROWS]}),

@@ -80,7 +80,7 @@ def lift(points: ArrayLike, apex: Apex = "median", *, dimension: Literal[2, 3] =
     >>> lift([[1, 2, 3]], apex="origin", dimension=3)
     array([[ 1.,  2.,  3., 14.]])
     """
-    if dimension not in (2, 3):
+    if not (isinstance(dimension, int | np.integer) and dimension in (2, 3)):
         raise refused("dimension", dimension, "give 2 or 3")
     rows = as_coordinates(rows_of(points))[:, :dimension]
     if rows.shape[1] < dimension:
@@ -121,7 +121,7 @@ def project(points: ArrayLike) -> Floats:
     >>> project(lift([[3, 4]]))
     array([[3., 4.]])
     """
-    if getattr(points, "shape", ())[1:] == (4,):
+    if isinstance(points, np.ndarray) and points.shape[1:] == (4,):
         return read_only(as_any_columns(points)[:, :3])
     return read_only(as_rows3(rows_of(points))[:, :2])
 

@@ -212,8 +212,8 @@ def test_a_box_that_cannot_be_widened_is_said() -> None:
 
 
 def test_messages_speak_of_diagrams() -> None:
-    with pytest.raises(liftmesh.InputError, match=r"scipy.spatial.Voronoi for 3 dimensions"):
-        liftmesh.scipy.Voronoi(np.zeros((5, 3)))
+    with pytest.raises(liftmesh.InputError, match=r"4 columns .* scipy.spatial.Voronoi for more"):
+        liftmesh.scipy.Voronoi(np.zeros((5, 4)))
     with pytest.raises(liftmesh.InputError, match=r"'QJ' moves .* diagram .* `duplicates`"):
         liftmesh.scipy.Voronoi(POINTS, qhull_options="QJ")
     with pytest.raises(liftmesh.InputError, match="'Qu' is furthest_site=True here"):

@@ -6,7 +6,7 @@ namespace {
 
 // The name of an edge is that of the facet on it and the new point.
 template <class Visit>
-void for_each_edge(const SurfaceFacet& facet, const std::array<std::uint8_t, 3>& number,
+void for_each_edge(const CavityFacet& facet, const std::array<std::uint8_t, 3>& number,
                    Visit visit) {
     const auto& corner = corners_of[facet.k];
     visit(facet_name(facet.slot, corner[2]), number[0], number[1]);
@@ -19,17 +19,17 @@ constexpr Word on_surface = Word{1} << 31;
 
 }  // namespace
 
-bool SmallSurface::number(const std::vector<SurfaceFacet>& facets) {
+bool SmallSurface::number(const std::vector<CavityFacet>& facets) {
     known_.clear();
     numbered_.clear();
     const bool is_small = std::all_of(
         facets.begin(), facets.end(),
-        [this](const SurfaceFacet& facet) { return number(facet, numbered_.emplace_back()); });
+        [this](const CavityFacet& facet) { return number(facet, numbered_.emplace_back()); });
     for (Vertex v : known_) numbers_[index(v)] = none;
     return is_small;
 }
 
-bool SmallSurface::number(const SurfaceFacet& facet, Numbers& numbers) {
+bool SmallSurface::number(const CavityFacet& facet, Numbers& numbers) {
     for (unsigned i = 0; i < 3; ++i) {
         const Vertex v = facet.vertex[corners_of[facet.k][i]];
         std::uint8_t& known = numbers_[index(v)];
@@ -43,7 +43,7 @@ bool SmallSurface::number(const SurfaceFacet& facet, Numbers& numbers) {
     return true;
 }
 
-void SmallSurface::join(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh) {
+void SmallSurface::join(const std::vector<CavityFacet>& facets, SpaceMesh& mesh) {
     for (std::size_t i = 0; i < facets.size(); ++i)
         for_each_edge(facets[i], numbered_[i],
                       [this](Word name, unsigned a, unsigned b) { facet_at_[a][b] = name; });
@@ -53,14 +53,14 @@ void SmallSurface::join(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh
         });
 }
 
-void LargeSurface::find(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh) {
-    const auto behind = [&](const SurfaceFacet& facet) {
+void LargeSurface::find(const std::vector<CavityFacet>& facets, SpaceMesh& mesh) {
+    const auto behind = [&](const CavityFacet& facet) {
         return mesh[facet.across / 4].across[facet.across % 4];
     };
     for (std::size_t i = 0; i < facets.size(); ++i)
         mesh[behind(facets[i]) / 4].across[facets[i].k] = on_surface | static_cast<Word>(i);
     pairs_.clear();
-    for (const SurfaceFacet& facet : facets) {
+    for (const CavityFacet& facet : facets) {
         const auto& corner = corners_of[facet.k];
         for (unsigned i = 0; i < 3; ++i) {
             const Vertex a = facet.vertex[corner[i]], b = facet.vertex[corner[(i + 1) % 3]];

@@ -11,7 +11,7 @@ namespace liftmesh {
 inline constexpr unsigned corners_of[4][3] = {{2, 1, 3}, {0, 2, 3}, {1, 0, 3}, {0, 1, 2}};
 
 // The tetrahedron that a facet will make with the new point at place k, and the neighbour outside.
-struct SurfaceFacet {
+struct CavityFacet {
     std::array<Vertex, 4> vertex;
     Word across;
     unsigned k;
@@ -27,9 +27,9 @@ class SmallSurface {
         : first_(first), numbers_(vertices + 1, none) {}
 
     // False if the vertices are too many.
-    bool number(const std::vector<SurfaceFacet>& facets);
+    bool number(const std::vector<CavityFacet>& facets);
     // The tetrahedra that were numbered.
-    void join(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh);
+    void join(const std::vector<CavityFacet>& facets, SpaceMesh& mesh);
 
  private:
     static constexpr std::uint8_t none = 0xff;
@@ -39,7 +39,7 @@ class SmallSurface {
     std::size_t index(Vertex v) const {
         return std::min<std::size_t>(v - first_, numbers_.size() - 1);
     }
-    bool number(const SurfaceFacet& facet, Numbers& numbers);
+    bool number(const CavityFacet& facet, Numbers& numbers);
 
     Vertex first_;
     std::vector<std::uint8_t> numbers_;  // of the vertices that have one, the ghost last
@@ -54,7 +54,7 @@ class LargeSurface {
  public:
     // While these are still there: what is to be joined. Their neighbours across the surface are no
     // longer known afterwards.
-    void find(const std::vector<SurfaceFacet>& facets, SpaceMesh& mesh);
+    void find(const std::vector<CavityFacet>& facets, SpaceMesh& mesh);
     void join(SpaceMesh& mesh) const;
 
  private:

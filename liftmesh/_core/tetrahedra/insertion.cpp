@@ -176,18 +176,18 @@ class SpaceInsertion {
 
     bool give_up() {
         for (Word t : cavity_) mesh_.mark(t) = unknown;
-        for (const SurfaceFacet& facet : surface_) mesh_.mark(facet.across / 4) = unknown;
+        for (const CavityFacet& facet : surface_) mesh_.mark(facet.across / 4) = unknown;
         return false;
     }
 
     void fill_cavity() {
         std::size_t used = 0;
-        for (SurfaceFacet& facet : surface_)
+        for (CavityFacet& facet : surface_)
             facet.slot = used < cavity_.size() ? cavity_[used++] : free_.take();
         const bool is_small = small_.number(surface_);
         if (!is_small) large_.find(surface_, mesh_);
         for (Word t : cavity_) mesh_.mark(t) = unknown;
-        for (const SurfaceFacet& facet : surface_) {
+        for (const CavityFacet& facet : surface_) {
             mesh_[facet.slot].vertex = facet.vertex;
             mesh_.mark(facet.across / 4) = unknown;
             mesh_.join(facet_name(facet.slot, facet.k), facet.across);
@@ -206,7 +206,7 @@ class SpaceInsertion {
     FreeSlots free_;
     Word last_;
     std::vector<Word> cavity_;
-    std::vector<SurfaceFacet> surface_;
+    std::vector<CavityFacet> surface_;
     SmallSurface small_;
     LargeSurface large_;
 };
