@@ -18,7 +18,7 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh hull cloud.ply hull.stl",
-    "liftmesh hull scan.laz hull.glb --all-classes --json",
+    "liftmesh hull scan.laz hull.glb --json",
 ]
 
 
@@ -27,7 +27,7 @@ def run(
     source: options.Source,
     target: Annotated[outputs.Target, outputs.target("Mesh; the suffix determines the format.")],
     *,
-    reading: inputs.Reading,
+    reading: inputs.AllRows,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     json: options.Json = False,
@@ -38,7 +38,7 @@ def run(
     if json:
         outputs.check_stdout()
     target.check()
-    cloud = inputs.read_rows([source], reading)
+    cloud = inputs.read_rows([source], reading, of_surface=False)
     with inputs.about(source):
         target.check_content(cloud)
         with terminal.share_bar("finding the hull", len(cloud)) as progress:

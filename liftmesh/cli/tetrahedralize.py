@@ -21,7 +21,7 @@ HELP = (
 )
 EXAMPLES = [
     "liftmesh tetrahedralize cloud.ply cells.vtu",
-    "liftmesh tetrahedralize scan.laz cells.msh --all-classes --json",
+    "liftmesh tetrahedralize scan.laz cells.msh --json",
 ]
 
 
@@ -30,7 +30,7 @@ def run(
     source: options.Source,
     target: Annotated[Path, argument("OUT", "Tetrahedra, as .vtu, .vtk or .msh.")],
     *,
-    reading: inputs.Reading,
+    reading: inputs.AllRows,
     nonfinite: options.SkipNonFinite = "error",
     threads: options.Threads = None,
     json: options.Json = False,
@@ -44,7 +44,7 @@ def run(
         raise click.BadParameter("tetrahedra are not written to stdout: name a file")
     checked_format(target)
     outputs.check_place(target)
-    cloud = inputs.read_rows([source], reading)
+    cloud = inputs.read_rows([source], reading, of_surface=False)
     with inputs.about(source), terminal.share_bar("making tetrahedra", len(cloud)) as progress:
         tetra = liftmesh.tetrahedralize(
             cloud, nonfinite=nonfinite, threads=threads, progress=progress

@@ -40,7 +40,7 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
     if "classes" in texts:
         default = (
             "By default all."
-            if name in {"info", "thin", "constrain", "height"}
+            if name in {"info", "thin", "constrain", "height", "tetrahedralize", "hull"}
             else "as by default of LAS and LAZ."
         )
         assert texts["classes"].endswith(default)
