@@ -332,7 +332,11 @@ def distinct(values: Array) -> Array:
 
 
 def lower_to(least: Array, rows: Array, values: Array) -> None:
-    """Lower numbers to the values of their rows: minimum.at may end a process short of memory."""
+    """Lower numbers to the values of their rows.
+
+    A process short of memory may end in minimum.at, and where indices of 32 bits are widened.
+    """
+    rows = np.ascontiguousarray(rows, np.intp)
     for _ in range(3):  # passes, after which few are left
         is_less = values < least[rows]
         rows, values = rows[is_less], values[is_less]
