@@ -363,6 +363,7 @@ class Voronoi(Lists, spatial.Voronoi):  # type: ignore[misc]
     """
 
     _in_space = SpaceVoronoi
+    __init__ = Lists.__init__  # its own: Python 3.11.2 shows the parameters of __new__ otherwise
 
     def _as_rows(self, points: ArrayLike) -> Floats:
         return planar_rows(points, "Voronoi")
