@@ -156,14 +156,14 @@ def _between(simplices: Rows, duplicates: Rows, z: Floats) -> Floats:
     row, kept = duplicates.T
     names = np.arange(len(z))
     names[row] = kept
-    corners = np.ascontiguousarray(simplices.T, np.intp)
     around = []
     for heights in (z, -z):
         least = heights.copy()
         lower_to(least, names, heights)
-        a, b, c = (least[corner] for corner in corners)
-        of_faces = np.minimum(np.minimum(a, b), c)
-        for corner in corners:
+        a, b, c = (least[np.ascontiguousarray(corner, np.intp)] for corner in simplices.T)
+        of_faces = np.minimum(np.minimum(a, b, out=a), c, out=a)
+        del b, c
+        for corner in simplices.T:
             lower_to(least, corner, of_faces)
         around.append(least)
     between: Floats = (-around[1] - around[0])[names]
