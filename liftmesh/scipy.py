@@ -26,14 +26,13 @@ from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
-from liftmesh.base.options import as_switch
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.delaunay import Solution, solve, solve_farthest
 from liftmesh.planar.diagram import Regions, diagram_of, regions_of
 from liftmesh.planar.points import edges_around
 from liftmesh.planar.triangulation import Triangulation
-from liftmesh.qhull.common import Growing, check_qhull_options, planar_rows, scipys_errors
+from liftmesh.qhull.common import Growing, planar_rows, scipys_errors
 from liftmesh.qhull.lists import Lists
 from liftmesh.qhull.space import SpaceDelaunay
 from liftmesh.qhull.voronoi import SpaceVoronoi
@@ -126,22 +125,6 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
     _in_space = SpaceDelaunay
     _as_rows = staticmethod(planar_rows)
 
-    def __init__(
-        self,
-        points: ArrayLike,
-        furthest_site: bool = False,
-        incremental: bool = False,
-        qhull_options: str | None = None,
-        *,
-        copy: bool = False,
-    ) -> None:
-        rows = self._as_rows(points)  # first: of columns x and y, the second is no option
-        self.furthest_site = as_switch("furthest_site", furthest_site)
-        check_qhull_options(qhull_options)
-        is_growing = as_switch("incremental", incremental)
-        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
-        self._can_grow = is_growing
-
     def _compute(self, rows: Floats, *, copy: bool) -> None:
         solution = solve_for_scipy(rows, furthest_site=self.furthest_site, copy=copy)
         for name in _COMPUTED_LATER:
@@ -149,7 +132,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
         self._exact = solution.simplices, solution.neighbors
         simplices, neighbors = solution.simplices.copy(), solution.neighbors.copy()
         self.hidden = read_only(solution.hidden)
-        super().__init__(solution.points, simplices, neighbors, *solution[3:6])
+        Triangulation.__init__(self, solution.points, simplices, neighbors, *solution[3:6])
         self.npoints = len(solution.points)
         self.nsimplex = len(self.simplices)
 
@@ -363,7 +346,6 @@ class Voronoi(Lists, spatial.Voronoi):  # type: ignore[misc]
     """
 
     _in_space = SpaceVoronoi
-    __init__ = Lists.__init__  # its own: Python 3.11.2 shows the parameters of __new__ otherwise
 
     def _as_rows(self, points: ArrayLike) -> Floats:
         return planar_rows(points, "Voronoi")

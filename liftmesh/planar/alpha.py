@@ -284,129 +284,68 @@ class AlphaMethods:
     def circumradii(self) -> Floats:
         """Compute the radii of the circles or spheres through the corners of each simplex.
 
-        Returns
-        -------
-        (m,) ndarray of float64
-            Correctly rounded; infinity where the nearest double would be.
-
-        See Also
-        --------
-        Triangulation.alpha_complex, Tetrahedralization.alpha_complex : The radii of all faces.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> liftmesh.delaunay([[0, 0], [4, 0], [0, 3]]).circumradii()
-        array([2.5])
+        In full: `liftmesh.planar.alpha.circumradii`.
         """
-        return radii_of(self, is_up=False)
+        return circumradii(self)
 
     def alpha_complex(self, alpha: float = np.inf) -> AlphaComplex:
         """Find the simplices of the alpha complex, with the radii at which they enter.
 
+        In full: `liftmesh.planar.alpha.alpha_complex`.
+
         Parameters
         ----------
         alpha : float, default infinity
-            The radius of the balls, not negative. Other programs take its square (CGAL, GUDHI) or
-            its reciprocal (the package alphashape); Open3D, PyVista and MATLAB take the radius.
-
-        Returns
-        -------
-        AlphaComplex
-            All simplices whose radius is at most `alpha`, by exact comparison; by default all.
-
-        Raises
-        ------
-        InputError
-            `alpha` is negative or no number, or the triangulation is of weighted points, by a
-            metric or constrained, so that circles of its triangles are not empty.
-
-        See Also
-        --------
-        AlphaComplex.at : The part for a smaller radius.
-        alpha_shape : What the complex fills, and its boundary.
-
-        Notes
-        -----
-        H. Edelsbrunner and E. P. Mücke, "Three-dimensional alpha shapes", ACM Transactions on
-        Graphics 13, 1994.
-
-        Examples
-        --------
-        >>> import liftmesh, numpy as np
-        >>> cube = np.indices((2, 2, 2)).reshape(3, -1).T
-        >>> liftmesh.tetrahedralize(cube).alpha_complex(0.5)
-        <AlphaComplex of alpha 0.5: 8 vertices, 12 edges, 0 triangles, 0 tetrahedra>
         """
-        return alpha_complex_of(self, as_alpha(alpha))
+        return alpha_complex(self, alpha)
 
     def alpha_shape(self, alpha: float | None = None) -> AlphaShape:
         """Find what the alpha complex fills, and its boundary.
 
+        In full: `liftmesh.planar.alpha.alpha_shape`.
+
         Parameters
         ----------
-        alpha : float, optional
-            The radius, as for ``alpha_complex``; by default ``optimal_alpha()``.
-
-        Returns
-        -------
-        AlphaShape
-            The triangles or tetrahedra whose circle or sphere has at most this radius.
-
-        Raises
-        ------
-        InputError
-            As for ``alpha_complex``.
-
-        See Also
-        --------
-        alpha_shape : The same of a cloud.
-
-        Examples
-        --------
-        >>> import liftmesh, numpy as np
-        >>> grid = np.indices((5, 5)).reshape(2, -1).T
-        >>> liftmesh.delaunay(grid).alpha_shape(0.8)
-        <AlphaShape of alpha 0.8: 32 triangles inside 16 edges>
+        alpha : float, by default ``optimal_alpha()``
         """
-        return alpha_shape_of(self, self.optimal_alpha() if alpha is None else as_alpha(alpha))
+        return alpha_shape(self, alpha)
 
     def optimal_alpha(self, components: int = 1) -> float:
         """Find the least alpha whose shape holds all points in few parts.
 
+        In full: `liftmesh.planar.alpha.optimal_alpha`.
+
         Parameters
         ----------
         components : int, default 1
-            How many solid parts the shape may have: triangles or tetrahedra that are connected
-            across their sides.
-
-        Returns
-        -------
-        float
-            The least double for which every vertex is a corner of a triangle or tetrahedron of the
-            shape, and these form at most so many parts: a radius of one of them, rounded up.
-
-        Raises
-        ------
-        InputError
-            `components` is not a positive whole number, or as for ``alpha_complex``.
-
-        See Also
-        --------
-        alpha_shape : The shape, by default for this alpha.
-
-        Examples
-        --------
-        >>> import liftmesh, numpy as np
-        >>> grid = np.indices((5, 5)).reshape(2, -1).T
-        >>> two = liftmesh.delaunay(np.vstack([grid, grid + 20]))
-        >>> round(two.optimal_alpha(2), 3), round(two.optimal_alpha(), 3)
-        (0.707, 16.508)
         """
-        count = as_count("components", components, 1)
-        radii = radii_of(self, is_up=True)
-        _, simplices, neighbors = _arrays(self)
-        return _kernel.solid_alpha(simplices, neighbors, len(self.points), radii, count)
+        return optimal_alpha(self, components)
+
+
+def circumradii(found: AlphaMethods) -> Floats:
+    """Compute the radii of the circles or spheres through the corners of each simplex.
+
+    Parameters
+    ----------
+    found : Triangulation or Tetrahedralization
+        With constraints or weights, too.
+
+    Returns
+    -------
+    (m,) ndarray of float64
+        Correctly rounded; infinity where the nearest double would be.
+
+    See Also
+    --------
+    Triangulation.alpha_complex, Tetrahedralization.alpha_complex : The radii of all faces.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> liftmesh.delaunay([[0, 0], [4, 0], [0, 3]]).circumradii()
+    array([2.5])
+    """
+    return radii_of(found, is_up=False)
 
 
 def as_alpha(alpha: Any) -> float:
@@ -449,8 +388,46 @@ def _arrays(found: AlphaMethods) -> tuple[Floats, Rows, Rows]:
     return in_space(found.points), simplices, neighbors
 
 
-def alpha_complex_of(found: AlphaMethods, alpha: float) -> AlphaComplex:
-    """Make the complex of a triangulation."""
+def alpha_complex(found: AlphaMethods, alpha: float = np.inf) -> AlphaComplex:
+    """Find the simplices of the alpha complex, with the radii at which they enter.
+
+    Parameters
+    ----------
+    found : Triangulation or Tetrahedralization
+        Of points alone: with neither constraints nor weights nor a metric.
+    alpha : float, default infinity
+        The radius of the balls, not negative. Other programs take its square (CGAL, GUDHI) or
+        its reciprocal (the package alphashape); Open3D, PyVista and MATLAB take the radius.
+
+    Returns
+    -------
+    AlphaComplex
+        All simplices whose radius is at most `alpha`, by exact comparison; by default all.
+
+    Raises
+    ------
+    InputError
+        `alpha` is negative or no number, or the triangulation is of weighted points, by a
+        metric or constrained, so that circles of its triangles are not empty.
+
+    See Also
+    --------
+    AlphaComplex.at : The part for a smaller radius.
+    alpha_shape : What the complex fills, and its boundary.
+
+    Notes
+    -----
+    H. Edelsbrunner and E. P. Mücke, "Three-dimensional alpha shapes", ACM Transactions on
+    Graphics 13, 1994.
+
+    Examples
+    --------
+    >>> import liftmesh, numpy as np
+    >>> cube = np.indices((2, 2, 2)).reshape(3, -1).T
+    >>> liftmesh.tetrahedralize(cube).alpha_complex(0.5)
+    <AlphaComplex of alpha 0.5: 8 vertices, 12 edges, 0 triangles, 0 tetrahedra>
+    """
+    alpha = as_alpha(alpha)
     arrays = _arrays(found)
     radii = radii_of(found, is_up=True)
     (facets, facet_radii), (edges, edge_radii) = _kernel.alpha_filtration(*arrays, radii)
@@ -464,8 +441,38 @@ def alpha_complex_of(found: AlphaMethods, alpha: float) -> AlphaComplex:
     return whole if alpha == np.inf else whole.at(alpha)
 
 
-def alpha_shape_of(found: AlphaMethods, alpha: float) -> AlphaShape:
-    """Make the shape of a triangulation."""
+def alpha_shape(found: AlphaMethods, alpha: float | None = None) -> AlphaShape:
+    """Find what the alpha complex fills, and its boundary.
+
+    Parameters
+    ----------
+    found : Triangulation or Tetrahedralization
+        Of points alone: with neither constraints nor weights nor a metric.
+    alpha : float, optional
+        The radius, as for ``alpha_complex``; by default ``optimal_alpha()``.
+
+    Returns
+    -------
+    AlphaShape
+        The triangles or tetrahedra whose circle or sphere has at most this radius.
+
+    Raises
+    ------
+    InputError
+        As for ``alpha_complex``.
+
+    See Also
+    --------
+    alpha_shape : The same of a cloud.
+
+    Examples
+    --------
+    >>> import liftmesh, numpy as np
+    >>> grid = np.indices((5, 5)).reshape(2, -1).T
+    >>> liftmesh.delaunay(grid).alpha_shape(0.8)
+    <AlphaShape of alpha 0.8: 32 triangles inside 16 edges>
+    """
+    alpha = optimal_alpha(found) if alpha is None else as_alpha(alpha)
     arrays = _arrays(found)
     mask = np.empty(len(found.simplices), dtype=np.bool_)
     faces, singular = _kernel.alpha_surface(*arrays, alpha, mask.view(np.uint8))
@@ -476,3 +483,43 @@ def alpha_shape_of(found: AlphaMethods, alpha: float) -> AlphaShape:
         rings = np.split(rows, starts[1:-1]) if len(rows) else []
     closed = tuple(map(read_only, rings))
     return AlphaShape(found.points, alpha, simplices, mask, faces, singular, closed)
+
+
+def optimal_alpha(found: AlphaMethods, components: int = 1) -> float:
+    """Find the least alpha whose shape holds all points in few parts.
+
+    Parameters
+    ----------
+    found : Triangulation or Tetrahedralization
+        Of points alone: with neither constraints nor weights nor a metric.
+    components : int, default 1
+        How many solid parts the shape may have: triangles or tetrahedra that are connected
+        across their sides.
+
+    Returns
+    -------
+    float
+        The least double for which every vertex is a corner of a triangle or tetrahedron of the
+        shape, and these form at most so many parts: a radius of one of them, rounded up.
+
+    Raises
+    ------
+    InputError
+        `components` is not a positive whole number, or as for ``alpha_complex``.
+
+    See Also
+    --------
+    alpha_shape : The shape, by default for this alpha.
+
+    Examples
+    --------
+    >>> import liftmesh, numpy as np
+    >>> grid = np.indices((5, 5)).reshape(2, -1).T
+    >>> two = liftmesh.delaunay(np.vstack([grid, grid + 20]))
+    >>> round(two.optimal_alpha(2), 3), round(two.optimal_alpha(), 3)
+    (0.707, 16.508)
+    """
+    count = as_count("components", components, 1)
+    radii = radii_of(found, is_up=True)
+    _, simplices, neighbors = _arrays(found)
+    return _kernel.solid_alpha(simplices, neighbors, len(found.points), radii, count)

@@ -255,33 +255,13 @@ class ConstrainedTriangulation(Triangulation):
         return _kernel.Locator(self._rows, *map(np.ascontiguousarray, self._whole))
 
     def lifted(self, apex: Apex = "median") -> LowerHull:  # noqa: ARG002 - no apex helps
-        """Raise: the lift of constrained triangles is no lower hull.
+        """Raise an InputError: the lift of constrained triangles is no lower hull.
+
+        In full: `liftmesh.Triangulation.lifted`.
 
         Parameters
         ----------
-        apex : {"median", "origin"} or (2,) array_like, default "median"
-            As for `Triangulation`.
-
-        Returns
-        -------
-        LowerHull
-            Never.
-
-        Raises
-        ------
-        InputError
-            Always.
-
-        See Also
-        --------
-        lift : The lift of points.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> tri = liftmesh.constrained_delaunay([[0, 0], [1, 0], [0, 1]], [[0, 1]])
-        >>> liftmesh.lift(tri.points, apex="origin")[:, 2]
-        array([0., 1., 1.])
+        apex : as of `Triangulation`
         """
         raise InputError(
             "triangles with constraints are no lower hull of lifted points: liftmesh.lift(points) "
@@ -289,28 +269,9 @@ class ConstrainedTriangulation(Triangulation):
         )
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
-        """Convert to ``scipy.spatial.Delaunay``, for code that requires this class.
+        """Convert to ``scipy.spatial.Delaunay``; an InputError if regions were removed.
 
-        Returns
-        -------
-        scipy.spatial.Delaunay
-            An instance created without running Qhull.
-
-        Raises
-        ------
-        InputError
-            Regions were removed: SciPy's point location would end at them.
-
-        See Also
-        --------
-        Triangulation.to_scipy : Without constraints.
-
-        Examples
-        --------
-        >>> import liftmesh
-        >>> tri = liftmesh.constrained_delaunay([[0, 0], [1, 0], [0, 1]], [[0, 1]])
-        >>> tri.to_scipy().simplices.shape
-        (1, 3)
+        In full: `liftmesh.Triangulation.to_scipy`.
         """
         if self.nsimplex < len(self._whole[0]):
             raise InputError(

@@ -355,11 +355,9 @@ class Triangulation(AlphaMethods):
 
         Notes
         -----
-        The points are put into spatial order, unless they are in one, and located by visibility
-        walks with exact orientations, on as many threads as `delaunay` uses by default. Where walks
-        are long, as in fans and among slivers, a trapezoidal map of a random sample of the edges
-        shortens them, so that a point takes O(log m) steps in expectation on every triangulation of
-        m rows. The index takes at most 8 bytes for each row, or 400 KB if that is more.
+        By visibility walks in spatial order, with exact orientations, on as many threads as
+        `delaunay` uses by default: O(log m) steps in expectation on every triangulation of m rows,
+        with an index of at most 8 bytes for each row, or 400 KB if that is more.
 
         Examples
         --------
@@ -402,7 +400,7 @@ class Triangulation(AlphaMethods):
         Raises
         ------
         InputError
-            The apex is not one of these.
+            The apex is not one of these, or there are constraints.
 
         See Also
         --------
@@ -426,10 +424,8 @@ class Triangulation(AlphaMethods):
 
         Parameters
         ----------
-        threads : int, optional
-            As for `delaunay`. The certificate is the same for any number.
-        progress : callable, optional
-            As for `delaunay`.
+        threads, progress
+            As for `delaunay`. The certificate is the same for any number of threads.
 
         Returns
         -------
@@ -452,8 +448,6 @@ class Triangulation(AlphaMethods):
         >>> certificate = liftmesh.delaunay([[0, 0], [1, 0], [0, 1], [1, 1]]).verify()
         >>> certificate.valid, certificate.canonical
         (True, True)
-        >>> bool(liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).verify())
-        True
         """
         from liftmesh.planar.verification import verify  # noqa: PLC0415 - hashes are rarely needed
 
@@ -474,6 +468,12 @@ class Triangulation(AlphaMethods):
         -------
         scipy.spatial.Delaunay
             An instance created without running Qhull.
+
+        Raises
+        ------
+        InputError
+            Regions were removed, of a `ConstrainedTriangulation`: SciPy's point location would end
+            at them.
 
         See Also
         --------

@@ -7,6 +7,7 @@ out points, or choose other triangles.
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -17,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats
 from liftmesh.base.arrays import as_coordinates, check_finite, non_finite
+from liftmesh.base.options import as_switch
 from liftmesh.errors import DegenerateInputError, InputError, NonFiniteError
 from liftmesh.optional import load
 
@@ -37,6 +39,12 @@ class NotIncrementalError(InputError, RuntimeError):
 class OfAnyDimension(type):
     """Of classes whose instances in space are of another class, which is one of theirs, too."""
 
+    @property
+    def __signature__(cls) -> inspect.Signature:
+        """That of __init__: older versions of inspect show that of an inherited __new__."""
+        _, *rest = inspect.signature(cls.__init__).parameters.values()  # type: ignore[misc]
+        return inspect.Signature(rest)
+
     def __instancecheck__(cls, instance: object) -> bool:
         in_space = cls.__dict__.get("_in_space", ())
         return super().__instancecheck__(instance) or isinstance(instance, in_space)
@@ -53,6 +61,7 @@ class Growing(metaclass=OfAnyDimension):
         return super().__new__(cls)
 
     _kind = "result"  # what is computed, for messages
+    _peer = "Delaunay"  # SciPy's class
     _can_grow = False
 
     if TYPE_CHECKING:  # what the classes have
@@ -64,6 +73,26 @@ class Growing(metaclass=OfAnyDimension):
         def _as_rows(self, points: ArrayLike) -> Floats: ...
 
         def _compute(self, rows: Floats, *, copy: bool) -> None: ...
+
+    def __init__(
+        self,
+        points: ArrayLike,
+        furthest_site: bool = False,
+        incremental: bool = False,
+        qhull_options: str | None = None,
+        *,
+        copy: bool = False,
+    ) -> None:
+        rows = self._as_rows(points)  # first: of columns x and y, the second is no option
+        self.furthest_site = as_switch("furthest_site", furthest_site)
+        check_qhull_options(qhull_options, self._peer)
+        is_growing = as_switch("incremental", incremental)
+        self._heed(qhull_options, is_growing=is_growing)
+        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
+        self._can_grow = is_growing
+
+    def _heed(self, options: str | None, *, is_growing: bool) -> None:
+        """Note what options of Qhull change."""
 
     def add_points(
         self,

@@ -6,13 +6,12 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.frozen import cached_property
-from liftmesh.base.options import as_switch
 from liftmesh.planar.diagram import ridges_by_rows
-from liftmesh.qhull.common import Growing, check_qhull_options
+from liftmesh.qhull.common import Growing
 
 _LATER = ("regions", "ridge_vertices", "ridge_dict", "point_region", "region_vertices",
           "ridge_points", "_found")  # fmt: skip
@@ -22,6 +21,7 @@ class Lists(Growing):
     """A diagram whose regions are numbered by `_found`."""
 
     _kind = "diagram"
+    _peer = "Voronoi"
     _points: Floats
     duplicates: Rows
 
@@ -38,24 +38,9 @@ class Lists(Growing):
         def ridge_vertices(self) -> list[list[int]]:
             """The vertices of each ridge."""
 
-    def __init__(
-        self,
-        points: ArrayLike,
-        furthest_site: bool = False,
-        incremental: bool = False,
-        qhull_options: str | None = None,
-        *,
-        copy: bool = False,
-    ) -> None:
-        rows = self._as_rows(points)
-        self.furthest_site = as_switch("furthest_site", furthest_site)
-        check_qhull_options(qhull_options, "Voronoi")
-        is_growing = as_switch("incremental", incremental)
+    def _heed(self, options: str | None, *, is_growing: bool) -> None:
         default = "Qbb Qc" if is_growing else "Qbb Qc Qz"
-        options = default if qhull_options is None else qhull_options
-        self._empty_regions = int("Qz" in options.split())
-        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
-        self._can_grow = is_growing
+        self._empty_regions = int("Qz" in (default if options is None else options).split())
 
     def _forget(self) -> None:
         """Forget what was computed of other points."""

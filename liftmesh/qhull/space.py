@@ -16,11 +16,11 @@ from numpy.typing import ArrayLike
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_any_columns, check_finite, read_only
 from liftmesh.base.frozen import check_copied
-from liftmesh.base.options import as_switch, counted
+from liftmesh.base.options import counted
 from liftmesh.errors import DataWarning, DegenerateInputError, InputError
 from liftmesh.optional import load
 from liftmesh.qhull.certification import faults_of, rank_of
-from liftmesh.qhull.common import Growing, check_qhull_options, scipys_errors
+from liftmesh.qhull.common import Growing, scipys_errors
 from liftmesh.space.tetrahedra import tetrahedralize
 
 if TYPE_CHECKING:
@@ -103,27 +103,6 @@ class SpaceDelaunay(Growing, spatial.Delaunay):  # type: ignore[misc]
     """
 
     _kind = "triangulation"
-    furthest_site = False
-
-    def __init__(
-        self,
-        points: ArrayLike,
-        furthest_site: bool = False,
-        incremental: bool = False,
-        qhull_options: str | None = None,
-        *,
-        copy: bool = False,
-    ) -> None:
-        rows = self._as_rows(points)
-        if as_switch("furthest_site", furthest_site):
-            raise InputError(
-                "furthest_site=True is for planar points: use scipy.spatial.Delaunay, whose "
-                f"result in {rows.shape[1]} dimensions nothing proves"
-            )
-        check_qhull_options(qhull_options)
-        is_growing = as_switch("incremental", incremental)
-        self._compute(rows, copy=as_switch("copy", copy) or is_growing)
-        self._can_grow = is_growing
 
     def _as_rows(self, points: ArrayLike) -> Floats:
         rows = as_any_columns(points)
@@ -134,6 +113,11 @@ class SpaceDelaunay(Growing, spatial.Delaunay):  # type: ignore[misc]
         return rows
 
     def _compute(self, rows: Floats, *, copy: bool) -> None:
+        if self.furthest_site:
+            raise InputError(
+                "furthest_site=True is for planar points: use scipy.spatial.Delaunay, whose "
+                f"result in {rows.shape[1]} dimensions nothing proves"
+            )
         rows = read_only(rows.copy() if copy else rows)
         with scipys_errors(rows):
             made = _in_three(rows) if rows.shape[1] == 3 else _by_qhull(rows)

@@ -104,12 +104,7 @@ def help_of(name: str) -> list[str]:
 
 @pytest.mark.parametrize("name", sorted(set(liftmesh.__all__) - {"__version__"}))
 def test_help_is_short(name: str) -> None:
-    longer = {  # methods of two classes, or more
-        "TiledSurface": 600,
-        "ConstrainedTriangulation": 530,
-        "RegularTriangulation": 500,
-        "Triangulation": 500,
-    }
+    longer = {"TiledSurface": 600}  # methods of two classes
     assert len(help_of(name)) <= longer.get(name, 400)
 
 

@@ -125,6 +125,16 @@ class TestCommands:
         (folder / "flat.csv").write_text("0,0,0\n1,0,0\n0,1,0\n1,1,0\n")
         failed(command("hull", "flat.csv", "a.ply", cwd=folder), 3, "lie on one plane")
 
+    def test_all_rows_of_a_lidar_file_count_not_the_ground_alone(self, folder: Path) -> None:
+        rows = RNG.random((20, 3))
+        classes = np.resize([2, 5], 20).astype(np.uint8)
+        liftmesh.write(
+            folder / "scan.las", liftmesh.Cloud(rows, attributes={"classification": classes})
+        )
+        for name, out in (("hull", "scan.ply"), ("tetrahedralize", "scan.vtu")):
+            done = command(name, "scan.las", out, "--json", cwd=folder)
+            assert json.loads(done.stdout)["n_rows"] == 20
+
 
 def held(said: dict[str, Any], points: NDArray[np.float64], simplices: NDArray[np.int32]) -> int:
     return checker.check_tetrahedra(
