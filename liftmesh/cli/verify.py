@@ -75,7 +75,7 @@ def run(
     if source.is_dir():
         certified = _verify_tiles(source, points, threads, certificate)
     elif is_of_tetrahedra(source, file.get("format")):
-        _refuse_planar(plane, lifting)
+        _refuse_planar(plane, lifting, file)
         with inputs.about(source):
             certified = _verify_tetrahedra(source, file, nonfinite=nonfinite, threads=threads)
     else:
@@ -108,10 +108,15 @@ def _verify_tiles(
         return tiled.verify(points, threads=threads, progress=progress)
 
 
-def _refuse_planar(plane: Any, lifting: dict[str, Any]) -> None:
+def _refuse_planar(plane: Any, lifting: dict[str, Any], file: dict[str, Any]) -> None:
     if lifting or plane.value != "xy":
         raise click.BadParameter(
             "files of tetrahedra have no --plane, --weights, --radii or --metric: leave them out"
+        )
+    if file.keys() - {"format"}:
+        raise click.BadParameter(
+            "files of tetrahedra are read by meshio, whole and as they are: leave --max-bytes and "
+            "--input-up out"
         )
 
 

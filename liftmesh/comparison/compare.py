@@ -17,7 +17,7 @@ from liftmesh.comparison.hull import trimesh_hull
 from liftmesh.comparison.proofs import Evidence
 from liftmesh.comparison.report import Comparison
 from liftmesh.comparison.solid import HullComparison, compare_hulls
-from liftmesh.errors import InputError
+from liftmesh.errors import InputError, Option
 from liftmesh.io.read import read_for_surface
 from liftmesh.planar.delaunay import delaunay
 from liftmesh.planar.kinds import options_of
@@ -108,6 +108,13 @@ def compare(
     """
     most = min(as_count("max_proofs", max_proofs, 0), sys.maxsize)
     if isinstance(cloud, ConvexHull):
+        given = {
+            "apex": apex != "median",
+            "plane": plane != "xy",
+            "nonfinite": nonfinite != "error",
+        }
+        for name in (name for name, is_given in given.items() if np.any(is_given)):
+            raise InputError(f"a convex hull is compared without {Option(name, ...)}: leave it out")
         return compare_hulls(cloud, most)
     triangulation, seconds = _triangulate(cloud, plane, nonfinite)
     triangles = triangulation.simplices

@@ -61,13 +61,14 @@ class HullComparison(FrozenResult):
     wrong : (w, 3) ndarray of int32
         Facets of trimesh that are none: points lie outside them, or they are flat.
     outside : (k,) ndarray of int32
-        Rows that lie strictly outside trimesh's hull.
+        Vertices of liftmesh's hull that lie strictly outside a wrong facet, as trimesh orients it,
+        and are no corners of trimesh's.
     watertight : bool
         Whether each edge of trimesh's hull joins two facets.
     proofs : tuple
         Exact proofs for the first wrong facets; each has a text form.
     seconds : mapping
-        ``"liftmesh"`` and ``"trimesh"``.
+        ``"liftmesh"``, of the tetrahedra of which the hull is a part, and ``"trimesh"``.
     error : str, optional
         Why trimesh finds no hull.
 
@@ -167,7 +168,7 @@ def compare_hulls(hull: ConvexHull, max_proofs: int) -> HullComparison:
         n_identical=int((~others).sum()),
         n_coplanar=int((others & ~is_wrong).sum()),
         wrong=facets[is_wrong],
-        outside=judge.rows_beyond(facets[beyond >= 0]),
+        outside=np.setdiff1d(judge.rows_beyond(facets[beyond >= 0]), facets),
         watertight=watertight,
         proofs=tuple(islice(proved, max_proofs)),
         seconds=seconds,
@@ -198,10 +199,8 @@ class _Judge:
         return sides
 
     def _outside(self, facet: Rows) -> Rows:
-        """Return the vertices strictly outside a facet: on the side where fewer are."""
-        sides = self._sides(facet, self._vertices)
-        fewer = 1 if (sides > 0).sum() <= (sides < 0).sum() else -1
-        rows: Rows = self._vertices[sides == fewer]
+        """Return the vertices strictly outside a facet: from where it is counter-clockwise."""
+        rows: Rows = self._vertices[self._sides(facet, self._vertices) > 0]
         return rows
 
     def row_beyond(self, facet: Rows) -> int:
@@ -225,4 +224,4 @@ class _Judge:
         u, v, w = ([x - y for x, y in zip(p, a, strict=True)] for p in (b, c, d))
         cross = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
         value = sum((x * y for x, y in zip(cross, w, strict=True)), Fraction(0))
-        return BeyondProof(tuple(facet.tolist()), int(row), abs(value))
+        return BeyondProof(tuple(facet.tolist()), int(row), value)

@@ -364,8 +364,8 @@ def in_space(points: Floats) -> Floats:
 
 def radii_of(found: AlphaMethods, is_up: bool) -> Floats:
     """Compute circumradii, to the nearest doubles or up."""
-    radii = np.empty(len(found.simplices))
     simplices = np.ascontiguousarray(_as_computed(found)[0])
+    radii = np.empty(len(simplices))
     _kernel.circumradii(in_space(found.points), simplices, is_up, radii)
     return radii
 
@@ -474,7 +474,7 @@ def alpha_shape(found: AlphaMethods, alpha: float | None = None) -> AlphaShape:
     """
     alpha = optimal_alpha(found) if alpha is None else as_alpha(alpha)
     arrays = _arrays(found)
-    mask = np.empty(len(found.simplices), dtype=np.bool_)
+    mask = np.empty(len(arrays[1]), dtype=np.bool_)
     faces, singular = _kernel.alpha_surface(*arrays, alpha, mask.view(np.uint8))
     simplices = arrays[1][mask]
     rings: list[Rows] = []

@@ -78,11 +78,12 @@ def integers_of(points: Floats) -> tuple[Array, int]:
 def rank_of(points: Floats) -> int:
     """Return the dimension of the least flat that holds all points."""
     exact, _ = integers_of(points)
-    rows, rank = exact[1:] - exact[0], 0
+    rows, rank, last = exact[1:] - exact[0], 0, 1
     while len(places := np.argwhere(rows != 0)):
         i, j = places[0]
-        rows = rows * rows[i, j] - rows[:, [j]] * rows[i]
-        rank += 1
+        pivot = rows[i, j]
+        rows = (rows * pivot - rows[:, [j]] * rows[i]) // last  # exact: Bareiss, 1968
+        rank, last = rank + 1, pivot
     return rank
 
 

@@ -276,7 +276,7 @@ def _vectors(points: Any, lat: Any, in_degrees: bool) -> Floats:
             return np.ascontiguousarray(widened(rows))
         lon, lat = widened(rows).T
     pole = 90.0 if in_degrees else np.pi / 2
-    beyond = np.flatnonzero(np.abs(lat) > pole)
+    beyond = np.flatnonzero((np.abs(lat) > pole) & np.isfinite(lat))
     if len(beyond):
         raise InputError(
             f"row {beyond[0]} has the latitude {float(lat[beyond[0]])!r}, which is beyond a pole: "
@@ -351,7 +351,8 @@ def _certificate(found: SphericalTriangulation) -> Certificate:
     repeated = (np.diff(tails[order]) == 0) & (np.diff(heads[order]) == 0)
     unpaired = np.count_nonzero(~paired) + np.count_nonzero(repeated)
     note("non_manifold_edges", unpaired, "edges do not join two triangles")
-    if not unpaired:
+    note("no_triangles", not len(corners), "triangulation without triangles")
+    if len(corners) and not unpaired:
         beyond = np.empty(len(tails), dtype=np.int32)
         beyond[order] = corners.reshape(-1)[back]  # the apex across each edge
         inside = _sides(rows, *np.repeat(corners, 3, axis=0).T, beyond) >= 0

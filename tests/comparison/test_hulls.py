@@ -46,16 +46,32 @@ def test_points_outside_are_proved(points: Points) -> None:
     assert 0 < len(result.proofs) <= min(len(result.wrong), 10)  # flat ones need none
     for proof in result.proofs:
         assert "lies strictly outside it" in str(proof)
-        assert proof.row in result.outside
+        assert proof.row in result.outside or proof.row in result.facets
         rows = [[Fraction(x) for x in points[k].tolist()] for k in (*proof.rows, proof.row)]
         (a, b, c), (d, e, f), (g, h, i) = (
             [x - y for x, y in zip(row, rows[0], strict=True)] for row in rows[1:]
         )
         value = a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-        assert abs(value) == proof.determinant > 0
+        assert value == proof.determinant > 0
+    assert not {*result.outside.tolist()} & {*result.facets.reshape(-1).tolist()}
+    assert {*result.outside.tolist()} <= {*result.hull.vertices.tolist()}
     shown = liftmesh.compare(result.hull, max_proofs=1)
     assert len(shown.proofs) == 1
     assert len(shown.wrong) == len(result.wrong)
+
+
+def test_corners_of_trimesh_are_not_outside_it() -> None:
+    few = np.array([[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]]) * 1.0
+    result = compared(np.vstack([few, 2 + 1e-9 * RNG.random((300, 3))]))
+    assert result.verdict == "different"
+    assert not {0, 1, 2, 3} & {*result.outside.tolist()}
+
+
+def test_a_hull_is_compared_without_options_of_the_plane() -> None:
+    hull = liftmesh.convex_hull(GRID)
+    for name, value in (("apex", "origin"), ("plane", (1, 2, 3)), ("nonfinite", "skip")):
+        with pytest.raises(liftmesh.InputError, match=f"without {name}"):
+            liftmesh.compare(hull, **{name: value})
 
 
 def test_a_corner_that_is_inside_is_no_corner(monkeypatch: pytest.MonkeyPatch) -> None:

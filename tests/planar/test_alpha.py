@@ -17,6 +17,7 @@ from oracles import alpha as oracle
 from scipy.spatial import cKDTree
 
 import liftmesh
+from liftmesh import _kernel
 
 Points = NDArray[np.float64]
 
@@ -228,9 +229,29 @@ class TestInThePlane:
     def test_corners_that_a_caller_has_rewritten_do_not_count(self) -> None:
         points = np.random.default_rng(2).random((30, 2))
         rewritten = liftmesh.scipy.Delaunay(points)
+        own = rewritten.simplices.copy()
         rewritten.simplices[:] = -(10**6)
-        fresh = liftmesh.delaunay(points).alpha_shape(0.3)
-        assert np.array_equal(rewritten.alpha_shape(0.3).faces, fresh.faces)
+        fresh = liftmesh.delaunay(points)
+        for simplices in (rewritten.simplices, own[:2], np.vstack([own, own, own])):
+            rewritten.simplices = simplices
+            shape = rewritten.alpha_shape(0.3)
+            assert np.array_equal(shape.faces, fresh.alpha_shape(0.3).faces)
+            assert np.array_equal(rewritten.circumradii(), fresh.circumradii())
+            assert np.array_equal(rewritten.alpha_complex().edges, fresh.alpha_complex().edges)
+            assert rewritten.optimal_alpha() == fresh.optimal_alpha()
+
+    def test_the_kernel_takes_a_number_for_each_simplex(self) -> None:
+        points, simplices = np.eye(3), np.array([[0, 1, 2]], dtype=np.int32)
+        none, all_outside = np.empty(0), np.full((1, 3), -1, np.int32)
+        for call, words in (
+            ("circumradii", (points, simplices, False, none)),
+            ("alpha_filtration", (points, simplices, all_outside, none)),
+            ("alpha_surface", (points, simplices, all_outside, 1.0, none.astype(np.uint8))),
+            ("solid_alpha", (simplices, all_outside, 3, none, 1)),
+            ("solid_alpha", (simplices, all_outside[:0], 3, np.ones(1), 1)),
+        ):
+            with pytest.raises(ValueError, match="one for each simplex"):
+                getattr(_kernel, call)(*words)
 
 
 class TestAlpha:

@@ -121,6 +121,12 @@ class TestTriangles:
         in_radians = liftmesh.spherical_delaunay(*np.deg2rad([lon, lat]), degrees=False)
         assert np.allclose(in_radians.points, tri.points)
 
+    def test_an_infinite_latitude_is_not_finite_and_beyond_no_pole(self) -> None:
+        lon, lat = [0.0, 90.0, 180.0, 270.0, 0.0], [10.0, -10.0, 20.0, -20.0, np.inf]
+        with pytest.raises(liftmesh.NonFiniteError, match="row 4"):
+            liftmesh.spherical_delaunay(lon, lat)
+        assert liftmesh.spherical_delaunay(lon, lat, nonfinite="skip").skipped.tolist() == [4]
+
     def test_a_hemisphere_and_a_circle_have_cells_too(self) -> None:
         lon = np.arange(0, 360, 45)
         one = liftmesh.spherical_delaunay(lon, 0 * lon)  # lunes
@@ -166,6 +172,9 @@ class TestFlawsAreFound:
 
     def test_turned_triangles_and_missing_rows(self) -> None:
         tri = liftmesh.spherical_delaunay(on_sphere(20))
+        none = np.empty((0, 3), dtype=np.int32)
+        nothing = replace(tri, simplices=none, neighbors=none).verify()
+        assert {"no_triangles", "missing_vertices"} <= {flaw.kind for flaw in nothing.flaws}
         inside_out = replace(tri, simplices=tri.simplices[:, ::-1].copy()).verify()
         assert {"clockwise", "not_delaunay"} <= {flaw.kind for flaw in inside_out.flaws}
         more = replace(tri, points=np.vstack([tri.points, [[1, 2, 3]]])).verify()

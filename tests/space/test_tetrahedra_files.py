@@ -106,6 +106,7 @@ class TestCommands:
         assert done.returncode == 1
         assert "Not valid" in done.stdout
         failed(command("verify", "a.vtk", "--plane", "fit", cwd=folder), 2, "have no --plane")
+        failed(command("verify", "a.vtk", "--max-bytes", "1", cwd=folder), 2, "leave --max-bytes")
         failed(
             command("verify", "-", "--input-format", "vtk", cwd=folder), 2, "not read from stdin"
         )

@@ -20,6 +20,11 @@ auto for_corners(const Simplices& simplices, Work work) {
     return simplices.shape(1) == 3 ? work.template operator()<3>() : work.template operator()<4>();
 }
 
+// One number is written or read for each simplex.
+void check_length(std::size_t length, const Simplices& simplices) {
+    if (length != simplices.shape(0)) throw std::invalid_argument("there is one for each simplex");
+}
+
 template <int K>
 SimplexView<K> simplex_view(const Places& places, const Simplices& simplices,
                             const Simplices& neighbors) {
@@ -27,6 +32,7 @@ SimplexView<K> simplex_view(const Places& places, const Simplices& simplices,
 }
 
 void circumradii(const Places& places, const Simplices& simplices, bool up, const Radii& radii) {
+    check_length(radii.shape(0), simplices);
     const auto rounding = up ? liftmesh::RadiusRounding::up : liftmesh::RadiusRounding::nearest;
     run_unlocked([&](auto& interrupt) {
         return for_corners(simplices, [&]<int K>() {
@@ -43,6 +49,8 @@ nb::tuple tuple_of(const liftmesh::AlphaFaces<K>& faces) {
 
 nb::tuple alpha_filtration(const Places& places, const Simplices& simplices,
                            const Simplices& neighbors, const Numbers& radii) {
+    check_length(radii.shape(0), simplices);
+    check_length(neighbors.shape(0), simplices);
     return for_corners(simplices, [&]<int K>() {
         liftmesh::AlphaFiltration<K> found;
         run_unlocked([&](auto& interrupt) {
@@ -55,6 +63,8 @@ nb::tuple alpha_filtration(const Places& places, const Simplices& simplices,
 
 nb::tuple alpha_surface(const Places& places, const Simplices& simplices,
                         const Simplices& neighbors, double alpha, const ChangingFlags& is_inside) {
+    check_length(is_inside.shape(0), simplices);
+    check_length(neighbors.shape(0), simplices);
     return for_corners(simplices, [&]<int K>() {
         liftmesh::AlphaSurface<K> surface;
         run_unlocked([&](auto& interrupt) {
@@ -68,6 +78,8 @@ nb::tuple alpha_surface(const Places& places, const Simplices& simplices,
 
 double solid_alpha(const Simplices& simplices, const Simplices& neighbors, std::size_t rows,
                    const Numbers& radii, std::size_t components) {
+    check_length(radii.shape(0), simplices);
+    check_length(neighbors.shape(0), simplices);
     const double alpha = unlocked(nb::none(), [&](auto& interrupt) {
         return liftmesh::solid_alpha(simplices.data(), neighbors.data(), simplices.shape(0),
                                      simplices.shape(1), rows, radii.data(), components, interrupt);
