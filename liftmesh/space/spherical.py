@@ -183,8 +183,8 @@ def spherical_delaunay(
     """Compute the Delaunay triangulation of points on the sphere, and their Voronoi cells.
 
     Poles and the antimeridian are places like any other. The result is exact for the directions of
-    vectors, and unique: of points on one circle, lexicographically larger vectors count as
-    infinitesimally nearer to the centre of the sphere.
+    vectors, and unique: of points on one circle, those whose unit vectors are
+    lexicographically larger count as infinitesimally nearer to the centre of the sphere.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ Every three rays are tried, and every fourth.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from fractions import Fraction
 from itertools import permutations
 from math import gcd, isqrt
 
@@ -25,10 +26,10 @@ def direction(ray: Ray) -> Ray:
 
 def triangles(rays: Iterable[Ray]) -> set[tuple[Ray, ...]]:
     """The facets of the hull of the directions, each from its least ray on."""
-    ordered = sorted(set(rays))
+    ordered = sorted(set(rays), key=unit_vector)
     lines = [perturbed(ray, len(ordered) - 1 - rank) for rank, ray in enumerate(ordered)]
     return {
-        (ordered[i], ordered[j], ordered[k])
+        from_least((ordered[i], ordered[j], ordered[k]))
         for i, j, k in permutations(range(len(ordered)), 3)
         if i < min(j, k)
         and all(
@@ -37,6 +38,18 @@ def triangles(rays: Iterable[Ray]) -> set[tuple[Ray, ...]]:
             if m not in (i, j, k)
         )
     }
+
+
+def unit_vector(ray: Ray) -> list[Fraction]:
+    """What is ordered as the unit vector is: squares of coordinates, with their signs."""
+    length = sum(v * v for v in ray)
+    return [Fraction(v * abs(v), length) for v in ray]
+
+
+def from_least(corners: tuple[Ray, ...]) -> tuple[Ray, ...]:
+    """Turn a triangle so that it begins with its least ray."""
+    k = corners.index(min(corners))
+    return corners[k:] + corners[:k]
 
 
 def perturbed(ray: Ray, rank: int) -> tuple[int, ...]:

@@ -14,6 +14,7 @@ from oracles import sphere as oracle
 from scipy.spatial import ConvexHull
 
 import liftmesh
+from liftmesh import _kernel
 
 Points = NDArray[np.float64]
 
@@ -34,10 +35,8 @@ def check(rays: list[tuple[int, int, int]], scale: float = 1.0) -> None:
         return
     tri = liftmesh.spherical_delaunay(points)
     found = [tuple(rays[row] for row in corners) for corners in tri.simplices.tolist()]
-    turned = {(c[k:] + c[:k]) for c in found for k in [c.index(min(c))]}
     assert len(found) == 2 * len(chosen) - 4
-    if len(chosen) == len({*rays}):  # else ties depend on which of the duplicates is kept
-        assert turned == oracle.triangles(chosen)
+    assert {*map(oracle.from_least, found)} == oracle.triangles(chosen)
     for row, kept in tri.duplicates.tolist():
         assert oracle.direction(rays[row]) == oracle.direction(rays[kept])
         assert kept < row
@@ -104,6 +103,22 @@ class TestTriangles:
         assert len(ConvexHull(tri.points).vertices) < 304
         assert tri.verify().canonical
         assert (tri.areas > 0).all()
+
+    def test_doubles_of_other_lengths_break_no_tie(self) -> None:
+        cube = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 1.0
+        alone = liftmesh.spherical_delaunay(cube)
+        for factors in ((0.5,), (3.0, 0.25), (0.5, 0.7, 7.0)):
+            rows = np.vstack([cube, *(factor * cube for factor in factors)])
+            tri = liftmesh.spherical_delaunay(rows)
+            assert as_sets(tri.simplices) == as_sets(alone.simplices)
+            assert len(tri.duplicates) == len(rows) - 8
+            assert tri.verify().canonical
+            for secret in range(20):  # which decides who is inserted first
+                found = _kernel.spherical_delaunay(rows, False, secret, None)[3]
+                assert np.array_equal(found, tri.simplices)
+            shorter = liftmesh.spherical_delaunay(rows[::-1].copy())
+            assert len(shorter.simplices) == 12
+            assert shorter.verify().canonical
 
     def test_lengths_do_not_count(self) -> None:
         points = on_sphere(300)

@@ -89,7 +89,8 @@ EdgeCrossing crossing(const double* pair) {
     if (is_certain({centre, error})) return {point(centre.high), point(centre.low)};
     const Point place{rounded(pair, 0, centre.high[0], centre.low[0], error[0]),
                       rounded(pair, 1, centre.high[1], centre.low[1], error[1])};
-    return {place, point(centre.low)};
+    const Pair left = centre.high - Pair{place.x, place.y};  // they are near to each other
+    return {place, point(left + centre.low)};
 }
 
 double distance(Point a, Point b, Point p) {

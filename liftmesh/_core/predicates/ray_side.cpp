@@ -94,8 +94,8 @@ struct FourRoots {
     }
 };
 
-template <int N>
-Vector<Wide<N>> vector_of(const SpaceLattice<4>& lattice, int i) {
+template <int N, int K>
+Vector<Wide<N>> vector_of(const SpaceLattice<K>& lattice, int i) {
     return {lattice.template at<N>(3 * i), lattice.template at<N>(3 * i + 1),
             lattice.template at<N>(3 * i + 2)};
 }
@@ -146,9 +146,26 @@ int perturbed_side(const SpacePoint (&p)[4], int i, int axis) {
     return i % 2 == 0 ? sign : -sign;
 }
 
+// Whether the unit vector of p is lexicographically before that of q.
+bool is_before(const SpacePoint& p, const SpacePoint& q) {
+    const SpaceLattice<2> lattice({p, q});
+    return at_width_of(lattice, [&]<int N>() {
+        const auto u = vector_of<N>(lattice, 0), v = vector_of<N>(lattice, 1);
+        const auto length_u = square(u), length_v = square(v);  // squared
+        const auto compare = [&](const Wide<N>& a, const Wide<N>& b) {
+            return sign_of_sum(a.sign(), -b.sign(),
+                               [&] { return (a * a * length_v - b * b * length_u).sign(); });
+        };
+        int sign = compare(u.x, v.x);
+        if (sign == 0) sign = compare(u.y, v.y);
+        if (sign == 0) sign = compare(u.z, v.z);
+        return sign < 0;
+    });
+}
+
 int side_by_rule(const SpacePoint (&p)[4]) {
     int order[4] = {0, 1, 2, 3};
-    std::sort(order, order + 4, [&](int i, int j) { return before_xyz(p[j], p[i]); });
+    std::sort(order, order + 4, [&](int i, int j) { return is_before(p[j], p[i]); });
     for (int i : order)
         if (const int sign = perturbed_side(p, i, -1); sign != 0) return sign;
     for (int axis : {2, 1})

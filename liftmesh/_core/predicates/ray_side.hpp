@@ -9,9 +9,10 @@
 //
 // a sum of four integers times square roots of integers. Its sign is found by squaring.
 //
-// Ties: lexicographically larger rays are infinitesimally nearer to the centre, which decides all
-// but circles with the centre of the sphere. Of these, larger rays are moved, by far less, along
-// the last axis that leaves their plane. So the sign is 0 only if two rays have one direction.
+// Ties: rays whose unit vectors are lexicographically larger are infinitesimally nearer to the
+// centre, which decides all but circles with the centre of the sphere. Of these, larger rays are
+// moved, by far less, along the last axis that leaves their plane. So the sign is 0 only if two
+// rays have one direction, and lengths make no difference.
 #pragma once
 
 #include "base/double_word.hpp"

@@ -276,6 +276,8 @@ SphereResult triangulate_sphere(const Input& input, bool skip_non_finite, std::u
     ThreadPool alone({}, interrupt);
     SpaceOrder points;
     if (!sort_in_space(std::move(rows), alone, points)) return result;
+    constexpr std::size_t most = 357'000'000;  // whose cells have fewer than 2^31 corners
+    if (points.count > most) throw std::bad_alloc();
     result.status = Status::ok;
     if (!SphereInsertion(points, interrupt, result).run(secret))
         result.status = Status::interrupted;

@@ -59,11 +59,10 @@ class SpaceMesh {
     // The first of so many slots one after the other, if there is room; `most` otherwise. Several
     // threads may ask at the same time.
     std::size_t take(std::size_t count) {
-        const std::size_t first = slots_.fetch_add(count);
-        if (first + count > room_) {
-            slots_ -= count;
-            return most;
-        }
+        std::size_t first = slots_.load();
+        do {
+            if (first + count > room_) return most;
+        } while (!slots_.compare_exchange_weak(first, first + count));
         std::fill_n(&marks_[first], count, std::uint8_t{0});
         return first;
     }

@@ -110,7 +110,8 @@ class TetrahedraWriter {
             return false;
         starts_ = std::move(by_least).starts();
         return in_blocks(points_, length, pool_, [&](std::size_t v, std::size_t last, std::size_t) {
-            for (Same same; v < last; ++v) sort_from(v, same);
+            const std::size_t end = starts_[last];
+            for (Same same; v < last; ++v) sort_from(v, end, same);
         });
     }
 
@@ -118,11 +119,11 @@ class TetrahedraWriter {
 
     // Those that begin with one vertex, which get their neighbours by slots, and leave their place
     // in exchange.
-    void sort_from(std::size_t v, Same& same) {
+    void sort_from(std::size_t v, std::size_t end, Same& same) {
         constexpr std::size_t ahead = 24;
         same.clear();
         for (std::size_t place = starts_[v]; place < starts_[v + 1]; ++place) {
-            if (place + ahead < starts_.back()) prefetch(&all_[slot(place + ahead)]);
+            if (place + ahead < end) prefetch(&all_[slot(place + ahead)]);
             const Word t = slot(place);
             const auto& vertex = all_[t].vertex;
             same.push_back({{vertex[1], vertex[2], vertex[3]}, t});
