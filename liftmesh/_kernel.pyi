@@ -180,6 +180,12 @@ def verify_tetrahedra(
     shared: bool,
     progress: Callable[[float], None] | None,
 ) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
+def circumcentres(
+    points: NDArray[np.float64], simplices: NDArray[np.int32], centres: NDArray[np.float64]
+) -> None: ...
+def edge_rings(
+    simplices: NDArray[np.int32], neighbors: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.uint8], NDArray[np.int32]]: ...
 def circumradii(
     points: NDArray[np.float64],
     simplices: NDArray[np.int32],

@@ -30,8 +30,8 @@ class SpaceVoronoi(Lists, spatial.Voronoi):  # type: ignore[misc]
     It is an instance of ``liftmesh.scipy.Voronoi`` and of ``scipy.spatial.Voronoi``. The topology
     is exact: tetrahedra on one sphere share one vertex, so that of a lattice every region is a
     cube, and no ridge is there that has no area. Each coordinate of a vertex is the double nearest
-    to the exact one: this is computed in integers, some ten microseconds for each vertex. The
-    corners of a ridge are in order around it, and unbounded ones begin with -1.
+    to the exact one. The corners of a ridge are in order around it, and unbounded ones begin with
+    -1.
 
     Parameters
     ----------

@@ -56,6 +56,26 @@ def test_each_coordinate_is_the_nearest_double(points: Points) -> None:
         check_vertices(diagram)
 
 
+def test_ridges_of_a_site_one_ulp_off_a_line() -> None:
+    """SciPy's own test asks a tree here, whose squares of distances, near 10^31, are rounded."""
+    points = np.stack(np.meshgrid([-1.0, 0, 1], [-1.0, 0, 1], indexing="ij"), -1).reshape(-1, 2)
+    points[6, 1] -= 2.0**-52
+    diagram = liftmesh.scipy.Voronoi(points)
+    assert np.abs(diagram.vertices).max() == 4503599627370497.0
+
+    def nearest(place: Points) -> int:
+        x, y = exact_point(place)
+        squares = [(x - a) ** 2 + (y - b) ** 2 for a, b in map(exact_point, points)]
+        return squares.index(min(squares))
+
+    for rows, corners in diagram.ridge_dict.items():
+        if min(corners) < 0:
+            continue
+        middle = diagram.vertices[corners].mean(axis=0)
+        step = 1e-6 * (points[rows[0]] - middle)
+        assert [nearest(middle + step), nearest(middle - step)] == [*rows]
+
+
 @given(COCIRCULAR_CLOUDS)
 def test_sites_on_one_circle_share_a_vertex(points: Points) -> None:
     diagram = made(points)

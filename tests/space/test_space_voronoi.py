@@ -8,30 +8,66 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, strategies as st
+from oracles.alpha import smallest_sphere
+from oracles.cells import rounded
 from scipy import spatial
 
 import liftmesh
+from liftmesh import _kernel
 
 RNG = np.random.default_rng(41)
 CLOUD = RNG.random((60, 3))
 GRID = np.indices((4, 4, 4)).reshape(3, -1).T * 0.1
 
 
-def exact_center(corners: np.ndarray) -> list[Fraction]:
-    """Solve for the point at equal distance of four, by Cramer's rule in fractions."""
-    a, *others = [[Fraction(x) for x in corner] for corner in corners.tolist()]
-    rows = [[2 * (x - y) for x, y in zip(p, a, strict=True)] for p in others]
-    right = [sum(x * x for x in p) - sum(x * x for x in a) for p in others]
+NUMBERS = st.one_of(
+    st.integers(-3, 3).map(float),
+    st.floats(-1, 1),
+    st.integers(-2, 2).map(lambda steps: 1 + steps * 2.0**-52),
+    st.builds(
+        np.ldexp, st.integers(-9, 9).map(float), st.sampled_from([-1074, -600, 0, 600, 1020])
+    ).map(float),
+)
+NEAR = st.integers(-9, 9).map(float)
+CORNERS = st.one_of(
+    *(
+        st.lists(st.tuples(each, each, each), min_size=4, max_size=4, unique=True)
+        for each in (NUMBERS, NEAR)
+    )
+)
 
-    def det(m):
-        (a, b, c), (d, e, f), (g, h, i) = m
-        return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
 
-    whole = det(rows)
-    replaced = [
-        [[right[i] if j == k else rows[i][j] for j in range(3)] for i in range(3)] for k in range(3)
-    ]
-    return [det(m) / whole for m in replaced]
+def exact_center(corners: np.ndarray) -> list[float]:
+    """Solve for the point at equal distance of four in fractions, and round."""
+    return [rounded(x) for x in smallest_sphere(np.vectorize(Fraction)(corners).tolist())[0]]
+
+
+def centers_of(corners: np.ndarray) -> list[list[float]]:
+    found = np.full((len(corners) // 4, 3), np.nan)
+    _kernel.circumcentres(corners, np.arange(len(corners), dtype=np.int32).reshape(-1, 4), found)
+    return found.tolist()
+
+
+@given(CORNERS)
+def test_centers_are_the_exact_ones_rounded(corners: list[tuple[float, ...]]) -> None:
+    points = np.array(corners)
+    assume(liftmesh.orient3d(*points) != 0)
+    (found,) = centers_of(points)
+    assert found == exact_center(points)
+    assert not any(np.signbit(x) for x in found if x == 0)
+
+
+def test_centers_in_the_middle_of_two_doubles() -> None:
+    """A tie goes to the even double, and a sum beyond the greatest double to infinity."""
+    edges = np.vstack([np.zeros(3), np.eye(3)])
+    for scale, shift in ((1.0, 2.0**52), (2.0**-1074, 0.0), (3 * 2.0**-1074, 0.0), (1.5e308, 0.0)):
+        points = edges * scale + shift
+        expected = exact_center(points)
+        assert centers_of(points) == [expected]
+        assert centers_of(-points) == [[0.0 - x for x in expected]]
+    beyond = np.array([[9, 0, 0], [-9, 0, 0], [0, 9, 0], [9, 9, 9 * 2.0**-52]]) * 1e307
+    assert centers_of(beyond) == [exact_center(beyond)]
 
 
 def test_it_is_scipys_in_general_position() -> None:
@@ -75,8 +111,17 @@ def test_vertices_are_rounded_once(scale: float) -> None:
     points = CLOUD[:12] * scale
     diagram = liftmesh.scipy.Voronoi(points)
     for cell, vertex in zip(diagram.simplices, diagram.simplex_to_vertex, strict=True):
-        expected = [float(x) for x in exact_center(points[cell])]
-        assert diagram.vertices[vertex].tolist() == expected
+        assert diagram.vertices[vertex].tolist() == exact_center(points[cell])
+
+
+def test_a_site_whose_ridges_are_those_of_all_others() -> None:
+    around = np.random.default_rng(7).standard_normal((90, 3))
+    around /= np.linalg.norm(around, axis=1)[:, None]
+    diagram = liftmesh.scipy.Voronoi(np.vstack([[[0, 0, 0]], around]))
+    assert {pair for pair in diagram.ridge_dict if 0 in pair} == {(0, k) for k in range(1, 91)}
+    inner = [corners for pair, corners in diagram.ridge_dict.items() if 0 in pair]
+    assert {v for corners in inner for v in corners} == {*range(len(diagram.vertices))}
+    assert all(corners[0] == -1 for pair, corners in diagram.ridge_dict.items() if 0 not in pair)
 
 
 def test_every_region_of_a_lattice_is_a_cube() -> None:

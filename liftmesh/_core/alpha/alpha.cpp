@@ -1,13 +1,15 @@
 #include "alpha/alpha.hpp"
 
 #include "parallel/blocks.hpp"
+#include "predicates/insphere.hpp"
+#include "sorting/patient_sort.hpp"
+#include "tetrahedra/edge_rings.hpp"
 
 namespace liftmesh {
 
 namespace {
 
-// The corners of facet k, counter-clockwise seen from outside: of a tetrahedron, then a triangle.
-constexpr unsigned outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+// As `outward`, of a triangle.
 constexpr unsigned along[3][2] = {{1, 2}, {2, 0}, {0, 1}};
 
 template <int K>
@@ -140,101 +142,36 @@ bool find_radii(const SimplexView<K>& view, const double* radii, Interrupt& inte
 
 namespace {
 
-// What is around an edge of tetrahedra.
-class EdgeRing {
- public:
-    EdgeRing(const SimplexView<4>& view, const std::uint32_t* facet_at)
-        : view_(view), facet_at_(facet_at) {}
-
-    // From tetrahedron t, whose corners i and j are the edge. False if an earlier one has it too.
-    bool find(std::size_t t, unsigned i, unsigned j) {
-        const std::int32_t* const v = view_.simplices + 4 * t;
-        unsigned k = 0;
-        while (k == i || k == j) ++k;
-        const unsigned l = 6 - i - j - k;
-        vertices.clear();
-        facets.clear();
-        ends_ = {v[i], v[j]};
-        start_ = t;
-        vertices.push_back(v[k]);
-        facets.push_back(facet_at_[4 * t + l]);
-        if (!walk(4 * t + k)) return false;
-        return is_closed_ || walk(4 * t + l);
-    }
-
-    std::vector<std::int32_t> vertices;
-    std::vector<std::uint32_t> facets;
-
- private:
-    // Out of the facet at `place`, until the start or the outside is reached. Facets are met once,
-    // but the last of a closed ring, with which it began, and the vertices with them.
-    bool walk(std::size_t place) {
-        for (is_closed_ = false;;) {
-            const std::size_t t = place / 4;
-            facets.push_back(facet_at_[place]);
-            vertices.push_back(third(place));
-            if (view_.neighbors[place] < 0) return true;
-            const auto next = static_cast<std::size_t>(view_.neighbors[place]);
-            if (next == start_) {
-                is_closed_ = true;
-                facets.pop_back();
-                vertices.pop_back();
-                return true;
-            }
-            if (next < start_) return false;
-            place = exit_of(next, static_cast<std::int32_t>(t));
-        }
-    }
-
-    // The corner of a facet beside the edge.
-    std::int32_t third(std::size_t place) const {
-        const std::int32_t* const v = view_.simplices + (place - place % 4);
-        std::size_t k = 0;
-        while (k == place % 4 || v[k] == ends_[0] || v[k] == ends_[1]) ++k;
-        return v[k];
-    }
-
-    // In a tetrahedron at the edge that was entered from another one, the other facet at the edge.
-    std::size_t exit_of(std::size_t t, std::int32_t from) const {
-        const std::int32_t* const v = view_.simplices + 4 * t;
-        std::size_t k = 0;
-        while (v[k] == ends_[0] || v[k] == ends_[1] || view_.neighbors[4 * t + k] == from) ++k;
-        return 4 * t + k;
-    }
-
-    const SimplexView<4>& view_;
-    const std::uint32_t* facet_at_;
-    std::array<std::int32_t, 2> ends_{};
-    std::size_t start_ = 0;
-    bool is_closed_ = false;
-};
-
 bool find_edges(const SimplexView<4>& view, const std::uint32_t* facet_at, Interrupt& interrupt,
                 AlphaFiltration<4>& found) {
     constexpr double own = -1;  // that of the edge itself, which is rounded in the end
-    EdgeRing ring(view, facet_at);
+    EdgeRings edges(view.simplices, view.neighbors, view.count);
+    std::vector<std::int32_t> vertices;
+    std::vector<std::uint32_t> facets;
+    const auto add_facet = [&](const AtEdge& at, unsigned k, unsigned beside) {
+        facets.push_back(facet_at[4 * static_cast<std::size_t>(at.t) + k]);
+        vertices.push_back(edges.corner(at.t, beside));
+    };
     const auto radius_of = [&](std::array<std::int32_t, 2> rows) {
         const Corners<2> ends = positions(view.points, rows);
         const auto holds = [&](std::int32_t v) {
             return is_inside_smallest_sphere(ends, view.points[v]);
         };
-        if (std::none_of(ring.vertices.begin(), ring.vertices.end(), holds)) return own;
+        if (std::none_of(vertices.begin(), vertices.end(), holds)) return own;
         double radius = std::numeric_limits<double>::infinity();
-        for (std::uint32_t facet : ring.facets)
-            radius = std::min(radius, found.facets.radii[facet]);
+        for (std::uint32_t facet : facets) radius = std::min(radius, found.facets.radii[facet]);
         return radius;
     };
-    const bool done = for_each_in_blocks(view.count, interrupt, [&](std::size_t t) {
-        for (unsigned j = 1; j < 4; ++j) {
-            for (unsigned i = 0; i < j; ++i) {
-                if (!ring.find(t, i, j)) continue;
-                const auto [a, b] =
-                    std::minmax(view.simplices[4 * t + i], view.simplices[4 * t + j]);
-                found.edges.corners.push_back({a, b});
-                found.edges.radii.push_back(radius_of({a, b}));
-            }
-        }
-    });
+    const auto add = [&](const std::vector<AtEdge>& ring, bool is_open) {
+        vertices.clear(), facets.clear();
+        if (const AtEdge& at = ring.front(); is_open) add_facet(at, at.last(), at.first());
+        for (const AtEdge& at : ring) add_facet(at, at.first(), at.last());
+        const AtEdge& at = ring.front();
+        found.edges.corners.push_back({edges.corner(at.t, at.tail), edges.corner(at.t, at.head)});
+        found.edges.radii.push_back(radius_of(found.edges.corners.back()));
+    };
+    const bool done =
+        for_each_in_blocks(view.count, interrupt, [&](std::size_t t) { edges.visit(t, add); });
     RadiusBatch<2> batch(RadiusRounding::up);
     return done && for_each_in_blocks(found.edges.radii.size(), interrupt, [&](std::size_t i) {
                double& radius = found.edges.radii[i];
@@ -342,9 +279,11 @@ double solid_alpha(const std::int32_t* simplices, const std::int32_t* neighbors,
     // All up to there are added in any order.
     const auto rest = std::partition(order.begin(), order.end(),
                                      [&](std::uint32_t t) { return radii[t] <= covering; });
-    std::sort(rest, order.end(), [radii](std::uint32_t a, std::uint32_t b) {
+    const auto is_before = [radii](std::uint32_t a, std::uint32_t b) {
         return std::tie(radii[a], a) < std::tie(radii[b], b);
-    });
+    };
+    if (!patient_sort(std::span(rest, order.end()), is_before, interrupt))
+        return std::numeric_limits<double>::quiet_NaN();
     Components solid(count);
     Patience patience(interrupt);
     for (auto at = order.begin(); at != order.end(); ++at) {

@@ -93,6 +93,35 @@ DoubleWord<Real> operator/(const DoubleWord<Real>& a, const DoubleWord<Real>& b)
     return quick_sum(first, rest.high / b.high);
 }
 
+inline double root(double a) {
+    return std::sqrt(a);
+}
+inline Pair root(Pair a) {
+    return Pair{std::sqrt(a[0]), std::sqrt(a[1])};
+}
+
+// Within 4 u^2 of the root.
+template <class Real>
+DoubleWord<Real> root(const DoubleWord<Real>& a) {
+    const Real high = root(a.high);
+    const DoubleWord<Real> product = exact_product(high, high);
+    return quick_sum(high, ((a.high - product.high) - product.low + a.low) / (high + high));
+}
+
+template <class Real>
+DoubleWord<Real> operator*(const DoubleWord<Real>& a, double power_of_two) {
+    return {a.high * power_of_two, a.low * power_of_two};
+}
+
+// Whether every number within the error rounds to the higher part. The error is widened by more
+// than the rounding of the sums below.
+template <class Real>
+bool rounds_to_high(const DoubleWord<Real>& a, Real error) {
+    const Real reach = error + 0x1p-50 * magnitudes(a.low);
+    return are_equal(a.high + (a.low + reach), a.high) &&
+           are_equal(a.high + (a.low - reach), a.high);
+}
+
 inline DoubleWord<Pair> swapped(const DoubleWord<Pair>& a) {
     return {swapped(a.high), swapped(a.low)};
 }
@@ -113,13 +142,8 @@ struct Estimate {
     Pair error;
 };
 
-// Whether every number within the error rounds to the same double. The error is widened by more
-// than the rounding of the sums below.
 inline bool is_certain(const Estimate& found) {
-    const Pair reach = found.error + 0x1p-50 * magnitudes(found.centre.low);
-    const PairBits certain = (found.centre.high + (found.centre.low + reach) == found.centre.high) &
-                             (found.centre.high + (found.centre.low - reach) == found.centre.high);
-    return (certain[0] & certain[1]) != 0;
+    return rounds_to_high(found.centre, found.error);
 }
 
 }  // namespace liftmesh

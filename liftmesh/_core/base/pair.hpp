@@ -65,6 +65,17 @@ inline Pair magnitudes(Pair p) {
     return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(p) &
                                   PairBits{all_but_sign, all_but_sign});
 }
+inline double magnitudes(double a) {
+    return std::fabs(a);
+}
+
+inline bool are_equal(double a, double b) {
+    return a == b;
+}
+inline bool are_equal(Pair p, Pair q) {
+    const PairBits equal = p == q;
+    return (equal[0] & equal[1]) != 0;
+}
 
 inline bool is_finite(Pair p) {
     const PairBits finite = magnitudes(p) <= Pair{DBL_MAX, DBL_MAX};

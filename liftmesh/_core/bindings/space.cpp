@@ -1,7 +1,9 @@
 // Points in space: predicates, tetrahedra.
 
 #include "bindings/python.hpp"
+#include "predicates/circumcentre.hpp"
 #include "predicates/insphere.hpp"
+#include "tetrahedra/edge_rings.hpp"
 #include "tetrahedra/locate.hpp"
 #include "tetrahedra/tetrahedra.hpp"
 #include "verify/tetrahedra.hpp"
@@ -51,6 +53,26 @@ nb::tuple tetrahedralize(const PlanarRows& rows, bool skip_non_finite, std::uint
 
 using Quadruples = Array<const std::int32_t, 4>;
 
+void circumcentres(const Places& places, const Quadruples& simplices,
+                   const ChangingPlaces& centres) {
+    if (centres.shape(0) != simplices.shape(0))
+        throw std::invalid_argument("there is one for each simplex");
+    run_unlocked([&](auto& interrupt) {
+        constexpr std::size_t steps = 64;  // as many as one simplex takes, or far more
+        liftmesh::Patience patience(interrupt);
+        for (std::size_t i = 0; i < simplices.shape(0); ++i) {
+            if (patience.ends(steps)) return false;
+            liftmesh::Corners<4> corners;
+            for (std::size_t k = 0; k < 4; ++k)
+                corners[k] = points(places)[simplices.data()[4 * i + k]];
+            const SpacePoint centre = liftmesh::circumcentre(corners);
+            double* const at = centres.data() + 3 * i;
+            at[0] = centre.x, at[1] = centre.y, at[2] = centre.z;
+        }
+        return true;
+    });
+}
+
 nb::tuple verify_tetrahedra(const PlanarRows& rows, const Quadruples& simplices,
                             bool skip_non_finite, unsigned threads, bool shared,
                             nb::handle progress) {
@@ -64,6 +86,32 @@ nb::tuple verify_tetrahedra(const PlanarRows& rows, const Quadruples& simplices,
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
                           verdict.merged, verdict.facets, verdict.hull_facets,
                           as_list(verdict.flaws));
+}
+
+// Of the rings around all edges: the ends and what is beside them, where each begins, whether it is
+// open, and the tetrahedra.
+nb::tuple edge_rings(const Quadruples& simplices, const Quadruples& neighbors) {
+    if (neighbors.shape(0) != simplices.shape(0))
+        throw std::invalid_argument("there is one row for each simplex");
+    liftmesh::ListedRings found;
+    run_unlocked([&](auto& interrupt) {
+        return liftmesh::list_edge_rings(simplices.data(), neighbors.data(), simplices.shape(0),
+                                         interrupt, found);
+    });
+    const std::size_t count = found.rings.size();
+    auto rows = liftmesh::allocate<std::int32_t>(4 * count);
+    auto starts = liftmesh::allocate<std::int64_t>(count + 1);
+    auto open = liftmesh::allocate<std::uint8_t>(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const liftmesh::ListedRing& ring = found.rings[i];
+        std::copy_n(ring.ends.data(), 2, &rows[4 * i]);
+        std::copy_n(ring.beside.data(), 2, &rows[4 * i + 2]);
+        starts[i] = static_cast<std::int64_t>(ring.first);
+        open[i] = ring.is_open;
+    }
+    starts[count] = static_cast<std::int64_t>(found.cells.size());
+    return nb::make_tuple(adopt(std::move(rows), count, 4), adopt(std::move(starts), count + 1, 1),
+                          adopt(std::move(open), count, 1), as_array(found.cells));
 }
 
 class PySpaceLocator {
@@ -97,6 +145,8 @@ void bind_space(nb::module_& m) {
     nb::class_<PySpaceLocator>(m, "SpaceLocator")
         .def(nb::init<Places, Quadruples, Quadruples>(), "points"_a, "simplices"_a, "neighbors"_a)
         .def("find", &PySpaceLocator::find, "queries"_a, "found"_a);
+    m.def("edge_rings", &edge_rings, "simplices"_a, "neighbors"_a);
+    m.def("circumcentres", &circumcentres, "points"_a, "simplices"_a, "centres"_a);
     m.def("orient3d", &orient3d, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a);
     m.def("insphere", &insphere, "a"_a, "b"_a, "c"_a, "d"_a, "e"_a, "signs"_a, "canonical"_a);
 }

@@ -170,30 +170,12 @@ Point rough_centre(const Lift& lift, const Lifted<Lift> (&sites)[3]) {
 
 // --- exact comparisons --------------------------------------------------------------------------
 
-// Three sites, and the doubles beside a midpoint, on one lattice.
-template <class Lift>
-class CentreLattice : public LiftedLattice<Lift, 3> {
- public:
-    CentreLattice(const Lift& lift, const Lifted<Lift> (&sites)[3], Dyadic lower, Dyadic upper)
-        : LiftedLattice<Lift, 3>(lift, sites), ends_{lower, upper} {
-        for (const Dyadic& end : ends_)
-            if (end.mantissa != 0)
-                this->include(end.exponent, end.exponent + bit_length(end.mantissa));
-        for (Dyadic& end : ends_)
-            if (end.mantissa != 0) end.exponent -= this->low();
-    }
-
-    const Dyadic (&ends() const)[2] { return ends_; }
-
- private:
-    Dyadic ends_[2];
-};
-
 // The sign of the centre's x minus the midpoint; for mirrored sites, which turn clockwise, that of
 // its opposite.
 template <class Lift>
 int side_of_midpoint(const Lift& lift, const Lifted<Lift> (&sites)[3], NumberOfDouble number) {
-    const CentreLattice<Lift> lattice(lift, sites, value_of(number), value_of(number + 1));
+    const WithMiddle<LiftedLattice<Lift, 3>> lattice(value_of(number), value_of(number + 1), lift,
+                                                     sites);
     ExactSum<3> sum(lattice.width());
     for (int i = 0; i < 3; ++i) {
         const Term<1> next = one_factor(lattice.part_of_y((i + 1) % 3));

@@ -1,29 +1,12 @@
 #include "predicates/circumradius.hpp"
 
 #include "base/double_word.hpp"
-#include "predicates/insphere.hpp"
+#include "predicates/circumscribed.hpp"
 #include "predicates/nearest_double.hpp"
-#include "predicates/space_lattice.hpp"
 
 namespace liftmesh {
 
 namespace {
-
-// The steps from the last corner, and that between the first two.
-template <class Number, int K>
-struct StepsOf {
-    Vector<Number> u, v, w, side;
-};
-
-template <class Number, int K, class Step>
-StepsOf<Number, K> steps_of(Step step) {
-    StepsOf<Number, K> steps{};
-    steps.u = step(0, K - 1);
-    if constexpr (K > 2) steps.v = step(1, K - 1);
-    if constexpr (K == 3) steps.side = step(0, 1);
-    if constexpr (K == 4) steps.w = step(2, 3);
-    return steps;
-}
 
 // The squares of s and d, and for a tetrahedron d itself.
 
@@ -37,13 +20,7 @@ auto top_square(const StepsOf<Number, 3>& at) {
 }
 template <class Number>
 auto top_square(const StepsOf<Number, 4>& at) {
-    return square(square(at.u) * cross(at.v, at.w) + square(at.v) * cross(at.w, at.u) +
-                  square(at.w) * cross(at.u, at.v));
-}
-
-template <class Number>
-auto volume(const StepsOf<Number, 4>& at) {
-    return dot(at.u, cross(at.v, at.w));
+    return square(towards_centre(at));
 }
 
 // --- the filter of comparisons ------------------------------------------------------------------
@@ -82,44 +59,7 @@ int compare(const RadiusFilter& found, double limit) {
     return 0;
 }
 
-template <int K>
-StepsOf<double, K> plain_steps(const Corners<K>& p) {
-    return steps_of<double, K>(
-        [&p](unsigned to, unsigned from) { return step_between(p[from], p[to]); });
-}
-
-template <int K>
-double greatest_step(const StepsOf<double, K>& at) {
-    const double square_of_u = square(at.u);
-    if constexpr (K == 2) return square_of_u;
-    if constexpr (K == 3) return std::max({square_of_u, square(at.v), square(at.side)});
-    return std::max({square_of_u, square(at.v), square(at.w)});
-}
-
 // --- exact comparisons --------------------------------------------------------------------------
-
-// The corners, and two doubles whose middle the radius is compared with.
-template <int K>
-class RadiusLattice : public SpaceLattice<K> {
- public:
-    RadiusLattice(const Corners<K>& corners, Dyadic lower, Dyadic upper)
-        : SpaceLattice<K>(corners), ends_{lower, upper} {
-        for (Dyadic& end : ends_)
-            if (end.mantissa != 0)
-                this->include(end.exponent, end.exponent + bit_length(end.mantissa));
-        for (Dyadic& end : ends_)
-            if (end.mantissa != 0) end.exponent -= this->low();
-    }
-
-    template <int N>
-    Wide<N> sum_of_ends() const {
-        return shifted<N>(ends_[0].mantissa, ends_[0].exponent) +
-               shifted<N>(ends_[1].mantissa, ends_[1].exponent);
-    }
-
- private:
-    Dyadic ends_[2];
-};
 
 // Of s^2 - d^2 m^2, with the sum m of the two doubles. Steps, and each double, are below
 // 2^(64N - 2); components of products of two below 2^(128N - 3); squares and m^2 below
@@ -142,7 +82,7 @@ int sign_of(const StepsOf<Wide<N>, 4>& at, const Wide<2 * N>& square_of_m) {
 // The sign of the radius minus the middle of two doubles.
 template <int K>
 int radius_sign(const Corners<K>& corners, Dyadic lower, Dyadic upper) {
-    const RadiusLattice<K> lattice(corners, lower, upper);
+    const WithMiddle<SpaceLattice<K>> lattice(lower, upper, corners);
     return at_width_of(lattice, [&]<int N>() {
         const Wide<N> m = lattice.template sum_of_ends<N>();
         const auto step = [&](int to, int from) { return lattice.template step<N>(to, from); };
@@ -151,32 +91,6 @@ int radius_sign(const Corners<K>& corners, Dyadic lower, Dyadic upper) {
 }
 
 // --- radii in double words ----------------------------------------------------------------------
-
-double root(double a) {
-    return std::sqrt(a);
-}
-Pair root(Pair a) {
-    return Pair{std::sqrt(a[0]), std::sqrt(a[1])};
-}
-double size_of(double a) {
-    return std::fabs(a);
-}
-Pair size_of(Pair a) {
-    return magnitudes(a);
-}
-
-// Within 4 u^2 of the root, with u = 2^-53.
-template <class Real>
-DoubleWord<Real> root(const DoubleWord<Real>& a) {
-    const Real high = root(a.high);
-    const DoubleWord<Real> product = exact_product(high, high);
-    return quick_sum(high, ((a.high - product.high) - product.low + a.low) / (high + high));
-}
-
-template <class Real>
-DoubleWord<Real> operator*(const DoubleWord<Real>& a, double power_of_two) {
-    return {a.high * power_of_two, a.low * power_of_two};
-}
 
 template <class Real>
 struct RoundedRadius {
@@ -205,8 +119,8 @@ template <class Real>
 RoundedRadius<Real> rounded_radius(const StepsOf<DoubleWord<Real>, 4>& at) {
     const DoubleWord<Real> d = volume(at), radius = root(top_square(at)) / d * 0.5;
     const Real length = square(at.u).high + square(at.v).high + square(at.w).high;
-    const Real flatness = length * root(length) / size_of(d.high);
-    return {radius, 0x1p-106 * (180.0 * flatness + 64.0) * size_of(radius.high)};
+    const Real flatness = length * root(length) / magnitudes(d.high);
+    return {radius, 0x1p-106 * (180.0 * flatness + 64.0) * magnitudes(radius.high)};
 }
 
 constexpr double uncertain = -1;
@@ -216,26 +130,14 @@ constexpr double uncertain = -1;
 double rounded(DoubleWord<double> value, double error, RadiusRounding rounding) {
     if (value.high < 0) value = -value;
     const auto [high, low] = value;
-    const double reach = error + 0x1p-50 * std::fabs(low);
     if (!(error < 0x1p-60 * high)) return uncertain;
-    if (rounding == RadiusRounding::nearest)
-        return high + (low + reach) == high && high + (low - reach) == high ? high : uncertain;
+    if (rounding == RadiusRounding::nearest) return rounds_to_high(value, error) ? high : uncertain;
+    const double reach = error + 0x1p-50 * std::fabs(low);
     if (low + reach < 0) return high;
     return low - reach > 0 ? double_of(number_of(high) + 1) : uncertain;
 }
 
 // --- outside the window, and in doubt -----------------------------------------------------------
-
-int exponent_of_greatest(const StepsOf<double, 2>& at) {
-    return std::ilogb(largest_magnitude(at.u.x, at.u.y, at.u.z));
-}
-template <int K>
-int exponent_of_greatest(const StepsOf<double, K>& at) {
-    double largest = 0;
-    for (const Vector<double>* step : {&at.u, &at.v, &at.w})
-        largest = std::max(largest, largest_magnitude(step->x, step->y, step->z));
-    return std::ilogb(largest);
-}
 
 // Of corners whose steps are finite: scaled so that the largest step is near 1.
 template <int K>
@@ -255,13 +157,6 @@ template <int K>
 Corners<K> reduced(Corners<K> corners, double factor) {
     for (SpacePoint& p : corners) p = {p.x * factor, p.y * factor, p.z * factor};
     return corners;
-}
-
-template <int K>
-bool has_finite_steps(const Corners<K>& corners) {
-    const auto [u, v, w, side] = plain_steps<K>(corners);
-    return std::isfinite((u.x + u.y + u.z) * 0x1p-9 + (v.x + v.y + v.z) * 0x1p-9 +
-                         (w.x + w.y + w.z) * 0x1p-9 + (side.x + side.y + side.z) * 0x1p-9);
 }
 
 template <int K>
@@ -296,7 +191,7 @@ int compare_scaled(const Corners<K>& corners, double limit) {
     for (Vector<double>* step : {&at.u, &at.v, &at.w, &at.side})
         *step = {std::ldexp(step->x, shift), std::ldexp(step->y, shift),
                  std::ldexp(step->z, shift)};
-    return compare(radius_filter(at, greatest_step(at)), std::ldexp(limit, shift));
+    return compare(radius_filter(at, square_of_greatest_step(at)), std::ldexp(limit, shift));
 }
 
 template <int K>
@@ -311,7 +206,7 @@ template <int K>
 template <int K>
 bool is_radius_at_most(const Corners<K>& corners, double limit) {
     const StepsOf<double, K> at = plain_steps<K>(corners);
-    const double length = greatest_step(at);
+    const double length = square_of_greatest_step(at);
     const bool is_in_window = length > least_square && length < greatest_square;
     const int sign = is_in_window ? compare(radius_filter(at, length), limit)
                                   : compare_scaled<K>(corners, limit);
@@ -336,7 +231,7 @@ std::array<double, 2> circumradii(const std::array<Corners<K>, 2>& corners,
     const auto [value, error] = rounded_radius(at);
     std::array<double, 2> radii;
     for (unsigned i = 0; i < 2; ++i) {
-        const double length = greatest_step(plain_steps<K>(corners[i]));
+        const double length = square_of_greatest_step(plain_steps<K>(corners[i]));
         const bool is_in_window = length > least_square && length < greatest_square;
         radii[i] =
             is_in_window ? rounded({value.high[i], value.low[i]}, error[i], rounding) : uncertain;

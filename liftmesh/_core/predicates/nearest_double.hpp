@@ -67,6 +67,31 @@ double nearest_double(double near, Side side) {
     });
 }
 
+// A lattice that also holds two doubles, whose middle something is compared with.
+template <class Points>
+class WithMiddle : public Points {
+ public:
+    template <class... Given>
+    WithMiddle(Dyadic lower, Dyadic upper, const Given&... given)
+        : Points(given...), ends_{lower, upper} {
+        for (const Dyadic& end : ends_)
+            if (end.mantissa != 0)
+                this->include(end.exponent, end.exponent + bit_length(end.mantissa));
+        for (Dyadic& end : ends_)
+            if (end.mantissa != 0) end.exponent -= this->low();
+    }
+
+    const Dyadic (&ends() const)[2] { return ends_; }
+    template <int N>
+    Wide<N> sum_of_ends() const {
+        return shifted<N>(ends_[0].mantissa, ends_[0].exponent) +
+               shifted<N>(ends_[1].mantissa, ends_[1].exponent);
+    }
+
+ private:
+    Dyadic ends_[2];
+};
+
 inline double finite_near(double value) {
     constexpr double largest = std::numeric_limits<double>::max();
     return std::isnan(value) ? 0.0 : std::clamp(value, -largest, largest);

@@ -13,13 +13,6 @@ SpacePoint scaled(const SpacePoint& p) {
     return {std::ldexp(p.x, shift), std::ldexp(p.y, shift), std::ldexp(p.z, shift)};
 }
 
-// Within 4 u^2 of the root.
-DoubleWord<double> square_root(const DoubleWord<double>& a) {
-    const double high = std::sqrt(a.high);
-    const DoubleWord<double> product = exact_product(high, high);
-    return quick_sum(high, ((a.high - product.high) - product.low + a.low) / (high + high));
-}
-
 using WideVector = Vector<DoubleWord<double>>;
 
 WideVector step(const UnitVector& from, const UnitVector& to) {
@@ -180,7 +173,7 @@ int side_by_rule(const SpacePoint (&p)[4]) {
 UnitVector unit_vector(const SpacePoint& p) {
     const auto [x, y, z] = scaled(p);
     const DoubleWord<double> length =
-        square_root(exact_product(x, x) + exact_product(y, y) + exact_product(z, z));
+        root(exact_product(x, x) + exact_product(y, y) + exact_product(z, z));
     return {DoubleWord<double>{x, 0} / length, DoubleWord<double>{y, 0} / length,
             DoubleWord<double>{z, 0} / length};
 }
