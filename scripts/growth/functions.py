@@ -20,6 +20,7 @@ from distributions import Points
 from growth.counting import Prepare, Work, on
 from growth.families import random
 from growth.planar import FANS, HARD_TO_WALK, PLANAR
+from growth.solid import SOLID
 from growth.spatial import SPATIAL
 from growth.tiled import tiled_functions
 
@@ -87,11 +88,14 @@ on_hull = on(lifted)
 """Prepare a call on the lower hull of lifted points."""
 
 
-SOLID = {name: SPATIAL[name] for name in TERRAIN}
-"""Clouds in no plane, of few tetrahedra: on a curve n points have n^2."""
-
 on_tetrahedra = on(liftmesh.tetrahedralize)
 """Prepare a call on the tetrahedra of points."""
+
+
+def around_all(found: liftmesh.Tetrahedralization) -> Points:
+    """Make points in the cube around the middle of the bounding box."""
+    low, high = found.points.min(axis=0) / 2, found.points.max(axis=0) / 2
+    return low + high + (high - low) * random().uniform(-0.5, 0.5, found.points.shape)
 
 
 def whole_complex(points: Points) -> liftmesh.AlphaComplex:
@@ -376,10 +380,9 @@ def alpha_functions() -> Iterator[tuple[Any, ...]]:
     yield "AlphaShape.save", SOLID, on_shape(saved), ()
 
 
-def spatial_functions() -> Iterator[tuple[Any, ...]]:
-    """The same of what works in space."""
-    yield "lower_hull", SPATIAL, on_points(liftmesh.lower_hull)
-    yield "tetrahedralize", SOLID, on_points(liftmesh.tetrahedralize)
+def solid_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of tetrahedra and hulls."""
+    yield "tetrahedralize", SOLID, on_points(liftmesh.tetrahedralize), TERRAIN
     yield (
         "tetrahedralize in canonical order",
         SOLID,
@@ -387,8 +390,14 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
         (),
     )
     find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
-    yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
-    yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify())
+    yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights", "tube and outlier")
+    find = on_tetrahedra(
+        lambda tetra: tetra.find_simplex(np.repeat(tetra.points[-1:], len(tetra.points), axis=0))
+    )
+    yield "Tetrahedralization.find_simplex of one row", SOLID, find, ("sphere and centre",)
+    find = on_tetrahedra(lambda tetra: tetra.find_simplex(around_all(tetra)))
+    yield "Tetrahedralization.find_simplex around the middle", SOLID, find, ()
+    yield "Tetrahedralization.verify", SOLID, on_tetrahedra(lambda tetra: tetra.verify()), TERRAIN
     mean = on_tetrahedra(lambda tetra: tetra.interpolate(tetra.points, tetra.points[::-1]))
     yield "Tetrahedralization.interpolate", SOLID, mean, ()
     kept = on_tetrahedra(saved_cells)
@@ -399,6 +408,11 @@ def spatial_functions() -> Iterator[tuple[Any, ...]]:
     for name in ("to_cloud", "to_trimesh", "to_open3d"):
         yield f"ConvexHull.{name}", SOLID, on_solid(operator.methodcaller(name)), ()
     yield "ConvexHull.save", SOLID, on_solid(saved), ()
+
+
+def spatial_functions() -> Iterator[tuple[Any, ...]]:
+    """The same of what works in space."""
+    yield "lower_hull", SPATIAL, on_points(liftmesh.lower_hull)
     yield "orient3d", SPATIAL, predicate(liftmesh.orient3d, 4), TERRAIN
     yield "insphere", SPATIAL, predicate(liftmesh.insphere, 5), TERRAIN
     yield (
@@ -478,6 +492,7 @@ FUNCTIONS = (
     *planar_functions(),
     *tiled_functions(),
     *spatial_functions(),
+    *solid_functions(),
     *scipys_in_space(),
     *alpha_functions(),
     *spherical_functions(),

@@ -344,8 +344,17 @@ class TestFindSimplex:
     def test_against_every_tetrahedron(self) -> None:
         rng = np.random.default_rng(5)
         points = rng.integers(0, 4, (40, 3)).astype(float)
+        self.check(points, rng.integers(-1, 9, (600, 3)) / 2)
+
+    def test_around_a_vertex_of_very_many(self) -> None:
+        """And of queries in no order, as one is far from all others."""
+        rng = np.random.default_rng(6)
+        points = np.vstack([sphere(120, rng), np.zeros((1, 3)), [[1e9, 0, 0]]])
+        middles = points[rng.integers(0, 121, 60)] / 2  # on the edges, but of the last row
+        self.check(points, np.vstack([np.zeros((70, 3)), middles, np.zeros((9, 3)), [[9e8, 0, 0]]]))
+
+    def check(self, points: Points, queries: Points) -> None:
         tetra = liftmesh.tetrahedralize(points)
-        queries = rng.integers(-1, 9, (600, 3)) / 2
         corners = tetra.points[tetra.simplices]
         inside = np.ones((len(queries), len(corners)), dtype=bool)
         for k in range(4):

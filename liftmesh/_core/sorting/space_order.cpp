@@ -3,8 +3,7 @@
 #include "parallel/blocks.hpp"
 #include "predicates/lattice.hpp"
 #include "sorting/counting_sort.hpp"
-#include "sorting/hilbert.hpp"
-#include "sorting/patient_sort.hpp"
+#include "sorting/curve_sort.hpp"
 
 namespace liftmesh {
 
@@ -42,11 +41,6 @@ SpacePoint SpaceScale::operator()(const SpacePoint& p) const {
 
 namespace {
 
-struct PlacedRow {
-    std::uint64_t place;
-    Row row;
-};
-
 class SpaceSort {
  public:
     SpaceSort(SpaceRows rows, ThreadPool& pool, SpaceOrder& order)
@@ -58,7 +52,7 @@ class SpaceSort {
     static constexpr std::size_t length = std::size_t{1} << 14;  // of a task
 
     bool find_places() {
-        placed_ = allocate<PlacedRow>(rows_.count);
+        placed_ = allocate<Placed>(rows_.count);
         SpaceBox box;
         auto skipped = rows_.skipped.begin();
         const auto add = [&](std::size_t row) {
@@ -66,7 +60,7 @@ class SpaceSort {
                 ++skipped;
                 return;
             }
-            placed_[count_++].row = static_cast<Row>(row);
+            placed_[count_++].index = row;
             box.add(rows_.points[row]);
             scale_.add(rows_.points[row]);
         };
@@ -75,7 +69,7 @@ class SpaceSort {
         const HilbertCurveInSpace curve(box);
         return in_blocks(count_, length, pool_, [&](std::size_t i, std::size_t last, std::size_t) {
             interrupt_.advance(work::sorting / 2 * (last - i));
-            for (; i < last; ++i) placed_[i].place = curve(rows_.points[placed_[i].row]);
+            for (; i < last; ++i) placed_[i].place = curve(rows_.points[placed_[i].index]);
         });
     }
 
@@ -84,13 +78,13 @@ class SpaceSort {
         constexpr int key_bits = 12, place_bits = 63;
         const std::size_t shares = std::clamp<std::size_t>(count_ / length, 1, pool_.size());
         CountingSort parts(count_, shares, std::size_t{1} << key_bits, pool_);
-        auto sorted = allocate<PlacedRow>(count_);
+        auto sorted = allocate<Placed>(count_);
         const bool done = parts.sort(
             [this](const Share& share, auto visit) {
                 for (std::size_t i = share.first; i < share.last; ++i) visit(placed_[i]);
             },
-            [](const PlacedRow& item) { return item.place >> (place_bits - key_bits); },
-            [&](std::size_t to, const PlacedRow& item) { sorted[to] = item; });
+            [](const Placed& item) { return item.place >> (place_bits - key_bits); },
+            [&](std::size_t to, const Placed& item) { sorted[to] = item; });
         if (!done) return false;
         placed_ = std::move(sorted);
         const std::vector<std::size_t> starts = std::move(parts).starts();
@@ -100,51 +94,19 @@ class SpaceSort {
             const std::span part(&placed_[starts[task * each]],
                                  &placed_[starts[(task + 1) * each]]);
             interrupt_.advance(work::sorting / 2 * part.size());
-            sort(part);
+            const auto at = [this](std::size_t row) -> const SpacePoint& {
+                return rows_.points[row];
+            };
+            sort_on_curve(part, at, interrupt_);
         });
     }
-
-    // By place, and those at one place by a curve of their own, unless that is one place again.
-    void sort(std::span<PlacedRow> part, bool is_refined = false) {
-        const auto is_before = [](const PlacedRow& a, const PlacedRow& b) {
-            return a.place != b.place ? a.place < b.place : a.row < b.row;
-        };
-        if (!patient_sort(part, is_before, interrupt_)) return;
-        for (auto first = part.begin(), last = first; first != part.end(); first = last) {
-            last = std::find_if(first, part.end(),
-                                [&](const PlacedRow& p) { return p.place != first->place; });
-            const std::span same(first, last);
-            constexpr std::size_t few = 64;
-            if (same.size() > few && (!is_refined || same.size() < part.size()))
-                refine(same);
-            else if (same.size() > 1)
-                sort_by_position(same);
-        }
-    }
-
-    void refine(std::span<PlacedRow> same) {
-        SpaceBox box;
-        for (const PlacedRow& item : same) box.add(at(item));
-        const HilbertCurveInSpace curve(box);
-        for (PlacedRow& item : same) item.place = curve(at(item));
-        sort(same, true);
-    }
-
-    void sort_by_position(std::span<PlacedRow> same) {
-        const auto is_before = [this](const PlacedRow& a, const PlacedRow& b) {
-            return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
-        };
-        patient_sort(same, is_before, interrupt_);
-    }
-
-    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
 
     bool keep_distinct() {
         order_.points = allocate<SpacePoint>(count_);
         order_.rows = allocate<Row>(count_);
         const SpacePoint* kept = nullptr;
         const bool done = for_each_in_blocks(count_, interrupt_, [&](std::size_t i) {
-            const Row row = placed_[i].row;
+            const Row row = static_cast<Row>(placed_[i].index);
             if (kept != nullptr && *kept == rows_.points[row]) {
                 order_.duplicates.push_back({row, order_.rows[order_.count - 1]});
                 return;
@@ -162,7 +124,7 @@ class SpaceSort {
     ThreadPool& pool_;
     Interrupt& interrupt_;
     SpaceOrder& order_;
-    Buffer<PlacedRow> placed_;
+    Buffer<Placed> placed_;
     std::size_t count_ = 0;
     SpaceScale scale_;
 };

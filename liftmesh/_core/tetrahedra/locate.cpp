@@ -2,8 +2,7 @@
 
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
-#include "sorting/hilbert.hpp"
-#include "sorting/patient_sort.hpp"
+#include "sorting/curve_sort.hpp"
 
 namespace liftmesh {
 
@@ -46,20 +45,33 @@ class SpaceWalk {
     }
 
     unsigned exit_towards(std::int32_t t, const SpacePoint& query) {
-        is_on_facet_ = false;
+        spans_.fill(true);
         for (unsigned k = 0; k < 4; ++k) {
             const int found = side(t, k, query);
             if (found < 0) return k;
-            is_on_facet_ |= found == 0;
+            spans_[k] = found > 0;
         }
         return 4;
     }
 
-    // Those that contain the query are connected by facets that do. Few, but around a vertex with
-    // very many.
+    // The corners of the facet, edge or vertex that the last query is on, ascending.
+    std::vector<std::int32_t> face() const {
+        std::vector<std::int32_t> rows;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (spans_[k])
+                rows.push_back(tetrahedra_.simplices[4 * static_cast<std::size_t>(last_) + k]);
+        std::sort(rows.begin(), rows.end());
+        return rows;
+    }
+
+    // Those that contain the query are the tetrahedra of the facet, edge or vertex that it is on:
+    // they are connected by facets that contain it. Where they are many they are looked at once.
     std::int32_t first_around(const SpacePoint& query) {
+        constexpr std::size_t many = 64;
+        if (spans_ == std::array{true, true, true, true}) return last_;
+        if (!known_.empty())
+            if (const auto known = known_.find(face()); known != known_.end()) return known->second;
         std::int32_t first = last_;
-        if (!is_on_facet_) return first;
         seen_.resize(tetrahedra_.count);
         around_.clear();
         see(last_);
@@ -71,6 +83,7 @@ class SpaceWalk {
                     see(t);
         }
         for (std::int32_t t : around_) seen_[static_cast<std::size_t>(t)] = false;
+        if (around_.size() > many) known_.emplace(face(), first);
         return first;
     }
 
@@ -83,27 +96,21 @@ class SpaceWalk {
     Trust trust_;
     Patience patience_;
     std::int32_t last_ = 0;
-    bool is_on_facet_ = false;
+    std::array<bool, 4> spans_{};  // whether each corner is of the face that the query is on
+    std::map<std::vector<std::int32_t>, std::int32_t> known_;
     std::vector<std::int32_t> around_;
     std::vector<std::uint8_t> seen_;  // of each tetrahedron, once it is needed
 };
 
-struct PlacedQuery {
-    std::uint64_t place;
-    std::size_t index;
-};
-
 // False if the interrupt came first.
 bool in_order(const SpacePoint* queries, std::size_t count, const SpaceBox& box,
-              Interrupt& interrupt, std::vector<PlacedQuery>& order) {
+              Interrupt& interrupt, std::vector<Placed>& order) {
     const HilbertCurveInSpace curve(box);
     order.reserve(count);
     for (std::size_t i = 0; i < count; ++i)
         if (is_finite(queries[i])) order.push_back({curve(queries[i]), i});
-    const auto is_before = [](const PlacedQuery& a, const PlacedQuery& b) {
-        return a.place < b.place;
-    };
-    return patient_sort(order, is_before, interrupt);
+    const auto at = [queries](std::size_t i) -> const SpacePoint& { return queries[i]; };
+    return sort_on_curve(std::span(order), at, interrupt);
 }
 
 }  // namespace
@@ -123,7 +130,7 @@ bool SpaceLocator::find(const SpacePoint* queries, std::size_t count, Interrupt&
         if (is_finite(queries[i])) scale.add(queries[i]), box.add(queries[i]);
     scale.settle();
     SpaceWalk walk(tetrahedra_, scale.moves() ? Trust() : scale.trust(), interrupt);
-    std::vector<PlacedQuery> order;
+    std::vector<Placed> order;
     if (!in_order(queries, count, box, interrupt, order)) return false;
     return for_each_in_blocks(order.size(), interrupt,
                               [&](std::size_t i) {
