@@ -176,22 +176,17 @@ int insphere_exact(const SpacePoint (&points)[5], const Trust& trust) {
 // As in the plane: the lexicographically largest point is lifted most. If it is the last, that
 // leaves the sphere; otherwise the last replaces it in the tetrahedron, whose orientation is then
 // the sign. Where the new one is flat, the next largest point decides.
-bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust,
-                       const double* volumes) {
+bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust) {
     const SpacePoint& last = *points[4];
     for (unsigned done = 0; done != 0xf;) {
         unsigned largest = 4;
         for (unsigned i = 0; i < 4; ++i)
             if (!(done >> i & 1) && before_xyz(*points[largest], *points[i])) largest = i;
         if (largest == 4) return false;
-        if (volumes != nullptr) {
-            if (volumes[largest] != 0) return volumes[largest] > 0;
-        } else {
-            std::array<const SpacePoint*, 5> p = points;
-            p[largest] = &last;
-            const int sign = volume_sign(*p[0], *p[1], *p[2], *p[3], trust);
-            if (sign != 0) return sign > 0;
-        }
+        std::array<const SpacePoint*, 5> p = points;
+        p[largest] = &last;
+        const int sign = volume_sign(*p[0], *p[1], *p[2], *p[3], trust);
+        if (sign != 0) return sign > 0;
         done |= 1u << largest;
     }
     return false;  // GCOV_EXCL_LINE: in one of four the last is opposite

@@ -25,6 +25,10 @@
 
 namespace liftmesh {
 
+// The corners of facet k of a positive tetrahedron, opposite corner k, counter-clockwise seen from
+// outside.
+inline constexpr unsigned outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+
 // What is known of the points of a set.
 struct Trust {
     static constexpr int least_exponent = -131;
@@ -50,9 +54,21 @@ int insphere_exact(const SpacePoint (&points)[5], const Trust& trust);
 // It is 0 only if the first four are coplanar or the last coincides with one of them.
 int insphere_canonical_exact(const SpacePoint (&points)[5], const Trust& trust);
 // The same for distinct points on one sphere, of which the first four are a positive tetrahedron.
-// `volumes`, if known, are those with each of its corners replaced by the last point.
-bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust,
-                       const double* volumes = nullptr);
+bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points, const Trust& trust);
+
+// The same from the volumes with each of the first four replaced by the last: of the points whose
+// lift counts the largest decides, and the last one's always counts.
+inline bool is_inside_by_rule(const std::array<const SpacePoint*, 5>& points,
+                              const double (&volumes)[4]) {
+    const SpacePoint* largest = points[4];
+    double volume = -1;
+    for (unsigned i = 0; i < 4; ++i) {
+        const bool is_larger = (volumes[i] != 0) & before_xyz(*largest, *points[i]);
+        largest = is_larger ? points[i] : largest;
+        volume = is_larger ? volumes[i] : volume;
+    }
+    return volume > 0;
+}
 
 struct SpaceSteps {
     double x, y, z;
@@ -76,10 +92,10 @@ inline int volume_sign(const SpacePoint& a, const SpacePoint& b, const SpacePoin
                        r.z * (p.y * q.x - p.x * q.y);
     const double x = largest_magnitude(p.x, q.x, r.x), y = largest_magnitude(p.y, q.y, r.y);
     const double z = largest_magnitude(p.z, q.z, r.z);
+    if (std::max(std::max(x, y), z) <= trust.exact_volume) return (det > 0) - (det < 0);
     const double error = bound * x * y * z + trust.guard.margin();
     if (det > error) return 1;
     if (-det > error) return -1;
-    if (std::max(std::max(x, y), z) <= trust.exact_volume) return (det > 0) - (det < 0);
     return volume_sign_exact(a, b, c, d, trust);
 }
 
@@ -117,11 +133,11 @@ inline bool is_inside_sphere(const SpacePoint& a, const SpacePoint& b, const Spa
                              const SpacePoint& d, const SpacePoint& e, const Trust& trust) {
     const SpaceSteps p(a, e), q(b, e), r(c, e), s(d, e);
     const auto [det, square, volumes] = insphere_filter(p, q, r, s);
+    if (square <= trust.exact_square)
+        return det != 0 ? det > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, volumes);
     const double error = sphere_bound * square * square * std::sqrt(square) + trust.guard.margin();
     if (det > error) return true;
     if (-det > error) return false;
-    if (square <= trust.exact_square)
-        return det != 0 ? det > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, trust, volumes);
     const double closer = insphere_error(p, q, r, s, square) + trust.guard.margin();
     if (det > closer) return true;
     if (-det > closer) return false;

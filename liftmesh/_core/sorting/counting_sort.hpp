@@ -24,6 +24,12 @@ struct Share {
     std::size_t first, last, number;
 };
 
+// A share for each thread, as far as there is work, but few: each has a number for every key.
+inline std::size_t few_shares(std::size_t parts, std::size_t threads) {
+    constexpr std::size_t most = 4;
+    return std::clamp<std::size_t>(std::min(parts, threads), 1, most);
+}
+
 template <class Pool>
 class CountingSort {
  public:

@@ -4,6 +4,7 @@
 #include "parallel/blocks.hpp"
 #include "predicates/ray_side.hpp"
 #include "predicates/space_lattice.hpp"
+#include "sorting/patient_sort.hpp"
 #include "sorting/sample.hpp"
 
 namespace liftmesh {
@@ -48,9 +49,7 @@ class SphereInsertion {
             if (patience_.ends(cavity_.size())) return false;
         }
         result_.distinct = points_.count - doubles_.size();
-        merge();
-        write();
-        return true;
+        return merge() && write();
     }
 
  private:
@@ -185,8 +184,8 @@ class SphereInsertion {
 
     Row row(Vertex v) const { return points_.rows[v]; }
 
-    // Of the rows of one direction the lowest is the vertex.
-    void merge() {
+    // Of the rows of one direction the lowest is the vertex. False if the interrupt came first.
+    bool merge() {
         row_.assign(points_.rows.get(), points_.rows.get() + points_.count);
         for (const auto& [v, vertex] : doubles_) row_[vertex] = std::min(row_[vertex], row(v));
         for (const auto& [v, vertex] : doubles_) {
@@ -205,13 +204,15 @@ class SphereInsertion {
         auto& all = result_.duplicates;
         const auto by_row = [](const Duplicate& a, const Duplicate& b) { return a.row < b.row; };
         std::erase_if(all, [](const Duplicate& pair) { return pair.row == pair.kept; });
-        std::sort(all.begin(), all.end(), by_row);
+        if (!patient_sort(all, by_row, interrupt_)) return false;
         all.erase(std::unique(all.begin(), all.end(),
                               [](const auto& a, const auto& b) { return a.row == b.row; }),
                   all.end());
+        return true;
     }
 
-    void write() {
+    // False if the interrupt came first.
+    bool write() {
         std::vector<std::pair<std::array<Vertex, 3>, FacetName>> sorted;
         std::vector<std::int32_t> place(facets_.size());
         std::vector<unsigned> least(facets_.size());
@@ -222,7 +223,7 @@ class SphereInsertion {
             std::rotate(v.begin(), at, v.end());
             sorted.push_back({v, t});
         }
-        std::sort(sorted.begin(), sorted.end());
+        if (!patient_sort(sorted, std::less<>(), interrupt_)) return false;
         for (std::size_t i = 0; i < sorted.size(); ++i)
             place[sorted[i].second] = static_cast<std::int32_t>(i);
         for (const auto& [v, t] : sorted) {
@@ -234,6 +235,7 @@ class SphereInsertion {
             result_.simplices.push_back(rows);
             result_.neighbors.push_back(beside);
         }
+        return true;
     }
 
     struct RimEdge {

@@ -8,7 +8,7 @@ namespace {
 template <class Visit>
 void for_each_edge(const CavityFacet& facet, const std::array<std::uint8_t, 3>& number,
                    Visit visit) {
-    const auto& corner = corners_of[facet.k];
+    const auto& corner = outward[facet.k];
     visit(facet_name(facet.slot, corner[2]), number[0], number[1]);
     visit(facet_name(facet.slot, corner[0]), number[1], number[2]);
     visit(facet_name(facet.slot, corner[1]), number[2], number[0]);
@@ -31,7 +31,7 @@ bool SmallSurface::number(const std::vector<CavityFacet>& facets) {
 
 bool SmallSurface::number(const CavityFacet& facet, Numbers& numbers) {
     for (unsigned i = 0; i < 3; ++i) {
-        const Vertex v = facet.vertex[corners_of[facet.k][i]];
+        const Vertex v = facet.vertex[outward[facet.k][i]];
         std::uint8_t& known = numbers_[index(v)];
         if (known == none) {
             if (known_.size() == most) return false;
@@ -61,7 +61,7 @@ void LargeSurface::find(const std::vector<CavityFacet>& facets, SpaceMesh& mesh)
         mesh[behind(facets[i]) / 4].across[facets[i].k] = on_surface | static_cast<Word>(i);
     pairs_.clear();
     for (const CavityFacet& facet : facets) {
-        const auto& corner = corners_of[facet.k];
+        const auto& corner = outward[facet.k];
         for (unsigned i = 0; i < 3; ++i) {
             const Vertex a = facet.vertex[corner[i]], b = facet.vertex[corner[(i + 1) % 3]];
             if (a > b) continue;  // the other facet sees it from b to a

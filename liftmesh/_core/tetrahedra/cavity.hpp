@@ -2,13 +2,10 @@
 // stay. With the point each makes a new tetrahedron, and these are joined here.
 #pragma once
 
+#include "predicates/insphere.hpp"
 #include "tetrahedra/space_mesh.hpp"
 
 namespace liftmesh {
-
-// For each facet of a positive tetrahedron, its corners counter-clockwise seen from the vertex
-// opposite.
-inline constexpr unsigned corners_of[4][3] = {{2, 1, 3}, {0, 2, 3}, {1, 0, 3}, {0, 1, 2}};
 
 // The tetrahedron that a facet will make with the new point at place k, and the neighbour outside.
 struct CavityFacet {

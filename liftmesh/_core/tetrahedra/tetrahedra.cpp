@@ -36,7 +36,6 @@ class TetrahedraWriter {
 
  private:
     static constexpr std::size_t length = std::size_t{1} << 14;  // of a task
-    static constexpr std::size_t most_shares = 4;  // each has a number for every point
 
     bool is_finite(std::size_t t) const { return !all_[t].is_free() && !all_[t].is_ghost(); }
 
@@ -92,8 +91,7 @@ class TetrahedraWriter {
     Word& slot(std::size_t place) { return neighbors_[4 * place]; }
 
     bool sort() {
-        const std::size_t shares = std::clamp<std::size_t>(slots_ / length, 1, pool_.size());
-        CountingSort by_least(slots_, std::min(shares, most_shares), points_, pool_);
+        CountingSort by_least(slots_, few_shares(slots_ / length, pool_.size()), points_, pool_);
         const auto visit_finite = [this](const Share& share, auto visit) {
             for (std::size_t t = share.first; t < share.last; ++t)
                 if (is_finite(t)) visit(static_cast<Word>(t));
@@ -128,7 +126,7 @@ class TetrahedraWriter {
             const auto& vertex = all_[t].vertex;
             same.push_back({{vertex[1], vertex[2], vertex[3]}, t});
         }
-        std::sort(same.begin(), same.end());
+        if (!patient_sort(same, std::less<>(), pool_.interrupt())) return;
         std::size_t place = starts_[v];
         for (const auto& [vertex, t] : same) {
             for (unsigned k = 0; k < 4; ++k) neighbors_[4 * place + k] = all_[t].across[k] / 4;

@@ -11,9 +11,6 @@ namespace {
 
 constexpr Vertex no_vertex = ~Vertex{0};
 
-// The corners of facet k of a positive tetrahedron, counter-clockwise seen from outside.
-constexpr unsigned outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-
 // A facet seen from one tetrahedron, by its ascending corners.
 struct SpaceFacet {
     Vertex middle, last;  // the least is known by the bucket
@@ -135,9 +132,8 @@ class TetrahedraVerifier {
 
     // By their least corner, then by the others.
     bool pair_facets() {
-        constexpr std::size_t most_shares = 4;  // each has a number for every point
-        const std::size_t shares = std::clamp<std::size_t>(count_ / block, 1, pool_.size());
-        CountingSort by_least(4 * count_, std::min(shares, most_shares), points_.count, pool_);
+        CountingSort by_least(4 * count_, few_shares(count_ / block, pool_.size()), points_.count,
+                              pool_);
         const auto all = allocate<SpaceFacet>(4 * count_);
         const bool done = by_least.sort(
             [](const Share& share, auto visit) {
