@@ -390,7 +390,7 @@ def solid_functions() -> Iterator[tuple[Any, ...]]:
         (),
     )
     find = on_tetrahedra(lambda tetra: tetra.find_simplex(tetra.points[::-1]))
-    yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights", "tube and outlier")
+    yield "Tetrahedralization.find_simplex", SOLID, find, ("random heights",)
     find = on_tetrahedra(
         lambda tetra: tetra.find_simplex(np.repeat(tetra.points[-1:], len(tetra.points), axis=0))
     )
