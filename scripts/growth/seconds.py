@@ -120,13 +120,13 @@ def once(subject: Subject, family: str, size: int) -> tuple[int, float]:
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
     """Raise in what takes longer."""
-    previous = signal.signal(signal.SIGALRM, _stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    previous = signal.signal(signal.SIGPROF, _stop)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, previous)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, previous)
 
 
 def _stop(*_: object) -> None:

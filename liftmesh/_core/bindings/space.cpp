@@ -62,7 +62,7 @@ void circumcentres(const Places& places, const Quadruples& simplices,
         liftmesh::Patience patience(interrupt);
         for (std::size_t i = 0; i < simplices.shape(0); ++i) {
             if (patience.ends(steps)) return false;
-            liftmesh::Corners<4> corners;
+            std::array<SpacePoint, 4> corners;
             for (std::size_t k = 0; k < 4; ++k)
                 corners[k] = points(places)[simplices.data()[4 * i + k]];
             const SpacePoint centre = liftmesh::circumcentre(corners);

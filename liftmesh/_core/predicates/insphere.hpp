@@ -128,21 +128,27 @@ inline double insphere_error(const SpaceSteps& p, const SpaceSteps& q, const Spa
     return sphere_bound * (x * y) * (z * square);
 }
 
-// Whether e is inside the sphere of a positive tetrahedron, or on it and inside by the rule.
-inline bool is_inside_sphere(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
-                             const SpacePoint& d, const SpacePoint& e, const Trust& trust) {
-    const SpaceSteps p(a, e), q(b, e), r(c, e), s(d, e);
-    const auto [det, square, volumes] = insphere_filter(p, q, r, s);
+// Whether e is inside the sphere of a positive tetrahedron, or on it and inside by the rule; from
+// the filter of their differences.
+inline bool is_inside_sphere(const SphereFilter& filter, const SpacePoint& a, const SpacePoint& b,
+                             const SpacePoint& c, const SpacePoint& d, const SpacePoint& e,
+                             const Trust& trust) {
+    const auto& [det, square, volumes] = filter;
     if (square <= trust.exact_square)
         return det != 0 ? det > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, volumes);
     const double error = sphere_bound * square * square * std::sqrt(square) + trust.guard.margin();
     if (det > error) return true;
     if (-det > error) return false;
-    const double closer = insphere_error(p, q, r, s, square) + trust.guard.margin();
+    const double closer =
+        insphere_error({a, e}, {b, e}, {c, e}, {d, e}, square) + trust.guard.margin();
     if (det > closer) return true;
     if (-det > closer) return false;
     const int sign = insphere_exact({a, b, c, d, e}, trust);
     return sign != 0 ? sign > 0 : is_inside_by_rule({&a, &b, &c, &d, &e}, trust);
+}
+inline bool is_inside_sphere(const SpacePoint& a, const SpacePoint& b, const SpacePoint& c,
+                             const SpacePoint& d, const SpacePoint& e, const Trust& trust) {
+    return is_inside_sphere(insphere_filter({a, e}, {b, e}, {c, e}, {d, e}), a, b, c, d, e, trust);
 }
 
 }  // namespace liftmesh

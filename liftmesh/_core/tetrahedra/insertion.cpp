@@ -116,21 +116,28 @@ class SpaceInsertion {
         return 4;
     }
 
-    // Whether inserting p removes the tetrahedron: inside or outside, unknown where another thread
-    // works. A point in the plane of a facet of the hull is in the perturbed circle of the facet
-    // exactly if it is in the sphere behind it.
-    std::uint8_t conflict(Word t, const SpacePoint& p) const {
-        const Tetrahedron* at = &mesh_[t];
-        if (at->is_ghost()) {
-            const int side =
-                volume_sign(p_[at->vertex[0]], p_[at->vertex[1]], p_[at->vertex[2]], p, trust_);
-            if (side != 0) return side > 0 ? inside : outside;
-            if (!may_cross(*at, 3)) return unknown;
-            at = &mesh_[at->across[3] / 4];
-        }
-        const bool is_inside = is_inside_sphere(p_[at->vertex[0]], p_[at->vertex[1]],
-                                                p_[at->vertex[2]], p_[at->vertex[3]], p, trust_);
-        return is_inside ? inside : outside;
+    // Whether inserting p removes a ghost: inside or outside, unknown where another thread works. A
+    // point in the plane of a facet of the hull is in the perturbed circle of the facet exactly if
+    // it is in the sphere behind it.
+    std::uint8_t conflict(const Tetrahedron& ghost, const SpacePoint& p) const {
+        const auto& v = ghost.vertex;
+        const int side = volume_sign(p_[v[0]], p_[v[1]], p_[v[2]], p, trust_);
+        if (side != 0) return side > 0 ? inside : outside;
+        if (!may_cross(ghost, 3)) return unknown;
+        const Tetrahedron& t = mesh_[ghost.across[3] / 4];
+        return sphere_conflict(filter(t, p), t, p);
+    }
+
+    SphereFilter filter(const Tetrahedron& t, const SpacePoint& p) const {
+        const auto& v = t.vertex;
+        return insphere_filter({p_[v[0]], p}, {p_[v[1]], p}, {p_[v[2]], p}, {p_[v[3]], p});
+    }
+    std::uint8_t sphere_conflict(const SphereFilter& filter, const Tetrahedron& t,
+                                 const SpacePoint& p) const {
+        const auto& v = t.vertex;
+        return is_inside_sphere(filter, p_[v[0]], p_[v[1]], p_[v[2]], p_[v[3]], p, trust_)
+                   ? inside
+                   : outside;
     }
 
     // What is in conflict is connected. False, and nothing has changed, if it leads out of the
@@ -141,21 +148,41 @@ class SpaceInsertion {
         mesh_.mark(first) = inside;
         for (std::size_t i = 0; i < cavity_.size(); ++i) {
             const Tetrahedron at = mesh_[cavity_[i]];
+            if (!ask_around(at, p_[v])) return give_up();
             for (unsigned k = 0; k < 4; ++k) {
-                if (!may_cross(at, k)) return give_up();
-                const Word t = at.across[k] / 4;
-                std::uint8_t& mark = mesh_.mark(t);
-                if (mark == unknown) {
-                    mark = conflict(t, p_[v]);
-                    if (!is_alone && mark == unknown) return give_up();
-                    if (mark == inside) push(t);
-                }
-                if (mark == inside) continue;
+                if (mesh_.mark(at.across[k] / 4) == inside) continue;
                 surface_.push_back({at.vertex, at.across[k], k, 0});
                 surface_.back().vertex[k] = v;
             }
         }
         return provide_slots() || give_up();
+    }
+
+    // Marks what is around a tetrahedron of the cavity. The filters come first, as no branch waits
+    // for them.
+    bool ask_around(const Tetrahedron& at, const SpacePoint& p) {
+        std::array<Word, 4> asked;
+        std::array<SphereFilter, 4> filters;
+        unsigned count = 0;
+        for (unsigned k = 0; k < 4; ++k) {
+            if (!may_cross(at, k)) return false;
+            asked[count] = at.across[k] / 4;
+            count += mesh_.mark(asked[count]) == unknown;
+        }
+        for (unsigned i = 0; i < count; ++i)
+            if (const Tetrahedron& t = mesh_[asked[i]]; !t.is_ghost()) filters[i] = filter(t, p);
+        for (unsigned i = 0; i < count; ++i) {
+            const Tetrahedron& t = mesh_[asked[i]];
+            const std::uint8_t mark =
+                t.is_ghost() ? conflict(t, p) : sphere_conflict(filters[i], t, p);
+            if (!is_alone && mark == unknown) {
+                for (unsigned j = 0; j < i; ++j) mesh_.mark(asked[j]) = unknown;
+                return false;
+            }
+            mesh_.mark(asked[i]) = mark;
+            if (mark == inside) push(asked[i]);
+        }
+        return true;
     }
 
     // What is around it will be asked next.
