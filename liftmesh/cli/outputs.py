@@ -316,6 +316,18 @@ def as_values(written: WriteResult) -> dict[str, Any]:
     }
 
 
+def report_counts(
+    written: WriteResult, line: str, counts: Mapping[str, int], *, as_json: bool, **others: float
+) -> None:
+    """Say what a file holds, in a line and with its counts; in JSON also other numbers."""
+    if as_json:
+        named = {f"n_{name.replace(' ', '_')}": count for name, count in counts.items()}
+        terminal.as_json({**as_values(written), **named, **others})
+        return
+    terminal.sentence(headline(written, line), "good")
+    terminal.table([(name, f"{count:,}") for name, count in counts.items()])
+
+
 def check_stdout() -> None:
     """Raise before the work starts if the result could not be printed."""
     if isinstance(sys.stdout, Closed):

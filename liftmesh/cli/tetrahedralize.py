@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import click
 
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import argument, is_stream
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
-    from liftmesh.space.tetrahedralization import Tetrahedralization
 
 SHORT_HELP = "Tetrahedra of points in space, exact and canonical."
 HELP = (
@@ -52,21 +48,12 @@ def run(
     with terminal.stage(f"writing {target.name}"):
         written = tetra.save(target)
     with outputs.report_after(target):
-        _report(written, tetra, as_json=json)
-
-
-def _report(written: WriteResult, tetra: Tetrahedralization, *, as_json: bool) -> None:
-    counts = {
-        "rows": len(tetra.points),
-        "tetrahedra": len(tetra.simplices),
-        "hull facets": len(tetra.convex_hull),
-        "duplicates": len(tetra.duplicates),
-        "skipped": len(tetra.skipped),
-    }
-    if as_json:
-        named = {f"n_{name.replace(' ', '_')}": count for name, count in counts.items()}
-        terminal.as_json({**outputs.as_values(written), **named})
-        return
-    line = f"{counts['tetrahedra']:,} tetrahedra of {counts['rows']:,} rows"
-    terminal.sentence(outputs.headline(written, line), "good")
-    terminal.table([(name, f"{count:,}") for name, count in counts.items()])
+        counts = {
+            "rows": len(tetra.points),
+            "tetrahedra": len(tetra.simplices),
+            "hull facets": len(tetra.convex_hull),
+            "duplicates": len(tetra.duplicates),
+            "skipped": len(tetra.skipped),
+        }
+        line = f"{counts['tetrahedra']:,} tetrahedra of {counts['rows']:,} rows"
+        outputs.report_counts(written, line, counts, as_json=json)
