@@ -67,12 +67,12 @@ def transform(
     if lost.any():
         row = int(np.argmax(lost))
         place = tuple(points[row].tolist())
-        error = TransformationError(
+        lacking = TransformationError(
             f"row {row}, {place}, has no place in {shown(target)}: give another "
             f"{Option('dst_crs', ...)}"
         )
-        error.place = place
-        raise error
+        lacking.place = place
+        raise lacking
     return moved, operation.told
 
 
