@@ -270,10 +270,6 @@ def test_what_a_solid_does_not_keep_of_its_surface_is_said(tmp_path) -> None:
         assert done.returncode == 0, done.stderr
         assert lost in done.stdout
         assert own in done.stdout
-    words = ("full.ply", "-", "--output-format", "off", "--base-height", "0")
-    done = process("solid", *words, cwd=tmp_path)
-    assert done.stdout.startswith("OFF\n")
-    assert (lost in done.stderr, lost in done.stdout) == (True, False)
     words = ("full.ply", "t.3mf", "--base-height", "0", "--longest", "90", "--json")
     told = json.loads(run("solid", *words, cwd=tmp_path).stdout)
     assert told["dropped"][:4] == ["colors", "normals", "crs", "id"]
