@@ -51,8 +51,6 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, find its alpha shape, write the mesh, and print a report."""
-    if json:
-        outputs.check_stdout()
     if alpha is not None and components is not None:
         raise click.BadParameter("--alpha and --components are given: give one of them")
     target.check()

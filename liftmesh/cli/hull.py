@@ -31,8 +31,6 @@ def run(
     """Read a cloud, find its hull, write it, and print a report."""
     import liftmesh
 
-    if json:
-        outputs.check_stdout()
     target.check()
     cloud = inputs.read_rows([source], reading, of_surface=False)
     with inputs.about(source):
@@ -42,11 +40,7 @@ def run(
                 cloud, nonfinite=nonfinite, threads=threads, progress=progress
             )
     written = target.write(replace(hull.to_cloud(), crs=cloud.crs))
-    with outputs.report_after(target.path):
-        counts = {
-            "rows": len(hull.points),
-            "vertices": len(hull.vertices),
-            "facets": len(hull.faces),
-        }
-        line = f"{counts['facets']:,} facets on {counts['vertices']:,} of {counts['rows']:,} rows"
-        outputs.report_counts(written, line, counts, as_json=json)
+    rows, vertices, facets = len(hull.points), len(hull.vertices), len(hull.faces)
+    told = {"n_rows": rows, "n_vertices": vertices, "n_facets": facets}
+    line = f"{facets:,} facets on {vertices:,} of {rows:,} rows"
+    outputs.report(written, line, told, as_json=json)

@@ -21,7 +21,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("target")
+@outputs.guards("target", prints=True)
 def run(
     source: options.Source,
     target: Annotated[Path, argument("OUT", "Tetrahedra, as .vtu, .vtk or .msh.")],
@@ -35,7 +35,6 @@ def run(
     import liftmesh
     from liftmesh.io.tetrahedra import checked_format
 
-    outputs.check_stdout()
     if is_stream(target):
         raise click.BadParameter("tetrahedra are not written to stdout: name a file")
     checked_format(target)
@@ -47,13 +46,12 @@ def run(
         )
     with terminal.stage(f"writing {target.name}"):
         written = tetra.save(target)
-    with outputs.report_after(target):
-        counts = {
-            "rows": len(tetra.points),
-            "tetrahedra": len(tetra.simplices),
-            "hull facets": len(tetra.convex_hull),
-            "duplicates": len(tetra.duplicates),
-            "skipped": len(tetra.skipped),
-        }
-        line = f"{counts['tetrahedra']:,} tetrahedra of {counts['rows']:,} rows"
-        outputs.report_counts(written, line, counts, as_json=json)
+    counts = {
+        "rows": len(tetra.points),
+        "tetrahedra": len(tetra.simplices),
+        "hull facets": len(tetra.convex_hull),
+        "duplicates": len(tetra.duplicates),
+        "skipped": len(tetra.skipped),
+    }
+    line = f"{counts['tetrahedra']:,} tetrahedra of {counts['rows']:,} rows"
+    outputs.report(written, line, outputs.as_named(counts), outputs.as_rows(counts), as_json=json)

@@ -38,7 +38,7 @@ SHOWN = 3  # violations of a flaw
 _IN_SPACE = {"triangles": "tetrahedra", "edges": "facets", "hull_edges": "hull_facets"}
 
 
-@outputs.guards("certificate")
+@outputs.guards("certificate", prints=True)
 def run(
     source: Annotated[
         Path,
@@ -71,7 +71,6 @@ def run(
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
     from liftmesh.io.tetrahedra import is_of_tetrahedra
 
-    outputs.check_stdout()
     lifting = options.lifting(weights, radii, metric, spherical or None)
     outputs.check_place(certificate)
     if points is not None and not source.is_dir():
