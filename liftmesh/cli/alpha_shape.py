@@ -62,10 +62,9 @@ def run(
     made = shape.to_cloud()
     points = made.points if space else cloud.points[shape.vertices]
     written = target.write(replace(made, points=points, crs=cloud.crs))
-    with outputs.report_after(target.path):
-        outputs.report_counts(
-            written, _line(shape), _counts(shape), as_json=json, alpha=shape.alpha
-        )
+    counts = _counts(shape)
+    told = {**outputs.as_named(counts), "alpha": shape.alpha}
+    outputs.report(written, _line(shape), told, outputs.as_rows(counts), as_json=json)
 
 
 def _shape(
