@@ -1,7 +1,7 @@
 """What campaigns do with liftmesh: calls of the library, commands, and the files that they read.
 
 `soak` makes the calls on small points and `interrupt` on large ones; `sweep` and `fault_injection`
-run the commands with every format, `interrupt` those that are long.
+run the commands with every format, `sweep --long` those that take long on large files.
 """
 
 from __future__ import annotations
@@ -99,19 +99,20 @@ def _lines() -> Iterator[str]:
     yield "constrain <flat.npz >edges.obj --polygons <area.geojson --json"
     yield "tetrahedralize <mesh.npy >cells.vtu --json"
     yield "hull <mesh.npy >hull.ply --json"
+    yield "alpha-shape <mesh.npy >shape.ply --components 2 --json"
     yield "tile <mesh.npy made --json"
     yield "tileset <mesh.ply made --max-error 0.1 --levels 2 --extrapolate hull"
     yield "paper --n 50 --seeds 1 --no-figures --out made"
 
 
-LONG_COMMANDS = {
-    "liftmesh triangulate, PLY": Command("triangulate <cloud.ply >mesh.ply"),
-    "liftmesh triangulate, text": Command("triangulate <cloud.xyz >mesh.obj"),
-    "liftmesh verify": Command("verify <mesh.ply"),
-    "liftmesh info": Command("info <scales.ply"),
-    "liftmesh refine": Command("refine <flat.ply >mesh.ply --max-area 1e-7"),
-    "liftmesh simplify": Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
-}
+LONG_COMMANDS = [
+    Command("triangulate <cloud.ply >mesh.ply"),
+    Command("triangulate <cloud.xyz >mesh.obj"),
+    Command("verify <mesh.ply"),
+    Command("info <scales.ply"),
+    Command("refine <flat.ply >mesh.ply --max-area 1e-7"),
+    Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
+]
 
 # --- files --------------------------------------------------------------------------------------
 
