@@ -186,6 +186,14 @@ def circumcentres(
 def edge_rings(
     simplices: NDArray[np.int32], neighbors: NDArray[np.int32]
 ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.uint8], NDArray[np.int32]]: ...
+def verify_sphere(
+    rows: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
 def circumradii(
     points: NDArray[np.float64],
     simplices: NDArray[np.int32],
@@ -229,13 +237,6 @@ def spherical_delaunay(
     NDArray[np.int32],
     NDArray[np.int32],
 ]: ...
-def ray_side(
-    a: NDArray[np.float64],
-    b: NDArray[np.float64],
-    c: NDArray[np.float64],
-    d: NDArray[np.float64],
-    signs: NDArray[np.int8],
-) -> None: ...
 def circle_centres(
     points: NDArray[np.float64], simplices: NDArray[np.int32], centres: NDArray[np.float64]
 ) -> None: ...
