@@ -138,9 +138,8 @@ class TestCommands:
 
 
 def held(said: dict[str, Any], points: NDArray[np.float64], simplices: NDArray[np.int32]) -> int:
-    return checker.check_tetrahedra(
-        said, [*map(tuple, points.tolist())], [*map(tuple, simplices.tolist())]
-    )
+    rows, cells = ([*map(tuple, each.tolist())] for each in (points, simplices))
+    return checker.check_in_space(said, rows, cells)
 
 
 class TestChecker:
