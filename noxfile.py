@@ -39,6 +39,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "lines.py",
     "interrupt",
     "sweep",
+    "sweep --long",
     "soak",
     "mutants.py",
 )

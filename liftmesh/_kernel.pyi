@@ -180,6 +180,14 @@ def verify_tetrahedra(
     shared: bool,
     progress: Callable[[float], None] | None,
 ) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
+def verify_sphere(
+    rows: NDArray[np.float64],
+    simplices: NDArray[np.int32],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> tuple[str, int, int, int, int, int, int, Flaws]: ...
 def circumradii(
     points: NDArray[np.float64],
     simplices: NDArray[np.int32],
@@ -223,13 +231,6 @@ def spherical_delaunay(
     NDArray[np.int32],
     NDArray[np.int32],
 ]: ...
-def ray_side(
-    a: NDArray[np.float64],
-    b: NDArray[np.float64],
-    c: NDArray[np.float64],
-    d: NDArray[np.float64],
-    signs: NDArray[np.int8],
-) -> None: ...
 def circle_centres(
     points: NDArray[np.float64], simplices: NDArray[np.int32], centres: NDArray[np.float64]
 ) -> None: ...

@@ -4,8 +4,10 @@
     python scripts/check_certificate.py mesh.json mesh.obj weights.txt
     python scripts/check_certificate.py mesh.json mesh.obj constraints.txt
     python scripts/check_certificate.py mesh.json tetrahedra.vtu
+    python scripts/check_certificate.py mesh.json sphere.ply
 
-It uses the standard library only, and check_constraints.py and check_tetrahedra.py beside it. Every
+It uses the standard library only, and check_constraints.py, check_tetrahedra.py and check_sphere.py
+beside it. Every
 coordinate becomes a `fractions.Fraction`, which is exact, and each predicate is its textbook
 formula; nothing is filtered, scaled or approximated.
 
@@ -22,7 +24,8 @@ the column of the PLY file that has this sum, or stand in a file of their own, o
 Those of constrained triangulations speak of constraints, by theirs: the edges of the PLY file, the
 lines (l) of the OBJ file, or a file of their own with two rows a line, counted from 0.
 
-Tetrahedra are in VTU files of one piece, in base64.
+Tetrahedra are in VTU files of one piece, in base64. Triangles on the sphere are in OBJ or PLY, as
+those in the plane, with z.
 """
 
 from __future__ import annotations
@@ -40,13 +43,14 @@ from pathlib import Path
 from typing import Any
 
 from check_constraints import HalfEdge, Point, follow, problem_of_carved, turn
+from check_sphere import judge_sphere
 from check_tetrahedra import judge_tetrahedra, read_vtu
 
 Row = tuple[float, float]
 Triangle = tuple[int, int, int]
 Columns = list[tuple[float, ...]]
 Pair = tuple[int, int]
-Mesh = tuple[list[Row], list[Triangle], Columns, list[Pair]]
+Mesh = tuple[list[tuple[float, ...]], list[Triangle], Columns, list[Pair]]  # with z, if it is there
 Heights = dict[Point, Fraction]  # of the vertices, lifted
 Four = tuple[Point, Point, Point, Point]
 INTEGERS = {"char": "b", "uchar": "B", "short": "h", "ushort": "H", "int": "i", "uint": "I"}
@@ -54,11 +58,11 @@ INTEGERS |= {"int8": "b", "uint8": "B", "int16": "h", "uint16": "H", "int32": "i
 NUMBERS = INTEGERS | {"float": "f", "float32": "f", "double": "d", "float64": "d"}
 FORMAT = {"format": "liftmesh certificate"}
 MEMBERS = {1: ("delaunay",), 2: ("weights", "radii", "metric", "farthest"), 3: ("constrained",)}
-MEMBERS |= {4: ("delaunay",)}
+MEMBERS |= {4: ("delaunay",), 5: ("spherical",)}
 OF_TETRAHEDRA = 4
 NAMES = {"delaunay": "Delaunay", "metric": "Delaunay in the metric", "farthest": "farthest-point"}
 NAMES |= {"weights": "regular by weights", "radii": "regular by radii"}
-NAMES |= {"constrained": "constrained Delaunay"}
+NAMES |= {"constrained": "constrained Delaunay", "spherical": "Delaunay on the sphere"}
 HIDING = ("weights", "radii", "farthest")
 HEIGHTS = (*HIDING, "metric")  # lifted otherwise than by x^2 + y^2
 LATER = ("planar", "delaunay")  # what older certificates do not say
@@ -72,14 +76,14 @@ def require(condition: object, why_not: str) -> None:
 
 
 def read_obj(data: bytes) -> Mesh:
-    rows: list[Row] = []
+    rows: list[tuple[float, ...]] = []
     triangles = []
     edges: list[Pair] = []
     for number, line in enumerate(data.splitlines(), 1):
         word, *rest = line.partition(b"#")[0].split() or [b""]
         if word == b"v":
             require(len(rest) >= 2, f"line {number} is a vertex without x and y")
-            rows.append((float(rest[0]), float(rest[1])))
+            rows.append(tuple(map(float, rest[:3])))
         elif word == b"f":
             require(len(rest) == 3, f"line {number} is a face of {len(rest)} vertices, not three")
             a, b, c = (row_of(text, len(rows)) for text in rest)
@@ -106,8 +110,10 @@ def read_ply(data: bytes) -> Mesh:
     if more and more[0][0][1] == "edge":
         tail, head, row = layout_of(more[0][1:], "vertex1", "vertex2", "edges")
         edges = [(each[tail], each[head]) for each in take(body, row, int(more[0][0][2]))[0]]
-    planar = [(values[x], values[y]) for values in rows]
-    return planar, [(a, b, c) for _, a, b, c in found], [*zip(*rows, strict=True)], edges
+    names = [line[-1] for line in vertices[1:]]
+    kept = (x, y, names.index("z")) if "z" in names else (x, y)
+    placed = [tuple(values[i] for i in kept) for values in rows]
+    return placed, [(a, b, c) for _, a, b, c in found], [*zip(*rows, strict=True)], edges
 
 
 def read_header(data: bytes) -> tuple[list[list[list[str]]], bytes]:
@@ -443,12 +449,14 @@ def check(
     return verdict(claimed, wrong, truth, counted(len(triangles), "triangle", "triangles"))
 
 
-def check_tetrahedra(claimed: dict[str, Any], rows: list[Any], cells: list[Any]) -> int:
-    """The same of tetrahedra."""
+def check_in_space(claimed: dict[str, Any], rows: list[Any], cells: list[Any]) -> int:
+    """The same of tetrahedra, or of triangles on the sphere."""
     if is_other(claimed, rows, cells):
         return 1
-    wrong, truth = judge_tetrahedra(rows, cells)
-    return verdict(claimed, wrong, truth, counted(len(cells), "tetrahedron", "tetrahedra"))
+    is_flat = claimed.get("member") == "spherical"
+    wrong, truth = (judge_sphere if is_flat else judge_tetrahedra)(rows, cells)
+    names = ("triangle", "triangles") if is_flat else ("tetrahedron", "tetrahedra")
+    return verdict(claimed, wrong, truth, counted(len(cells), *names))
 
 
 def counted(count: int, one: str, several: str) -> str:
@@ -492,7 +500,7 @@ def read_certificate(path: str) -> dict[str, Any]:
     of_disks = known and claimed.get("member") == "apollonius"
     require(not of_disks, "it is of a graph of disks, which no mesh file holds")
     known = type(version) is int and claimed.get("member", "delaunay") in MEMBERS.get(version, ())
-    form = f"{json.dumps(FORMAT)}, version 1 or 4, or 2 or 3 with its member"
+    form = f"{json.dumps(FORMAT)}, version 1 or 4, or 2, 3 or 5 with its member"
     require(known, f"the certificate is not of the format {form}")
     return dict(claimed)
 
@@ -503,8 +511,12 @@ def main(certificate: str, mesh: str, *weights: str) -> int:
         is_of_tetrahedra = claimed["format_version"] == OF_TETRAHEDRA
         if is_of_tetrahedra:
             require(b"<VTKFile" in data[:200], "tetrahedra are read from VTU files alone")
-            return check_tetrahedra(claimed, *read_vtu(data))
+            return check_in_space(claimed, *read_vtu(data))
         rows, triangles, columns, edges = (read_ply if data[:3] == b"ply" else read_obj)(data)
+        if claimed.get("member") == "spherical":
+            require(all(len(row) == 3 for row in rows), "the vertices have no z")
+            return check_in_space(claimed, rows, triangles)
+        rows = [row[:2] for row in rows]
         for path in weights:
             columns.append(tuple(map(float, Path(path).read_text().split())))
         return check(claimed, rows, triangles, columns, edges)

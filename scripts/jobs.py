@@ -1,7 +1,7 @@
 """What campaigns do with liftmesh: calls of the library, commands, and the files that they read.
 
 `soak` makes the calls on small points and `interrupt` on large ones; `sweep` and `fault_injection`
-run the commands with every format, `interrupt` those that are long.
+run the commands with every format, `sweep --long` those that take long on large files.
 """
 
 from __future__ import annotations
@@ -99,19 +99,20 @@ def _lines() -> Iterator[str]:
     yield "constrain <flat.npz >edges.obj --polygons <area.geojson --json"
     yield "tetrahedralize <mesh.npy >cells.vtu --json"
     yield "hull <mesh.npy >hull.ply --json"
+    yield "alpha-shape <mesh.npy >shape.ply --components 2 --json"
     yield "tile <mesh.npy made --json"
     yield "tileset <mesh.ply made --max-error 0.1 --levels 2 --extrapolate hull"
     yield "paper --n 50 --seeds 1 --no-figures --out made"
 
 
-LONG_COMMANDS = {
-    "liftmesh triangulate, PLY": Command("triangulate <cloud.ply >mesh.ply"),
-    "liftmesh triangulate, text": Command("triangulate <cloud.xyz >mesh.obj"),
-    "liftmesh verify": Command("verify <mesh.ply"),
-    "liftmesh info": Command("info <scales.ply"),
-    "liftmesh refine": Command("refine <flat.ply >mesh.ply --max-area 1e-7"),
-    "liftmesh simplify": Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
-}
+LONG_COMMANDS = [
+    Command("triangulate <cloud.ply >mesh.ply"),
+    Command("triangulate <cloud.xyz >mesh.obj"),
+    Command("verify <mesh.ply"),
+    Command("info <scales.ply"),
+    Command("refine <flat.ply >mesh.ply --max-area 1e-7"),
+    Command("simplify <waves.ply >mesh.ply --max-error 0.01"),
+]
 
 # --- files --------------------------------------------------------------------------------------
 
@@ -220,6 +221,18 @@ def _verify_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
     return lambda progress: tetra.verify(progress=progress)
 
 
+def _on_sphere(points: np.ndarray, rng: Generator) -> Action:
+    rays = rng.normal(size=(len(points), 3))
+    return lambda progress: liftmesh.spherical_delaunay(rays, progress=progress)
+
+
+def _verify_on_sphere(points: np.ndarray, rng: Generator) -> Action:
+    """With a row that is no vertex: then directions are compared, too."""
+    rays = rng.normal(size=(len(points), 3))
+    simplices = liftmesh.spherical_delaunay(rays[1:]).simplices + 1
+    return lambda progress: liftmesh.verify(rays, simplices, spherical=True, progress=progress)
+
+
 def _in_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
     tetra = liftmesh.tetrahedralize(rng.random((max(len(points) // 30, 4), 3)))
     places = rng.random((len(points), 3))
@@ -292,6 +305,8 @@ CALLS: dict[str, Call] = {
     "tetrahedralize": _tetrahedralize,
     "verify tetrahedra": _verify_tetrahedra,
     "find_simplex in tetrahedra": _in_tetrahedra,
+    "spherical_delaunay": _on_sphere,
+    "verify on the sphere": _verify_on_sphere,
     "raster": partial(_surface, ask=_raster),
     "contours": partial(_surface, ask=_contours),
     "cut and fill": _cut_and_fill,

@@ -25,7 +25,8 @@ DEBUG = "--debug with any command prints the traceback of an error."
 COMMANDS = (
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "height",
     "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
-    "voronoi", "constrain", "refine", "tetrahedralize", "hull", "paper",
+    "voronoi", "constrain", "refine", "tetrahedralize", "hull", "alpha-shape",
+    "paper",
 )  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 VARIABLE = "_LIFTMESH_COMPLETE"

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 import click
 
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import flag, option
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
-    from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Cut a mesh or cloud along polygons, and keep what is inside."
 HELP = (
@@ -47,8 +43,6 @@ def run(
     """Read a surface, cut it, write what is left, and say how much that is."""
     import liftmesh
 
-    if json:
-        outputs.check_stdout()
     if paste is not None and invert:
         raise click.BadParameter("--paste keeps what is outside: leave --invert out")
     for path in (within, paste):
@@ -65,18 +59,11 @@ def run(
         else:
             left = liftmesh.paste(surface, other, within)
     written = target.write(left)
-    with outputs.report_after(target.path):
-        rows_of = {} if source.is_dir() else notes.provenance(surface)
-        _say(written, left, rows_of, as_json=json)
-
-
-def _say(written: WriteResult, left: Surface, rows_of: dict[str, object], *, as_json: bool) -> None:
+    rows_of = {} if source.is_dir() else notes.provenance(surface)
     added = int(left.attributes["steiner"].sum()) if "steiner" in left.attributes else 0
     area = left.area(planar=True)
-    if as_json:
-        counts = {"n_rows": len(left.vertices), "n_added": added, "n_triangles": len(left.faces)}
-        terminal.as_json({**outputs.as_values(written), **counts, "planar_area": area, **rows_of})
-        return
-    content = f"{len(left.vertices):,} vertices, {added:,} of them added, "
-    content += f"{len(left.faces):,} triangles, planar area {area:,.10g}"
-    terminal.sentence(outputs.headline(written, content), "good")
+    rows, faces = len(left.vertices), len(left.faces)
+    told = {"n_rows": rows, "n_added": added, "n_triangles": faces, "planar_area": area, **rows_of}
+    content = f"{rows:,} vertices, {added:,} of them added, {faces:,} triangles, "
+    content += f"planar area {area:,.10g}"
+    outputs.report(written, content, told, as_json=json)

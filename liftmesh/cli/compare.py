@@ -27,7 +27,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("lower", "hull")
+@outputs.guards("lower", "hull", prints=True)
 def run(
     source: options.Source,
     apex: options.Apex = "median",
@@ -43,7 +43,6 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Compare the hulls, write the requested files, and print the result."""
-    outputs.check_stdout()
     for each in (lower, hull):
         if each is not None:
             outputs.Target(each).check()

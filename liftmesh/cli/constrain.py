@@ -78,16 +78,13 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read points and edges, triangulate, write the mesh, and print a report."""
-    if json:
-        outputs.check_stdout()
     target.check()
     cloud = points_of(source, reading)
     cloud, tri = triangulated(cloud, source, target, lines, nonfinite=nonfinite, threads=threads)
     with inputs.about(source):
         mesh = mesh_of(cloud, tri)
     written = target.write(mesh)
-    with outputs.report_after(target.path):
-        _report(written, tri, as_json=json)
+    _report(written, tri, as_json=json)
 
 
 def points_of(source: Path, reading: dict[str, Any]) -> Cloud:
@@ -202,13 +199,9 @@ def _report(written: WriteResult, tri: ConstrainedTriangulation, *, as_json: boo
         "constraints": len(tri.constraints),
         "zero_length": len(tri.zero_length),
     }
-    if as_json:
-        named = {f"n_{name}": count for name, count in counts.items()}
-        terminal.as_json({**outputs.as_values(written), **named, "displacement": tri.displacement})
-        return
-    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
-    terminal.sentence(outputs.headline(written, line), "good")
-    rows = [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
+    told = {**outputs.as_named(counts), "displacement": tri.displacement}
+    rows = outputs.as_rows(counts)
     if len(tri.crossing_rows):
         rows.append(("displacement", f"{tri.displacement:.3g}"))
-    terminal.table(rows)
+    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
+    outputs.report(written, line, told, rows, as_json=as_json)

@@ -29,7 +29,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("target")
+@outputs.guards("target", prints=True)
 def run(
     source: surfaces.Source,
     target: Annotated[Path, argument("OUT", "GeoJSON, GeoPackage, shapefile, or lines as DXF.")],
@@ -62,7 +62,6 @@ def run(
     from liftmesh.terrain.contours import length_of
     from liftmesh.vector.files import check_written
 
-    outputs.check_stdout()
     check_written(target, "bands" if filled else "contours", may_be_drawing=not filled)
     of_interval = options.given(contour_base=contour_base, index_every=index_every)
     heights = options.given(levels=levels, interval=interval)

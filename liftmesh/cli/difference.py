@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import Annotated, TypeAlias
 
 from liftmesh.cli import notes, options, outputs, surfaces, terminal
 from liftmesh.cli.options import argument
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
-    from liftmesh.terrain.surface import Surface
 
 SHORT_HELP = "Write the difference of two meshes or clouds, as a mesh."
 HELP = (
@@ -38,8 +34,6 @@ def run(
     """Read two surfaces, subtract the first, write what is between, and say how much that is."""
     import liftmesh
 
-    if json:
-        outputs.check_stdout()
     other.open("rb").close()
     target.check()
     before, after = surfaces.read(source, reading), surfaces.read(other, reading)
@@ -48,13 +42,6 @@ def run(
         change = liftmesh.difference(after, before, progress=progress)
     written = target.write(change)
     rows_of = {**notes.provenance(before), "after": notes.provenance(after)}
-    with outputs.report_after(target.path):
-        _say(written, change, rows_of, as_json=json)
-
-
-def _say(
-    written: WriteResult, change: Surface, rows_of: dict[str, object], *, as_json: bool
-) -> None:
     volumes, heights = change.volume(), change.frame.heights(change.vertices)
     told = {
         "n_rows": len(heights),
@@ -67,11 +54,8 @@ def _say(
         "cubic_metres_per_unit": volumes.cubic_metres,
         **change.metadata["difference"],
     }
-    if as_json:
-        terminal.as_json({**outputs.as_values(written), **told, **rows_of})
-        return
     content = f"{len(heights):,} vertices, {len(change.faces):,} triangles, differences from "
     content += f"{told['lowest']:.10g} to {told['highest']:.10g}"
-    terminal.sentence(outputs.headline(written, content), "good")
     shown = ("cut", "fill", "planar_area", "displacement")
-    terminal.table([(name.replace("_", " "), f"{told[name]:.10g}") for name in shown])
+    rows = [(name.replace("_", " "), f"{told[name]:.10g}") for name in shown]
+    outputs.report(written, content, told | rows_of, rows, as_json=json)

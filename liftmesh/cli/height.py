@@ -65,8 +65,6 @@ def run(
     """Read points and the ground, write the points with heights, and say how many have one."""
     from liftmesh.io.streams import progress
 
-    if json:
-        outputs.check_stdout()
     target.check()
     is_chunked = not replace_z and _comes_in_chunks(source, target, reading)
     clouds = _clouds(source, reading, is_chunked=is_chunked)
@@ -89,13 +87,8 @@ def run(
                 written = target.write_chunks(heights.added(chain([first], clouds)))
         else:
             written = _written(target, heights, first)
-    with outputs.report_after(target.path):
-        if json:
-            counts = heights.counts()
-            terminal.as_json({**outputs.as_values(written), **counts})
-        else:
-            told = f"{heights.known:,} of {heights.points:,} points have a height"
-            terminal.sentence(outputs.headline(written, told), "good")
+    told = f"{heights.known:,} of {heights.points:,} points have a height"
+    outputs.report(written, told, heights.counts(), as_json=json)
 
 
 def _comes_in_chunks(source: Path, target: outputs.Target, reading: dict[str, Any]) -> bool:

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 from liftmesh.cli import inputs, options, outputs, terminal
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
-    from liftmesh.space.convex_hull import ConvexHull
 
 SHORT_HELP = "The convex hull of points in space, exact, as a watertight mesh."
 HELP = (
@@ -35,8 +31,6 @@ def run(
     """Read a cloud, find its hull, write it, and print a report."""
     import liftmesh
 
-    if json:
-        outputs.check_stdout()
     target.check()
     cloud = inputs.read_rows([source], reading, of_surface=False)
     with inputs.about(source):
@@ -46,19 +40,7 @@ def run(
                 cloud, nonfinite=nonfinite, threads=threads, progress=progress
             )
     written = target.write(replace(hull.to_cloud(), crs=cloud.crs))
-    with outputs.report_after(target.path):
-        _report(written, hull, as_json=json)
-
-
-def _report(written: WriteResult, hull: ConvexHull, *, as_json: bool) -> None:
-    counts = {
-        "rows": len(hull.points),
-        "vertices": len(hull.vertices),
-        "facets": len(hull.faces),
-    }
-    if as_json:
-        named = {f"n_{name}": count for name, count in counts.items()}
-        terminal.as_json({**outputs.as_values(written), **named})
-        return
-    line = f"{counts['facets']:,} facets on {counts['vertices']:,} of {counts['rows']:,} rows"
-    terminal.sentence(outputs.headline(written, line), "good")
+    rows, vertices, facets = len(hull.points), len(hull.vertices), len(hull.faces)
+    told = {"n_rows": rows, "n_vertices": vertices, "n_facets": facets}
+    line = f"{facets:,} facets on {vertices:,} of {rows:,} rows"
+    outputs.report(written, line, told, as_json=json)

@@ -384,9 +384,11 @@ Metric: TypeAlias = Annotated[
 Json: TypeAlias = Annotated[bool, flag("Print one JSON object.", panel="Output")]
 
 
-def lifting(weights: str | None, radii: str | None, metric: Any) -> dict[str, Any]:
-    """Return the lifting option (weights, radii or metric), at most one."""
-    chosen = given(weights=weights, radii=radii, metric=metric)
+def lifting(
+    weights: str | None, radii: str | None, metric: Any, spherical: bool | None = None
+) -> dict[str, Any]:
+    """Return the lifting option (weights, radii, metric or the sphere), at most one."""
+    chosen = given(weights=weights, radii=radii, metric=metric, spherical=spherical)
     if len(chosen) > 1:
         raise click.BadParameter(f"--{' and --'.join(chosen)} are given: give one of them")
     return chosen

@@ -47,8 +47,9 @@ _OVERWRITE = options.parameter(
 def guards(
     *outputs: str,  # parameters that are files to write: all others that name a file are inputs
     inside: Sequence[str] = ("",),  # files, if these are folders
+    prints: bool = False,  # what is not in the files, also without --json
 ) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Make a decorator that gives a command ``--overwrite``, and checks what it would replace."""
+    """Make a decorator that gives a command ``--overwrite``, and checks its outputs."""
 
     def decorate(run: Callable[..., Any]) -> Callable[..., Any]:
         run = options.with_single_options(run)  # each may name a file
@@ -58,6 +59,8 @@ def guards(
             targets = [given[each] for each in outputs if given.get(each) is not None]
             targets = [each / name for each in targets for name in inside]
             check_lost(targets, _inputs(given, outputs), overwrite=overwrite)
+            if prints or given["json"]:
+                check_stdout()
             return run(**given)
 
         parameters = inspect.signature(run, eval_str=True).parameters.values()
@@ -314,6 +317,34 @@ def as_values(written: WriteResult) -> dict[str, Any]:
         "dropped": list(written.dropped),
         "renamed": dict(written.renamed),
     }
+
+
+def report(
+    written: WriteResult,
+    content: str,
+    values: Mapping[str, Any],
+    rows: Sequence[tuple[str, str]] = (),
+    *,
+    as_json: bool,
+) -> None:
+    """Print what is said of a file that was written: values as JSON, or a line and a table."""
+    with report_after(written.path or Path("-")):
+        if as_json:
+            terminal.as_json({**as_values(written), **values})
+            return
+        terminal.sentence(headline(written, content), "good")
+        if rows:
+            terminal.table(rows)
+
+
+def as_named(counts: Mapping[str, int]) -> dict[str, int]:
+    """Return counts as `--json` prints them."""
+    return {f"n_{name.replace(' ', '_')}": count for name, count in counts.items()}
+
+
+def as_rows(counts: Mapping[str, int]) -> list[tuple[str, str]]:
+    """Return counts as rows of a table."""
+    return [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
 
 
 def check_stdout() -> None:

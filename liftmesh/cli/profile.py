@@ -70,8 +70,6 @@ def run(
     path = None if corners else Path(along[0])
     if (spacing is None) != (half_width is None):
         raise click.BadParameter("--spacing and --half-width go together")
-    if json:
-        outputs.check_stdout()
     is_shapes = target.file_format is None and target.path.suffix.lower() in surfaces.SHAPES
     if is_shapes:
         _check_shapes(target.path)

@@ -36,7 +36,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("target")
+@outputs.guards("target", prints=True)
 def run(
     source: surfaces.Source,
     target: Annotated[Path, argument("OUT", "GeoTIFF file, or .png or .r16: a heightmap.")],
@@ -100,7 +100,6 @@ def run(
     from liftmesh.optional import load
     from liftmesh.raster.raster import check_name
 
-    outputs.check_stdout()
     check_name(target, may_be_heightmap=not source.is_dir())
     if (resolution is None) == (size is None):
         raise click.BadParameter("give either --resolution or --size")

@@ -71,8 +71,6 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read points, edges or polygons, refine, write the mesh, and print a report."""
-    if json:
-        outputs.check_stdout()
     target.check()
     if source.suffix.lower() in _POLYGONS:
         cloud = _no_points(source, reading)
@@ -92,8 +90,7 @@ def run(
         refined = _refined(tri, **wanted)
         mesh = constrain.mesh_of(cloud, refined.triangulation)
     written = target.write(mesh)
-    with outputs.report_after(target.path):
-        _report(written, refined, as_json=json)
+    _report(written, refined, as_json=json)
 
 
 def _no_points(source: Path, reading: dict[str, Any]) -> Cloud:
@@ -158,20 +155,13 @@ def _report(written: WriteResult, refined: RefineResult, *, as_json: bool) -> No
             for cause in sorted({*causes})
         },
     }
-    if as_json:
-        named = {f"n_{name}": count for name, count in counts.items()}
-        told = {"min_angle": refined.min_angle, "capped": refined.capped}
-        told |= {"displacement": refined.displacement}
-        if refined.surface is not None:
-            told |= {"max_deviation": refined.max_deviation}
-        terminal.as_json({**outputs.as_values(written), **named, **told})
-        return
-    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
-    terminal.sentence(outputs.headline(written, line), "good")
-    rows = [(name.replace("_", " "), f"{count:,}") for name, count in counts.items()]
-    rows.append(("smallest angle", f"{refined.min_angle:.4g} degrees"))
+    told = {"min_angle": refined.min_angle, "capped": refined.capped}
+    told |= {"displacement": refined.displacement}
+    rows = [*outputs.as_rows(counts), ("smallest angle", f"{refined.min_angle:.4g} degrees")]
     if refined.displacement:
         rows.append(("displacement", f"{refined.displacement:.3g}"))
     if refined.surface is not None:
+        told["max_deviation"] = refined.max_deviation
         rows.append(("deviation of heights", f"{refined.max_deviation:.3g}"))
-    terminal.table(rows)
+    line = f"{tri.npoints:,} vertices, {tri.nsimplex:,} triangles"
+    outputs.report(written, line, outputs.as_named(counts) | told, rows, as_json=as_json)

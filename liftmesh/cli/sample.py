@@ -50,8 +50,6 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a surface and points, write the points with heights, and say how many have one."""
-    if json:
-        outputs.check_stdout()
     target.check()
     surface = surfaces.read_or_open(source, reading)
     asked = _asked(at, points, source, surface.crs, reading.rows.get("max_bytes"))

@@ -64,8 +64,6 @@ def run(
     if max_error is None and max_points is None:
         raise click.BadParameter("give --max-error or --max-points")
     limits = options.given(max_points=max_points, max_error=max_error)
-    if json:
-        outputs.check_stdout()
     inputs.check_once(sources)
     target.check()
     start = perf_counter()
@@ -85,34 +83,28 @@ def run(
                 progress=progress,
             )
     written = target.write(surface)
-    with outputs.report_after(target.path):
-        _print_report(written, surface, perf_counter() - start, told, as_json=json)
+    _report(written, surface, perf_counter() - start, told, as_json=json)
 
 
-def _print_report(
+def _report(
     written: WriteResult, surface: Surface, seconds: float, told: list[str], *, as_json: bool
 ) -> None:
     counts = notes.provenance_of(surface).simplification
-    if as_json:
-        cloud = surface.to_cloud()
-        terminal.as_json(
-            {
-                **outputs.as_values(written),
-                "n_triangles": len(surface.faces),
-                **counts,
-                "notes": [*notes.cloud_notes(cloud), *told],
-                "selection": notes.counts_of(cloud),
-                **notes.provenance(surface),
-                "seconds": seconds,
-            }
-        )
-        return
+    cloud = surface.to_cloud()
+    values = {
+        "n_triangles": len(surface.faces),
+        **counts,
+        "notes": [*notes.cloud_notes(cloud), *told],
+        "selection": notes.counts_of(cloud),
+        **notes.provenance(surface),
+        "seconds": seconds,
+    }
     content = f"{counts['n_kept']:,} of {counts['n_positions']:,} positions"
     content += f", {len(surface.faces):,} triangles"
-    terminal.sentence(outputs.headline(written, content), "good")
     lines = [("largest distance", f"{counts['error']:.6g}")]
     if counts["max_error"] is not None and not counts["within"]:
         lines.append(("asked for", f"{counts['max_error']:.6g}: --max-points came first"))
     if counts["merged"]:
         lines.append(("of merged rows", f"{counts['merged']:.6g}"))
-    terminal.table([*lines, ("seconds", f"{seconds:.2f}")])
+    lines.append(("seconds", f"{seconds:.2f}"))
+    outputs.report(written, content, values, lines, as_json=as_json)

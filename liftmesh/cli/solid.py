@@ -63,7 +63,6 @@ def run(
     """Read a surface, close it, write the solid, and say how large it is."""
     from liftmesh.terrain.boundary import solid_and_wall
 
-    outputs.check_stdout()
     bases = {"base_height": base_height, "thickness": thickness}
     bases |= {"base_mm": base_mm, "thickness_mm": thickness_mm}
     if sum(each is not None for each in bases.values()) != 1:
@@ -103,18 +102,15 @@ def _say(
 ) -> None:
     faces = 0 if solid.faces is None else len(solid.faces)
     size = (solid.points.max(axis=0) - solid.points.min(axis=0)).tolist()
-    if as_json:
-        volume = {"n_triangles": faces, "volume": _volume(solid), "size": size}
-        volume |= rows_of | ({} if wall is None else {"unit": "mm", "thinnest_wall": wall})
-        dropped = {"dropped": [*left_out, *written.dropped]}
-        terminal.as_json({**outputs.as_values(written), **dropped, **volume})
-        return
+    told = {"dropped": [*left_out, *written.dropped], "n_triangles": faces}
+    told |= {"volume": _volume(solid), "size": size, **rows_of}
+    told |= {} if wall is None else {"unit": "mm", "thinnest_wall": wall}
     width, depth, height = (f"{each:.6g}" for each in size)
     measures = f"volume {_volume(solid):,.10g}, size {width} x {depth} x {height}"
     measures += "" if wall is None else f" mm, thinnest wall {wall:.3g} mm"
-    content = f"{faces:,} triangles, {measures}"
-    lost = f"; a solid does not keep {notes.listed(left_out)}" if left_out else ""
-    terminal.sentence(outputs.headline(written, content) + lost, "good")
+    lost = f" (a solid does not keep {notes.listed(left_out)})" if left_out else ""
+    content = f"{faces:,} triangles{lost}, {measures}"
+    outputs.report(written, content, told, as_json=as_json)
 
 
 def _volume(solid: Cloud) -> float:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import click
 
 from liftmesh.cli import inputs, options, outputs, terminal
 from liftmesh.cli.options import argument, is_stream
-
-if TYPE_CHECKING:
-    from liftmesh.io.write import WriteResult
-    from liftmesh.space.tetrahedralization import Tetrahedralization
 
 SHORT_HELP = "Tetrahedra of points in space, exact and canonical."
 HELP = (
@@ -25,7 +21,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("target")
+@outputs.guards("target", prints=True)
 def run(
     source: options.Source,
     target: Annotated[Path, argument("OUT", "Tetrahedra, as .vtu, .vtk or .msh.")],
@@ -39,7 +35,6 @@ def run(
     import liftmesh
     from liftmesh.io.tetrahedra import checked_format
 
-    outputs.check_stdout()
     if is_stream(target):
         raise click.BadParameter("tetrahedra are not written to stdout: name a file")
     checked_format(target)
@@ -51,11 +46,6 @@ def run(
         )
     with terminal.stage(f"writing {target.name}"):
         written = tetra.save(target)
-    with outputs.report_after(target):
-        _report(written, tetra, as_json=json)
-
-
-def _report(written: WriteResult, tetra: Tetrahedralization, *, as_json: bool) -> None:
     counts = {
         "rows": len(tetra.points),
         "tetrahedra": len(tetra.simplices),
@@ -63,10 +53,5 @@ def _report(written: WriteResult, tetra: Tetrahedralization, *, as_json: bool) -
         "duplicates": len(tetra.duplicates),
         "skipped": len(tetra.skipped),
     }
-    if as_json:
-        named = {f"n_{name.replace(' ', '_')}": count for name, count in counts.items()}
-        terminal.as_json({**outputs.as_values(written), **named})
-        return
     line = f"{counts['tetrahedra']:,} tetrahedra of {counts['rows']:,} rows"
-    terminal.sentence(outputs.headline(written, line), "good")
-    terminal.table([(name, f"{count:,}") for name, count in counts.items()])
+    outputs.report(written, line, outputs.as_named(counts), outputs.as_rows(counts), as_json=json)

@@ -90,8 +90,6 @@ def run(
     """Read a cloud, thin it, write what stays, and print a report."""
     if not thin and "every" not in reading:
         raise click.BadParameter(f"{_WAYS}, or --every")
-    if json:
-        outputs.check_stdout()
     inputs.check_once(sources)
     target.check()
     start = perf_counter()
@@ -101,16 +99,11 @@ def run(
         kept = thinned(cloud, thin)
     written = target.write(kept)
     told = {
-        **outputs.as_values(written),
         "thinning": notes.provenance_of(kept).thinning or None,
         "selection": notes.counts_of(cloud),
         "seconds": perf_counter() - start,
     }
-    with outputs.report_after(target.path):
-        if json:
-            terminal.as_json(told)
-        else:
-            terminal.sentence(outputs.headline(written, f"{len(kept):,} rows"), "good")
+    outputs.report(written, f"{len(kept):,} rows", told, as_json=json)
 
 
 def thinned(cloud: Cloud, thinning: Mapping[str, Any]) -> Cloud:

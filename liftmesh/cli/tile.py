@@ -200,7 +200,7 @@ def _say(tiled: Tiled, *, json: bool) -> None:
         counts["duplicates"] -= counts["overhangs"]
     classes: dict[int, int] = getattr(tiled, "classes", {})
     if json:
-        named = {f"n_{name}": count for name, count in counts.items()}
+        named = outputs.as_named(counts)
         named["n_hull_edges"] = named.pop("n_hull")
         said = {"folder": str(tiled.folder), **named, "classes": classes}
         terminal.as_json({**said, "merges": dict(tiled.manifest["merges"])})
@@ -209,7 +209,7 @@ def _say(tiled: Tiled, *, json: bool) -> None:
     share = merges["rows_up_from_tiles"] / max(1, counts["rows"])
     terminal.table(
         [
-            *((name, f"{count:,}") for name, count in counts.items()),
+            *outputs.as_rows(counts),
             *notes.lidar_lines({"classes": classes}),
             ("tiles", f"{merges['tiles']:,}  ({share:.2%} of the rows were merged)"),
             ("shards", f"{len(tiled.shards):,} in {tiled.folder}"),

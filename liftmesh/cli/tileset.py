@@ -30,7 +30,7 @@ EXAMPLES = [
 ]
 
 
-@outputs.guards("out", inside=("tileset.json", "layer.json"))
+@outputs.guards("out", inside=("tileset.json", "layer.json"), prints=True)
 def run(
     source: surfaces.Source,
     out: Annotated[Path, argument("OUT", "Folder to write to.")],
@@ -66,7 +66,6 @@ def run(
     from liftmesh.tiles.globe import write_quantized_mesh
     from liftmesh.tiles.tileset import write_tileset
 
-    outputs.check_stdout()
     with options.as_usage(), _own_names():
         extent = None if extent is None else bounds_of(extent)
     of_plane = options.given(bounds=extent, levels=levels, extrapolate=extrapolate, skirts=skirts)

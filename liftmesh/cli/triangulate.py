@@ -202,8 +202,6 @@ def run(
 ) -> None:
     """Read a cloud, triangulate it, write the mesh, and print a report."""
     lifted_by = options.lifting(weights, radii, metric)
-    if json:
-        outputs.check_stdout()
     inputs.check_once(sources)
     target.check()
     start = perf_counter()

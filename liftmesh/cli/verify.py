@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import click
 
 from liftmesh.cli import exit_codes, inputs, options, outputs, terminal
-from liftmesh.cli.options import argument, is_stream, option
+from liftmesh.cli.options import argument, flag, is_stream, option
 from liftmesh.errors import InputError
 
 if TYPE_CHECKING:
@@ -22,14 +22,15 @@ HELP = (
     "every edge shared or on the boundary, the boundary convex, every row a vertex, every "
     "circumcircle empty. The exit code is 1 if anything is wrong, and the first places are listed. "
     "A file that liftmesh wrote says itself whether it was triangulated by weights, by radii or in "
-    "a metric; of others an option says it. Of VTU, VTK and MSH the tetrahedra are checked, in "
-    "space, by facets in place of edges."
+    "a metric, or on the sphere; of others an option says it. Of VTU, VTK and MSH the tetrahedra "
+    "are checked, in space, by facets in place of edges."
 )
 EXAMPLES = [
     "liftmesh verify mesh.ply",
     "liftmesh verify mesh.obj --certificate mesh.json",
     "liftmesh verify mesh.ply --json",
     "liftmesh verify molecule.ply --radii radius",
+    "liftmesh verify globe.obj --spherical",
     "liftmesh verify cells.vtu",
     "liftmesh verify tiles/",
 ]
@@ -37,7 +38,7 @@ SHOWN = 3  # violations of a flaw
 _IN_SPACE = {"triangles": "tetrahedra", "edges": "facets", "hull_edges": "hull_facets"}
 
 
-@outputs.guards("certificate")
+@outputs.guards("certificate", prints=True)
 def run(
     source: Annotated[
         Path,
@@ -56,6 +57,9 @@ def run(
     metric: Annotated[
         Any, option("A,B,C", "Is it Delaunay in the metric a x^2 + 2 b xy + c y^2?", options.metric)
     ] = None,
+    spherical: Annotated[
+        bool, flag("Is it Delaunay on the sphere, by the directions of its vertices?")
+    ] = False,
     points: Annotated[
         list[Path] | None, option("FILE", "The points of a folder, if its source has moved.")
     ] = None,
@@ -67,8 +71,7 @@ def run(
     """Read a mesh, verify it, write the certificate that was asked for, and say what was found."""
     from liftmesh.io.tetrahedra import is_of_tetrahedra
 
-    outputs.check_stdout()
-    lifting = options.lifting(weights, radii, metric)
+    lifting = options.lifting(weights, radii, metric, spherical or None)
     outputs.check_place(certificate)
     if points is not None and not source.is_dir():
         raise click.BadParameter(f"--points is for folders of tiles, and {source} is none")
@@ -111,7 +114,8 @@ def _verify_tiles(
 def _refuse_planar(plane: Any, lifting: dict[str, Any], file: dict[str, Any]) -> None:
     if lifting or plane.value != "xy":
         raise click.BadParameter(
-            "files of tetrahedra have no --plane, --weights, --radii or --metric: leave them out"
+            "files of tetrahedra have no --plane, --weights, --radii, --metric or --spherical: "
+            "leave them out"
         )
     if file.keys() - {"format"}:
         raise click.BadParameter(
@@ -139,9 +143,14 @@ def _verify_file(
 
     if cloud.faces is None or not len(cloud.faces):
         raise _no_triangles(source, "triangulate" if cloud.edges is None else "constrain")
+    lifted_by = _lifted_by(cloud, lifting)
     with terminal.stage(f"verifying {len(cloud.faces):,} triangles over {len(cloud):,} rows"):
-        planar = resolve_plane(plane, cloud.points).planar(cloud.points)
-        certified = verify(planar, cloud.faces, **choices, **_lifted_by(cloud, lifting))
+        points = cloud.points
+        if "spherical" not in lifted_by:
+            points = resolve_plane(plane, points).planar(points)
+        elif plane != "xy":
+            raise click.BadParameter("triangles on the sphere have no --plane: leave it out")
+        certified = verify(points, cloud.faces, **choices, **lifted_by)
     if certified.planar and not certified.valid:
         _note_own_faces(cloud, plane, choices["threads"])
     return certified
@@ -197,7 +206,7 @@ def _lifted_by(cloud: Cloud, lifting: dict[str, Any]) -> dict[str, Any]:
     if not lifting:
         return options_of(cloud)
     return {
-        kind: value if kind == "metric" else named_values(cloud, kind, value)
+        kind: value if kind in ("metric", "spherical") else named_values(cloud, kind, value)
         for kind, value in lifting.items()
     }
 
@@ -232,7 +241,7 @@ def _say(certified: Certificate) -> None:
             terminal.item(f"such as: {place.text}")
     terminal.blank()
     counts = ["rows", "vertices", "duplicates", "skipped", "triangles", "edges", "hull_edges"]
-    counts[2:2] = [] if certified.member in ("delaunay", "metric") else ["hidden"]
+    counts[2:2] = [] if certified.member in ("delaunay", "metric", "spherical") else ["hidden"]
     in_space = _IN_SPACE if certified.dimension == 3 else {}
     lines = [
         (in_space.get(name, name).replace("_", " "), _number(getattr(certified, f"n_{name}")))

@@ -75,8 +75,6 @@ def run(
     json: options.Json = False,
 ) -> None:
     """Read a cloud, compute its cells, write them, and print a report."""
-    if json:
-        outputs.check_stdout()
     kinds = {"weights": weights, "radii": radii, "disks": disks}
     choices = options.given(max_deviation=max_deviation, threads=threads)
     _check_one(kinds, choices)
@@ -176,8 +174,7 @@ def _report(
         told = {"path": str(target), "format": kind, "bytes": size, "domain": cells.domain.text}
         if cells.max_deviation is not None:
             told["max_deviation"] = cells.max_deviation
-        named = {f"n_{name}": count for name, count in counts.items()}
-        terminal.as_json({**told, **named, "dropped": dropped})
+        terminal.as_json({**told, **outputs.as_named(counts), "dropped": dropped})
         return
     bytes_text = terminal.bytes_text(size)
     line = f"{target}: {counts['cells']:,} cells in {cells.domain.text}, {bytes_text}"
@@ -186,4 +183,4 @@ def _report(
     if dropped:
         line += f"; {kind} does not keep {', '.join(dropped)}"
     terminal.sentence(line, "good")
-    terminal.table([(name, f"{count:,}") for name, count in counts.items()])
+    terminal.table(outputs.as_rows(counts))

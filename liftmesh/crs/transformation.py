@@ -23,6 +23,12 @@ from liftmesh.errors import InputError, Option
 from liftmesh.optional import load
 
 
+class TransformationError(InputError):
+    """Nothing transforms coordinates, or the target has no place for some: which ones."""
+
+    place: tuple[float, ...] | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Operation:
     """How coordinates are transformed: by what of pyproj, and what is said of it."""
@@ -60,10 +66,13 @@ def transform(
     lost = np.isfinite(points).all(axis=1) & ~np.isfinite(moved).all(axis=1)
     if lost.any():
         row = int(np.argmax(lost))
-        raise InputError(
-            f"row {row}, {tuple(points[row].tolist())}, has no place in {shown(target)}: give "
-            f"another {Option('dst_crs', ...)}"
+        place = tuple(points[row].tolist())
+        lacking = TransformationError(
+            f"row {row}, {place}, has no place in {shown(target)}: give another "
+            f"{Option('dst_crs', ...)}"
         )
+        lacking.place = place
+        raise lacking
     return moved, operation.told
 
 
@@ -147,12 +156,12 @@ def _grids(operation: Any) -> list[str]:
     return [each.short_name for each in operation.grids if not each.available]
 
 
-def _impossible(target: str, lacking: Sequence[Any], is_planar: bool) -> InputError:
+def _impossible(target: str, lacking: Sequence[Any], is_planar: bool) -> TransformationError:
     """Say that nothing transforms the rows, and what helps: of the plane alone, other systems."""
     files = dict.fromkeys(name for each in lacking for name in _grids(each))
     needed = f" ({', '.join(files)})" if files else ""
     remedy = "give" if is_planar else "give the system without heights, or"
-    return InputError(
+    return TransformationError(
         f"{Option('dst_crs')} is {shown(target)}: there is no exact transformation where the rows "
         f"are, or it needs a grid that is not installed{needed}: {remedy} another one of the file "
         f"with {Option('src_crs', ...)}"

@@ -227,13 +227,14 @@ class Provenance:
 
     @property
     def lifted_by(self) -> dict[str, Any]:
-        """By what the points of a mesh were lifted when it was triangulated."""
+        """By what the points of a mesh were lifted when it was triangulated, or on the sphere."""
         entry = self.entries.get(LIFTED)  # a file may hold anything of that name
         if not isinstance(entry, dict) or len(entry) != 1:
             return {}
         kind, value = next(iter(entry.items()))
         is_name = kind in {"weights", "radii"} and isinstance(value, str)
-        return entry if is_name or (kind == "metric" and _is_matrix(value)) else {}
+        is_other = (kind == "metric" and _is_matrix(value)) or entry == {"spherical": True}
+        return entry if is_name or is_other else {}
 
     def _mapping(self, name: str) -> dict[str, Any]:
         entry = self.entries.get(name)

@@ -21,6 +21,7 @@ FORMAT_VERSION = 1
 OF_MEMBERS = 2  # of other triangulations than Delaunay's, which readers of version 1 do not know
 OF_CONSTRAINED = 3  # of these, which readers of version 2 do not know
 OF_TETRAHEDRA = 4  # of these, which readers of version 3 do not know
+OF_SPHERE = 5  # of triangles on it, which readers of version 4 do not know
 _IN_SPACE = ("tetrahedron", "tetrahedra")
 _NAMES_IN_SPACE = {
     "n_triangles": "n_tetrahedra",
@@ -144,9 +145,9 @@ class Certificate:
     flaws : tuple of Flaw
         What is wrong. A flaw of the kind "not_canonical" leaves the triangulation valid.
     points_sha256 : str
-        Of x and y of each row, in order, as little-endian float64, without the number of rows.
-        float32 is widened, -0.0 stays as given. It is of the points that were checked: of the
-        planar coordinates if ``liftmesh verify`` has ``--plane``.
+        Of x and y of each row (in space and on the sphere also z), in order, as little-endian
+        float64, without the number of rows. float32 is widened, -0.0 stays as given. It is of the
+        points that were checked: of the planar coordinates if ``liftmesh verify`` has ``--plane``.
     simplices_sha256 : str
         Of the three corners of each triangle, as given, as little-endian int32; if one does not
         fit, and so is not a row, all as int64, or as uint64 if that does not fit either.
@@ -234,7 +235,7 @@ class Certificate:
 
     @property
     def euler_characteristic(self) -> int | None:
-        """Vertices - edges + triangles, which is 1 for a disk. None if they were not counted.
+        """Vertices - edges + triangles: 1 for a disk, 2 for a sphere. None if not counted.
 
         Of carved triangulations it may be another number, and of tetrahedra it is None.
         """
@@ -300,12 +301,12 @@ class Certificate:
         3
         """
         counts = {k: v for k, v in asdict(self).items() if k.startswith("n_")}
-        if self.member in ("delaunay", "constrained"):
+        if self.member in ("delaunay", "constrained", "spherical"):
             del counts["n_hidden"]
         if self.member != "constrained":
             del counts["n_constraints"], counts["n_outside"]
         versions = {"delaunay": FORMAT_VERSION, "constrained": OF_CONSTRAINED}
-        version = versions.get(self.member, OF_MEMBERS)
+        version = (versions | {"spherical": OF_SPHERE}).get(self.member, OF_MEMBERS)
         if self.dimension == 3:
             version = OF_TETRAHEDRA
             counts = {_NAMES_IN_SPACE.get(name, name): count for name, count in counts.items()}

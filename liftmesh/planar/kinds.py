@@ -136,7 +136,8 @@ def options_of(triangulation: Any) -> dict[str, Any]:
     names = ("weights", "radii", "metric", "constraints")
     held = {name: getattr(triangulation, name, None) for name in names}
     options = {name: value for name, value in held.items() if value is not None}
-    told = {name: getattr(triangulation, name, False) for name in ("furthest_site", "carved")}
+    switches = ("furthest_site", "carved", "spherical")
+    told = {name: getattr(triangulation, name, False) for name in switches}
     return options | {name: True for name, value in told.items() if value}
 
 
@@ -146,7 +147,7 @@ def _stated(cloud: Any, metadata: Mapping[str, Any]) -> dict[str, Any]:
 
     known = Provenance(metadata)
     said = {
-        kind: value if kind == "metric" else _held(cloud, kind, value)
+        kind: value if kind in ("metric", "spherical") else _held(cloud, kind, value)
         for kind, value in known.lifted_by.items()
     }
     edges = getattr(cloud, "edges", None)

@@ -30,7 +30,7 @@ from liftmesh.errors import InputError, Option
 from liftmesh.planar.certificate import Certificate, Flaw, narrowest, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
 from liftmesh.planar.planarity import is_locally_delaunay, is_triangulation
-from liftmesh.planar.tetrahedra import verify_tetrahedra
+from liftmesh.planar.tetrahedra import verify_sphere, verify_tetrahedra
 from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
 _MOST_CORNERS = 2**31  # the kernel counts them
@@ -55,13 +55,14 @@ def verify(  # noqa: PLR0913 - options are keywords
     furthest_site: bool = False,
     constraints: ArrayLike | None = None,
     carved: bool = False,
+    spherical: bool = False,
 ) -> Certificate:
     """Verify exactly that triangles, from any source, are the Delaunay triangulation of points.
 
     Or another member of the family: their regular triangulation by weights or radii, their Delaunay
     triangulation in a metric, their farthest-point Delaunay triangulation, or their constrained
     Delaunay triangulation. Of tetrahedra and points in space the same is verified, by facets
-    instead of edges.
+    instead of edges, and of triangles on the sphere.
 
     The checks are: every corner is a row; every triangle is counter-clockwise; every edge has one
     triangle on either side, or lies on the boundary; the boundary is one convex curve that winds
@@ -76,7 +77,8 @@ def verify(  # noqa: PLR0913 - options are keywords
         The points; of tetrahedra with z, which is ignored otherwise. Without `simplices`, a mesh: a
         `Surface`, which is checked in its own plane, by the faces that are left if it was trimmed,
         which `Surface.triangulation` still has all (with breaklines, as `carved`); a
-        `Triangulation` or `Tetrahedralization`, or one of SciPy or matplotlib; a mesh of trimesh or
+        `Triangulation`, `Tetrahedralization` or `SphericalTriangulation`, or one of SciPy or
+        matplotlib; a mesh of trimesh or
         Open3D, a `Cloud` with faces, or the path of a file, which are seen from above, but for VTU,
         VTK and MSH, whose tetrahedra are taken. Or an `ApolloniusGraph`, which is checked as
         `ApolloniusGraph.verify` says; only `threads` and `progress` can be given with it.
@@ -110,6 +112,9 @@ def verify(  # noqa: PLR0913 - options are keywords
         constraint or on the convex hull of the rows. Rows where no triangle is are counted
         (``n_outside``), and of constraints only the parts that touch triangles must be edges. It is
         not proved that the right regions are missing.
+    spherical : bool, default False
+        Whether the triangles are to be those of `spherical_delaunay`: `points` are vectors of any
+        length, whose directions count. A file that liftmesh wrote says so itself.
 
     Returns
     -------
@@ -159,7 +164,9 @@ def verify(  # noqa: PLR0913 - options are keywords
 
     The boundary of tetrahedra is convex if it is closed, has an inner point on the inner side of
     all its facets, no valley, and turns once around its largest vertex: then it is seen once in
-    every direction from the inner point. Their facets are sorted; a single thread does all.
+    every direction from the inner point. Their facets are sorted. Triangles on the sphere are
+    proved to be the surface of a convex body in the same way, whose corners are unit vectors, none
+    of which is rounded. If all are on one circle, only the canonical triangles are valid.
 
     Examples
     --------
@@ -182,15 +189,16 @@ def verify(  # noqa: PLR0913 - options are keywords
     lifted_by |= {"furthest_site": (is_farthest := as_switch("furthest_site", furthest_site))}
     edges = None if constraints is None else _as_tuples(constraints, 2, "constraints", "constraint")
     is_carved = as_switch("carved", carved)
+    is_spherical = as_switch("spherical", spherical)
     _refuse_other_results(points, simplices)
     if _is_graph_of_disks(points):
         others = (*given, simplices, constraints)
-        _refuse_more(is_farthest, is_carved, *(each is not None for each in others))
+        _refuse_more(is_farthest, is_carved, is_spherical, *(each is not None for each in others))
         certificate: Certificate = points.verify(threads=threads, progress=progress)
         return certificate
     if _are_tetrahedra(points, simplices):
         are_given = (each is not None for each in (*given, constraints))
-        _refuse_with_tetrahedra(is_farthest, is_carved, *are_given)
+        _refuse_with_tetrahedra(is_farthest, is_carved, is_spherical, *are_given)
         return verify_tetrahedra(
             *_space_triangulation(points, simplices, nonfinite), threads, progress
         )
@@ -200,7 +208,13 @@ def verify(  # noqa: PLR0913 - options are keywords
         nonfinite = "skip" if is_skipping else nonfinite
         edges = own.pop("constraints", edges)
         is_carved = own.pop("carved", is_carved)
+        is_spherical = own.pop("spherical", is_spherical)
         lifted_by |= own
+    if is_spherical:
+        _refuse_on_sphere(is_farthest, is_carved, edges, *given)
+        vectors = widened(_in_space(points, "triangles on the sphere"))
+        triangles = _as_tuples(simplices, 3, "simplices", "triangle")
+        return verify_sphere(vectors, triangles, nonfinite == "skip", threads, progress)
     _refuse_members(edges is not None, is_carved, lifted_by)
     rows = as_coordinates(points)
     kind = as_kind(len(rows), **lifted_by)
@@ -255,17 +269,30 @@ def _space_triangulation(
     elif simplices is None:
         is_skipping |= len(getattr(points, "skipped", ())) > 0
         points, simplices = points.points, points.simplices
+    rows = _in_space(points, "tetrahedra")
+    return widened(rows), _as_tuples(simplices, 4, "simplices", "tetrahedron"), is_skipping
+
+
+def _in_space(points: Any, what: str) -> Reals:
     rows = as_coordinates(points)
     if rows.shape[1] != 3:
-        raise InputError("tetrahedra are given with points of two columns: give z as a third")
-    return widened(rows), _as_tuples(simplices, 4, "simplices", "tetrahedron"), is_skipping
+        raise InputError(f"{what} are given with points of two columns: give z as a third")
+    return rows
+
+
+def _refuse_on_sphere(is_farthest: bool, is_carved: bool, *are_given: Any) -> None:
+    if is_farthest or is_carved or any(each is not None for each in are_given):
+        raise InputError(
+            f"{Option('spherical', True)} is given with another member: triangles on the sphere "
+            "are verified without weights, radii, metric, furthest_site, constraints or carved"
+        )
 
 
 def _refuse_with_tetrahedra(*are_given: bool) -> None:
     if any(are_given):
         raise InputError(
             "tetrahedra are verified as the Delaunay triangulation only: give them without "
-            "weights, radii, metric, furthest_site, constraints or carved"
+            "weights, radii, metric, furthest_site, constraints, carved or spherical"
         )
 
 
@@ -273,7 +300,7 @@ def _refuse_more(*are_given: bool) -> None:
     if any(are_given):
         raise InputError(
             "a graph of disks has triangles and radii of its own: give it without simplices, "
-            "weights, radii, metric, furthest_site, constraints or carved"
+            "weights, radii, metric, furthest_site, constraints, carved or spherical"
         )
 
 

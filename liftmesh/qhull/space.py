@@ -7,7 +7,10 @@ the arrays that its class has, which the caller may rewrite.
 
 from __future__ import annotations
 
+import inspect
+import traceback
 import warnings
+from itertools import takewhile
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -127,7 +130,11 @@ class SpaceDelaunay(Growing, spatial.Delaunay):  # type: ignore[misc]
         made |= dict.fromkeys(("_transform", "_vertex_to_simplex", "_vertex_neighbor_vertices"))
         self.__dict__.update(made, _points=rows, _qhull=None)
         if self.faults:
-            warnings.warn(DataWarning(self._warning()), stacklevel=4)
+            # By the class itself, by that for any columns, or by adding points: the caller is told.
+            frames = traceback.walk_stack(inspect.currentframe())
+            names = (frame.f_globals.get("__name__", "") for frame, _ in frames)
+            own = takewhile(lambda name: name.startswith("liftmesh."), names)
+            warnings.warn(DataWarning(self._warning()), stacklevel=1 + len([*own]))
 
     def _warning(self) -> str:
         return (

@@ -9,27 +9,30 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from liftmesh import _kernel
-from liftmesh._typing import Array, Floats, Mask, Progress, Rows
-from liftmesh.base.arrays import as_numbers, non_finite, read_only, used_rows, widened
-from liftmesh.base.frozen import FrozenResult, cached_property, check_copied
+from liftmesh._typing import Floats, Progress, Rows
+from liftmesh.base.arrays import as_numbers, non_finite, read_only, widened
+from liftmesh.base.frozen import cached_property, check_copied
 from liftmesh.base.options import NonFinite, as_switch, counted
 from liftmesh.errors import DegenerateInputError, InputError, Option
-from liftmesh.planar.certificate import Certificate, Flaw, sha256_of
 from liftmesh.planar.delaunay import check_options
-from liftmesh.predicates import orient2d
+from liftmesh.planar.lifting import HullMesh
+from liftmesh.planar.tetrahedra import check_directions, verify_sphere
 from liftmesh.space.points import coordinates_of
+
+if TYPE_CHECKING:
+    from liftmesh.base.cloud import Cloud
+    from liftmesh.planar.certificate import Certificate
 
 _SECRET = int.from_bytes(os.urandom(8), "little")  # salts the order of insertion
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SphericalTriangulation(FrozenResult):
+class SphericalTriangulation(HullMesh):
     """A Delaunay triangulation of points on the sphere, as returned by `spherical_delaunay`.
 
     Every index is a row of the caller's array. The arrays are read-only.
@@ -65,6 +68,7 @@ class SphericalTriangulation(FrozenResult):
     neighbors: Rows
     duplicates: Rows
     skipped: Rows
+    spherical: ClassVar[bool] = True
 
     def _check_copy(self) -> None:
         rows = self.duplicates, self.skipped
@@ -137,31 +141,67 @@ class SphericalTriangulation(FrozenResult):
         """
         areas = np.zeros(len(self.points))
         units = _units(self.points)
+        numbers = np.arange(len(self.simplices))
         for k in range(3):
-            tail, head = (self.simplices[:, (k + step) % 3] for step in (1, 2))
-            before = self.centers[self.neighbors[:, k]]
-            parts = _swept_areas(units[tail], units[head], before, self.centers)
-            areas += np.bincount(tail, weights=parts, minlength=len(areas))
+            own = np.flatnonzero(self.neighbors[:, k] > numbers)  # each edge once
+            tail, head = (self.simplices[own, (k + step) % 3] for step in (1, 2))
+            before, after = self.centers[self.neighbors[own, k]], self.centers[own]
+            parts = _swept_areas(units[tail], units[head], before, after)
+            for ends in (tail, head):
+                areas += np.bincount(ends, weights=parts, minlength=len(areas))
         return read_only(areas)
 
-    def verify(self) -> Certificate:
-        """Verify from scratch, and exactly, that these are the triangles of the points.
+    def to_cloud(self) -> Cloud:
+        """Convert it to a cloud with faces, of all rows, each in its place.
+
+        Returns
+        -------
+        Cloud
+            The vectors with the triangles as faces. Its metadata, which files keep, say that these
+            are of the sphere: so `verify` takes the file as it is.
+
+        See Also
+        --------
+        SphericalTriangulation.save : As a file.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> tri = liftmesh.spherical_delaunay([0, 90, 180, -90, 0], [0, 0, 0, 0, 90])
+        >>> cloud = tri.to_cloud()
+        >>> cloud, liftmesh.verify(cloud).canonical
+        (<Cloud of 5 points, 6 faces>, True)
+        """
+        from liftmesh.base.cloud import Cloud  # noqa: PLC0415 - triangles do without
+        from liftmesh.io.metadata import LIFTED  # noqa: PLC0415
+
+        return Cloud(self.points, faces=self.simplices, metadata={LIFTED: {"spherical": True}})
+
+    def verify(
+        self, *, threads: int | None = None, progress: Progress | None = None
+    ) -> Certificate:
+        """Verify the triangles from scratch, as `liftmesh.verify` does for any.
+
+        Parameters
+        ----------
+        threads : int, optional
+            As for `tetrahedralize`.
+        progress : callable, optional
+            As for `delaunay`.
 
         Returns
         -------
         Certificate
-            True if the triangles are the canonical Delaunay triangulation of the directions.
+            True if the triangles are a Delaunay triangulation of the directions.
+
+        Raises
+        ------
+        InputError
+            `threads` is not a valid number, or `progress` cannot be called.
 
         See Also
         --------
-        verify : The same in the plane and in space, for triangulations from any source.
-
-        Notes
-        -----
-        From one of the points, the sphere is seen as a plane in which circles stay circles. The
-        triangles at this point are beyond the boundary of the others, which must turn
-        counter-clockwise, pair along their edges, and have a convex boundary that turns once. Then
-        they cover its inside once. They are Delaunay if no circle has the apex of a neighbour.
+        verify : The check of triangles from any source, with ``spherical=True``.
 
         Examples
         --------
@@ -169,7 +209,8 @@ class SphericalTriangulation(FrozenResult):
         >>> bool(liftmesh.spherical_delaunay([0, 90, 180, -90, 0], [0, 0, 0, 0, 90]).verify())
         True
         """
-        return _certificate(self)
+        is_skipping = len(self.skipped) > 0
+        return verify_sphere(self.points, self.simplices, is_skipping, threads, progress)
 
 
 def spherical_delaunay(
@@ -240,9 +281,7 @@ def spherical_delaunay(
     """
     check_options(nonfinite, "engine", progress)
     rows = _vectors(points, lat, as_switch("degrees", degrees))
-    zero = np.flatnonzero((rows == 0).all(axis=1))
-    if len(zero):
-        raise InputError(f"row {zero[0]} is (0, 0, 0), which has no direction: remove such rows")
+    check_directions(rows)
     status, row, distinct, simplices, neighbors, duplicates, skipped = _kernel.spherical_delaunay(
         rows, nonfinite == "skip", _SECRET, progress
     )
@@ -316,7 +355,7 @@ def _swept_areas(p: Floats, q: Floats, first: Floats, last: Floats) -> Floats:
     """Compute what sides of cells sweep, seen from p: where p and q are as near, between centers.
 
     From the middle of p and q, which is at the distance a, an arc of length b along this great
-    circle sweeps 2 atan(tan(a / 2) tan(b / 2)).
+    circle sweeps 2 atan(tan(a / 2) tan(b / 2)). Seen from q it is the same.
     """
     total = p + q
     cosine = np.sqrt((total**2).sum(axis=1)) / 2
@@ -331,86 +370,3 @@ def _swept_areas(p: Floats, q: Floats, first: Floats, last: Floats) -> Floats:
     turns = np.where(arcs[1] - arcs[0] < -2, 2 * np.pi, 0.0)
     areas: Floats = swept[1] - swept[0] + turns
     return areas
-
-
-def _certificate(found: SphericalTriangulation) -> Certificate:
-    corners, rows = found.simplices, found.points
-    vertices = used_rows(len(rows), corners)
-    flaws = []
-
-    def note(kind: str, count: Any, text: str) -> None:
-        if count:
-            flaws.append(Flaw(kind, int(count), f"{count:,} {text}"))
-
-    missing = len(rows) - len(vertices) - len(found.skipped) - _represented(found, vertices)
-    note("missing_vertices", missing, "of the rows have no vertex of their direction")
-    tails, heads = (np.roll(corners, -step, axis=1).reshape(-1) for step in (1, 2))
-    order = np.lexsort((heads, tails))
-    back = np.lexsort((tails, heads))
-    paired = (tails[order] == heads[back]) & (heads[order] == tails[back])
-    repeated = (np.diff(tails[order]) == 0) & (np.diff(heads[order]) == 0)
-    unpaired = np.count_nonzero(~paired) + np.count_nonzero(repeated)
-    note("non_manifold_edges", unpaired, "edges do not join two triangles")
-    note("no_triangles", not len(corners), "triangulation without triangles")
-    if len(corners) and not unpaired:
-        beyond = np.empty(len(tails), dtype=np.int32)
-        beyond[order] = corners.reshape(-1)[back]  # the apex across each edge
-        inside = _sides(rows, *np.repeat(corners, 3, axis=0).T, beyond) >= 0
-        note("not_delaunay", np.count_nonzero(inside) // 2, "edges are not locally Delaunay")
-        far = corners[0, 0]
-        is_near = ~(corners == far).any(axis=1)
-        turns = _sides(rows, *corners[is_near].T, far) >= 0
-        note("clockwise", np.count_nonzero(turns), "triangles are clockwise")
-        note("boundary_winding", not _turns_once(rows, corners, far), "boundary turns twice")
-    return Certificate(
-        n_rows=len(rows),
-        n_skipped=len(found.skipped),
-        n_vertices=len(vertices),
-        n_duplicates=len(rows) - len(vertices) - len(found.skipped) - missing,
-        n_merged=0,
-        n_triangles=len(corners),
-        n_edges=len(tails) // 2,
-        n_hull_edges=0,
-        flaws=tuple(flaws),
-        points_sha256=sha256_of(rows, "<f8"),
-        simplices_sha256=sha256_of(corners, "<i4"),
-        version=_kernel.VERSION,
-        member="spherical",
-    )
-
-
-def _represented(found: SphericalTriangulation, vertices: Rows) -> int:
-    """Count the duplicates whose vertex has exactly their direction."""
-    row, kept = found.duplicates.T
-    p, q = found.points[row], found.points[kept]
-    same: Mask = (np.sign(p) == np.sign(q)).all(axis=1) & np.isin(kept, vertices)
-    for axes in ((0, 1), (1, 2), (2, 0)):
-        same &= orient2d(np.zeros((len(p), 2)), p[:, axes], q[:, axes]) == 0
-    return int(np.count_nonzero(same & ~np.isin(row, vertices)))
-
-
-def _sides(rows: Floats, *corners: Any) -> Array:
-    """Tell on which side of the circles through three rows a fourth is: 1 inside, -1 outside."""
-    length = len(corners[0])
-    a, b, c, d = (np.ascontiguousarray(rows[np.broadcast_to(each, length)]) for each in corners)
-    signs = np.empty(length, dtype=np.int8)
-    _kernel.ray_side(a, b, c, d, signs)
-    return signs
-
-
-def _turns_once(rows: Floats, corners: Rows, far: int) -> bool:
-    """Whether the triangles at a row are a fan around it, seen from it a convex polygon."""
-    star = corners[(corners == far).any(axis=1)]
-    turn = (star == far).argmax(axis=1)
-    ahead = {}
-    for each, k in zip(star.tolist(), turn.tolist(), strict=True):
-        ahead[each[(k + 2) % 3]] = each[(k + 1) % 3]
-    ring = [next(iter(ahead))]
-    while (after := ahead[ring[-1]]) != ring[0] and len(ring) <= len(star):
-        ring.append(after)
-    if len(ring) != len(star):
-        return False
-    first, *others = ring
-    fan = [(first, a, b) for a, b in pairwise(others)]
-    fan += [(first, others[0], each) for each in others[1:]]
-    return bool((_sides(rows, *np.array(fan, dtype=np.int32).T, far) < 0).all())

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from liftmesh.vector.polygons import Polygon
 
 _TAILS, _HEADS = [1, 2, 0], [2, 0, 1]  # of the sides opposite the corners
+_LARGE = 1e300  # coordinates whose differences may be beyond the doubles
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +74,11 @@ class Layer:
         """The corners."""
         points: Floats = self.surface.triangulation.points[self.rows]
         return points
+
+    @property
+    def key(self) -> tuple[bytes, bytes]:
+        """What orders layers: which rows the surface has before does not matter."""
+        return self.points.tobytes(), self.sides.tobytes()
 
     def areas(self, faces: Integers) -> Floats:
         """Return the areas of faces, and 0 for none."""
@@ -233,6 +239,23 @@ class Overlay:
         heights[rest] = heights_at(given.surface, points[rest])
         return heights
 
+    def heights_within(self, layer: int, faces: Integers) -> Floats:
+        """Return the same, and heights of rows that rounding has moved out of faces they are in."""
+        heights, given, rows = self.heights(layer), self.layers[layer].surface, self.tri.simplices
+        is_open = np.isnan(heights)[rows] & (faces >= 0)[:, None]
+        triangle, k = np.nonzero(is_open)
+        if not len(triangle):
+            return heights
+        order = np.argsort(self.layers[layer].areas(faces[triangle]), kind="stable")
+        row, face = rows[triangle, k][order], faces[triangle][order]  # the largest one counts
+        corners = given.triangulation.simplices[face]
+        to = given.triangulation.points[corners] - self.tri.points[row][:, None]
+        turns = np.stack([_turn(to[:, i], to[:, j]) for i, j in ((1, 2), (2, 0), (0, 1))], axis=1)
+        weights = np.maximum(turns, 0) + np.finfo(np.float64).tiny
+        weights /= weights.sum(axis=1, keepdims=True)
+        heights[row] = (weights * given.frame.heights(given.vertices)[corners]).sum(axis=1)
+        return heights
+
 
 def _longest(regions: Array, faces: Integers, lengths: Floats) -> tuple[Integers, Integers]:
     """Return regions, and the face that most of the border of each has, by length.
@@ -258,6 +281,11 @@ def _are_turned(pieces: Floats, sides: Floats) -> Mask:
     return turned
 
 
+def _turn(one: Floats, two: Floats) -> Floats:
+    found: Floats = one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0]
+    return found
+
+
 def along_sides(sides: Floats, side: Integers, places: Floats) -> list[Floats]:
     """Return the places on each side, between its ends, in order and each once."""
     is_inner = (places[:, None] != sides[side]).any(axis=2).all(axis=1)
@@ -275,10 +303,11 @@ def along_sides(sides: Floats, side: Integers, places: Floats) -> list[Floats]:
 
 def along(ends: Floats, places: Floats, low: Floats, high: Floats) -> Floats:
     """Interpolate between the ends of sides, (k, 2, 2), at places on them."""
-    tails, heads = ends[:, 0] / 2, ends[:, 1] / 2
+    scale = np.where(np.abs(ends).max(axis=(1, 2)) > _LARGE, 0.5, 1.0)[:, None]
+    tails, heads = ends[:, 0] * scale, ends[:, 1] * scale
     steps = heads - tails
     axis = np.abs(steps).argmax(axis=1)[:, None]
     ahead, whole = (
-        np.take_along_axis(each, axis, axis=1)[:, 0] for each in (places / 2 - tails, steps)
+        np.take_along_axis(each, axis, axis=1)[:, 0] for each in (places * scale - tails, steps)
     )
     return between(low, high, np.clip(ahead / whole, 0, 1))

@@ -75,8 +75,10 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     Which sides cross is decided exactly; a crossing is rounded once. A vertex that is beside a side
     of the other surface by the rounding of its coordinates alone, as is common where both are in
     decimals (centimetres), is taken to be on it. Where both surfaces are exchanged, heights change
-    their signs, and no other bit; neither does the order of the rows. Where crossings come together
-    all the same, sides are split until none cross, which takes some twenty times as long.
+    their signs, and no other bit; neither does the order of the rows. Surfaces that nearly coincide
+    are laid over each other with up to 128 units in the last place of the largest coordinate for
+    rounding, and without faces that are flat within them. Where crossings come together all the
+    same, sides are split until none cross, which takes some twenty times as long.
 
     Examples
     --------
@@ -134,16 +136,21 @@ def _by_constraints(
     surface: SurfaceData, other: SurfaceData, progress: Progress | None = None
 ) -> Surface:
     """The same where both nearly coincide: their sides are split until none cross."""
-    layers = [Layer.of(one, _near(one, two)) for one, two in _both(surface, other)]
-    laid = Overlay.of(layers, progress=progress)
-    common = (laid.faces(0) >= 0) & (laid.faces(1) >= 0)
+    layers = [Layer.of(one, _near(one, two)) for one, two in [(surface, other), (other, surface)]]
+    order = (1, 0) if layers[1].key < layers[0].key else (0, 1)  # either way gives the same
+    laid = Overlay.of([layers[k] for k in order], progress=progress)
+    over = [laid.faces(k) for k in order]
+    common = (over[0] >= 0) & (over[1] >= 0)
     if not common.any():
         raise InputError("the surfaces have no area in common")
     faces = laid.tri.simplices[common]
     rows = used_rows(laid.tri.npoints, faces)
     rows = rows[np.lexsort(laid.tri.points[rows].T[::-1])]
     with np.errstate(over="ignore", invalid="ignore"):
-        heights = _finite((laid.heights(0) - laid.heights(1))[rows])
+        own, its = (
+            laid.heights_within(k, faces)[rows] for k, faces in zip(order, over, strict=True)
+        )
+        heights = _finite(own - its)
     place = np.empty(laid.tri.npoints, dtype=np.int32)
     place[rows] = np.arange(len(rows), dtype=np.int32)
     is_own = np.zeros(laid.tri.npoints, dtype=np.bool_)
@@ -154,10 +161,6 @@ def _by_constraints(
     }
     points = in_space(surface.frame, laid.tri.points[rows], heights)
     return _of_mesh(surface, points, place[faces], told)
-
-
-def _both(surface: SurfaceData, other: SurfaceData) -> list[tuple[SurfaceData, SurfaceData]]:
-    return [(surface, other), (other, surface)]
 
 
 def _near(surface: SurfaceData, other: SurfaceData) -> Integers:

@@ -133,7 +133,7 @@ def _check_hidden(cloud: Cloud, kind: str) -> None:
 def replaced_flags(cloud: Cloud) -> str:
     """Say that values of 0 and 1 are replaced by those that tell which rows are hidden."""
     former = Provenance(cloud.metadata).lifted_by
-    if HIDDEN not in cloud.attributes or (former and "metric" not in former):
+    if HIDDEN not in cloud.attributes or former.keys() & {"weights", "radii"}:
         return ""
     ones = f"1 in {np.count_nonzero(cloud.attributes[HIDDEN]):,} of {len(cloud):,} rows"
     return f"the values {HIDDEN!r} of the points, {ones}, are replaced by those of this run"
@@ -148,7 +148,7 @@ def without_former(cloud: Cloud) -> Cloud:
     former = Provenance(cloud.metadata).lifted_by
     if not former:
         return cloud
-    noted = () if "metric" in former else (HIDDEN,)
+    noted = (HIDDEN,) if former.keys() & {"weights", "radii"} else ()
     return replace(
         cloud,
         attributes={name: each for name, each in cloud.attributes.items() if name not in noted},

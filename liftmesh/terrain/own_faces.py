@@ -214,7 +214,7 @@ def _solved(planar: Floats, faces: Rows, remedy: str, threads: int | None) -> Tr
 def _lifted(cloud: Cloud, planar: Floats, threads: int | None) -> Triangulation | None:
     """Triangulate the corners by what the mesh says that it was triangulated by, if anything."""
     said = Provenance(cloud.metadata).lifted_by
-    if not said:
+    if not said or "spherical" in said:
         return None
     if "metric" in said:
         form = said["metric"]

@@ -13,7 +13,7 @@ from liftmesh.base.arrays import used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.options import Extrapolation, refused
 from liftmesh.crs.description import crs_name
-from liftmesh.crs.transformation import transform
+from liftmesh.crs.transformation import TransformationError, transform
 from liftmesh.crs.units import system_of
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.delaunay import delaunay
@@ -236,11 +236,13 @@ def on_globe(points: Floats, crs: str, target: str, chosen: dict[str, Any] | Non
     """Transform coordinates to a system of the globe."""
     try:
         return transform(points, crs, target, chosen)[0]
-    except InputError as error:
+    except TransformationError as error:
+        why = "there is no exact transformation, or it needs a grid that is not installed"
+        if error.place is not None:
+            why = f"{error.place} has no place there"
         raise InputError(
-            f"the place on the globe is not known: from {crs_name(crs)} there is no exact "
-            "transformation, or it needs a grid that is not installed: read the points with "
-            f"{Option('src_crs', ...)} the system that they are in, as EPSG:25832"
+            f"the place on the globe is not known: from {crs_name(crs)} {why}: read the points "
+            f"with {Option('src_crs', ...)} the system that they are in, as EPSG:25832"
         ) from error
 
 

@@ -360,6 +360,9 @@ def spherical_functions() -> Iterator[tuple[Any, ...]]:
         yield f"SphericalTriangulation.{name}", SOLID, call, ()
     check = on_globe(operator.methodcaller("verify"))
     yield "SphericalTriangulation.verify", SOLID, check, ("random heights",)
+    for name in ("to_cloud", "to_trimesh", "to_open3d"):
+        yield f"SphericalTriangulation.{name}", SOLID, on_globe(operator.methodcaller(name)), ()
+    yield "SphericalTriangulation.save", SOLID, on_globe(saved), ()
 
 
 def alpha_functions() -> Iterator[tuple[Any, ...]]:

@@ -108,7 +108,7 @@ def work_through(kind: str, families: list[str], chunks: bool, size: int) -> Non
     read(small, kind, chunks)
     for name in families:
         data = enlarged(known[name], size)
-        held = content(data)
+        held, data = content(data), bytes(data)  # a stream of a subclass would hold a copy
         limit = FIXED + MOST_PER_BYTE * held + ADDRESSES
         grown, limited = forked(lambda data=data: read(data, kind, chunks), limit)
         outcome = limited

@@ -5,12 +5,11 @@
     python scripts/interrupt --jobs verify "write OBJ"
 
 Each job reads, triangulates, verifies or writes. It runs once without interruption, then `--rounds`
-times with a SIGINT at a random moment in each equal part of that run time. Library calls run
-repeatedly in one process with a prompt, commands each in a process of their own, which gets SIGINT
-and SIGTERM in turn. Exits with 1 if
-the prompt, or the end of the command, takes more than `--most` seconds from the signal, if memory,
-an open file or a thread is leaked, or if a file was changed or left behind. A tiled run leaves what
-it has done in its folder; there the files of a last run, which begins anew, must be whole.
+times with a SIGINT at a random moment in each equal part of that run time, repeatedly in one
+process with a prompt. Exits with 1 if the prompt takes more than `--most` seconds from the signal,
+if memory, an open file or a thread is leaked, or if a file was changed or left behind. A tiled run
+leaves what it has done in its folder; there the files of a last run, which begins anew, must be
+whole. Long commands are interrupted by `python scripts/sweep --long`.
 """
 
 from __future__ import annotations
@@ -23,9 +22,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from interrupt.campaign import Interrupt, JobResult, interrupt_command, interrupt_job
+from interrupt.campaign import Interrupt, JobResult, interrupt_job
 from interrupt.jobs import JOBS, prepare
-from jobs import LONG_COMMANDS
 from process_state import hear_ctrl_c
 
 
@@ -52,10 +50,9 @@ def main() -> None:
 def read_options() -> Namespace:
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    known = [*JOBS, *LONG_COMMANDS]
     add("--rows", type=int, default=10_000_000)
     add("--rounds", type=int, default=5, help="interrupts of each job")
-    add("--jobs", nargs="+", choices=known, default=known, metavar="JOB", help=", ".join(known))
+    add("--jobs", nargs="+", choices=JOBS, default=JOBS, metavar="JOB", help=", ".join(JOBS))
     add("--most", type=float, default=1.0, help="seconds from the signal to the prompt")
     add("--seed", type=int, default=0, help="of the random moments")
     add("--folder", type=Path, help="where to make a temporary folder for the large files")
@@ -64,8 +61,7 @@ def read_options() -> Namespace:
 
 def run(job: str, folder: Path, options: Namespace) -> JobResult:
     """Interrupt one job, and print a line for each interrupt."""
-    interrupt = interrupt_job if job in JOBS else interrupt_command
-    result = interrupt(job, folder, options.rounds, options.seed)
+    result = interrupt_job(job, folder, options.rounds, options.seed)
     print(f"{job}: {result.uninterrupted:.2f} s without interruption")
     for each in result.interrupts:
         verdict = "; ".join(reasons(each, options.most)) or "ok"

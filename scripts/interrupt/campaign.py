@@ -3,36 +3,24 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import random
-import resource
-import select
 import signal
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
-from itertools import cycle
 from pathlib import Path
 from typing import Any
 
-from campaign import without_figures
 from interrupt.jobs import UNFINISHED
-from jobs import LONG_COMMANDS
 from process_state import MEGA, RETURNING, State, halted
 
 SCRIPTS = Path(__file__).resolve().parent.parent
 LEAK = 64 * MEGA  # memory that a process may hold beyond that after the uninterrupted run
-TIMEOUT = 600.0
-# The exit code and the line of each signal that ends a command.
-ENDS = {
-    signal.SIGINT: (130, "liftmesh: error: interrupted\n"),
-    signal.SIGTERM: (143, "liftmesh: error: terminated by SIGTERM\n"),
-}
 NOT_REACHED = "ended before"
 AGAIN = "the files of a run after all of them"
 AT_ONCE = 0.3  # CPU seconds in which a process ends whose result is there
@@ -124,12 +112,6 @@ def _computed(child: subprocess.Popen[str]) -> float:
     return time.clock_gettime(~child.pid << 3 | 2)  # its clock, as clock_getcpuclockid(3) says
 
 
-def _of_ended() -> float:
-    """The CPU seconds of all children that have ended."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def _interrupted(
     child: subprocess.Popen[str],
     delay: float,
@@ -179,89 +161,3 @@ def _changes(folder: Path, before: dict[str, int], own: Path | None = None) -> I
             continue
         if before.get(name) != after.get(name):
             yield f"{name} was {'changed' if name in before else 'left behind'}"
-
-
-def interrupt_command(job: str, folder: Path, rounds: int, seed: int) -> JobResult:
-    """Interrupt a command, in a new process each time."""
-    words = tuple(LONG_COMMANDS[job].words(folder, folder / "out"))
-    child, began = _started(words, folder)
-    code = child.wait(TIMEOUT)
-    whole = time.monotonic() - began
-    output, _ = child.communicate()
-    if code:
-        raise SystemExit(f"{job}: the uninterrupted run exited with {code}")
-    files = _files(folder)
-    moments = delays(whole, rounds, random.Random(f"{job} {seed}"))
-    return JobResult(
-        job,
-        whole,
-        tuple(
-            _signalled(words, number, each, folder, files, output)
-            for number, each in zip(cycle(ENDS), moments, strict=False)
-        ),
-    )
-
-
-def _started(words: tuple[str, ...], folder: Path) -> tuple[subprocess.Popen[str], float]:
-    """Start a command, and wait until it has opened its file, which leaves out the imports."""
-    child = subprocess.Popen(
-        [sys.executable, "-m", "liftmesh", *words],
-        cwd=folder,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    while words[1] not in _open_files(child.pid) and child.poll() is None:
-        time.sleep(0.001)
-    return child, time.monotonic()
-
-
-def _open_files(process: int) -> list[str]:
-    names = []
-    with suppress(OSError):
-        for each in Path(f"/proc/{process}/fd").iterdir():
-            with suppress(OSError):
-                names.append(str(each.readlink()))
-    return names
-
-
-def _signalled(
-    words: tuple[str, ...],
-    number: signal.Signals,
-    delay: float,
-    folder: Path,
-    files: dict[str, int],
-    output: str,
-) -> Interrupt:
-    others = _of_ended()
-    child, began = _started(words, folder)
-    time.sleep(max(0.0, began + delay - time.monotonic()))
-    with halted(child):
-        opened, told = _open_files(child.pid), _told(child)
-        computed = _computed(child) if child.returncode is None else math.inf
-        child.send_signal(number)
-        sent = time.monotonic()
-    out, err = child.communicate(timeout=TIMEOUT)
-    seconds, out = time.monotonic() - sent, told + out
-    if child.returncode == 0:
-        return _ended_before(delay, 0.0 if told == out else _of_ended() - others - computed)
-    faults = list(_changes(folder, files))
-    # It may have begun to print its results.
-    if (child.returncode, err) != ENDS[number] or not without_figures(output).startswith(
-        without_figures(out)
-    ):
-        faults.append(f"exit code {child.returncode}, {out!r}, {err[-500:]!r}")
-    return Interrupt(delay, _stage(opened, folder, words), seconds, tuple(faults))
-
-
-def _told(child: subprocess.Popen[str]) -> str:
-    """Return what a command has printed so far."""
-    output = child.stdout.fileno()
-    ready, _, _ = select.select([output], [], [], 0)
-    return os.read(output, 1 << 16).decode() if ready else ""
-
-
-def _stage(opened: list[str], folder: Path, words: tuple[str, ...]) -> str:
-    if words[1] in opened:
-        return "reading"
-    return "writing" if any(name.startswith(str(folder / "out")) for name in opened) else "working"

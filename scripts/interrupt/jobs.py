@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jobs import CALLS, LONG_COMMANDS, OLD, SEED, Action, make_files
+from jobs import CALLS, OLD, SEED, Action, make_files
 
 import liftmesh
 
@@ -33,8 +33,7 @@ JOBS = (*READ, *CALLS, "tile", *WRITTEN)
 def prepare(folder: Path, rows: int, jobs: Sequence[str]) -> None:
     """Write the files that the jobs read, and old files at the paths that they write."""
     mesh = liftmesh.triangulate(np.random.default_rng(SEED).random((rows, 3)))
-    names = {READ[job] for job in jobs if job in READ}
-    names |= {file for job in jobs if job in LONG_COMMANDS for file in LONG_COMMANDS[job].sources}
+    names = (READ[job] for job in jobs if job in READ)
     make_files(folder, {"cloud.npy", *names}, mesh)
     np.save(folder / "faces.npy", mesh.faces)
     (folder / "out").mkdir()

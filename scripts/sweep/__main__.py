@@ -4,6 +4,7 @@
     python scripts/sweep --seconds 3600
     python scripts/sweep --runs 1 --first 1234        one run again
     python scripts/sweep --runs 500 --commands volume profile
+    python scripts/sweep --long                       commands on files of 10,000,000 rows
 
 Every fourth run sends two signals. Exits with 1 if a command ends otherwise than by its first
 signal and with one line, or with its result if that was there before; if it takes more than
@@ -25,7 +26,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from jobs import commands
+from jobs import LONG_COMMANDS, commands
 from process_state import hear_ctrl_c
 from sweep.jobs import learn, prepare
 from sweep.runs import AFTER, BEFORE, DURING, Run, plan, run
@@ -36,7 +37,7 @@ def main() -> None:
     hear_ctrl_c()
     options = read_options()
     began = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="liftmesh-") as name:
+    with tempfile.TemporaryDirectory(prefix="liftmesh-", dir=options.folder) as name:
         runs = list(sweep(Path(name).resolve(), options))
     faults = sum(map(bool, (each.faults for each in runs)))
     print(f"{summary(runs)}; {faults} faults, in {time.monotonic() - began:.0f} s")
@@ -46,25 +47,36 @@ def main() -> None:
 def read_options() -> Namespace:
     parser = ArgumentParser(description=__doc__, formatter_class=RawDescriptionHelpFormatter)
     add = parser.add_argument
-    add("--runs", type=int, help="how many; by default 5,000, or any number in --seconds")
+    add(
+        "--runs",
+        type=int,
+        help="how many; by default 5,000, 30 if --long, or any number in --seconds",
+    )
     add("--seconds", type=float, default=float("inf"), help="begin no run after this time")
     add("--first", type=int, default=0, help="number of the first run")
     add("--seed", type=int, default=0)
-    add("--rows", type=int, default=3000, help="of the files that are read")
+    add("--long", action="store_true", help="commands that take long, one at a time")
+    add("--rows", type=int, help="of the files that are read; by default 3,000, or 10,000,000")
+    add("--folder", type=Path, help="where to make a temporary folder for the files")
     known = sorted({job.name for job in commands()})
     add("--commands", nargs="+", choices=known, default=known, metavar="COMMAND", help="only these")
     add("--most", type=float, default=1.0, help="seconds from the signal to the end")
     add("--second", type=float, default=0.2, help="seconds from the second signal to the end")
     add("--workers", type=int, default=os.cpu_count(), help="commands at a time")
     options = parser.parse_args()
+    if options.rows is None:
+        options.rows = 10_000_000 if options.long else 3000
+    if options.long:
+        options.workers = 1
     if options.runs is None and options.seconds == float("inf"):
-        options.runs = 5000
+        options.runs = 30 if options.long else 5000
     return options
 
 
 def sweep(folder: Path, options: Namespace) -> Iterator[Run]:
     """Yield the runs; print the faults."""
-    jobs = [job for job in commands() if job.name in options.commands]
+    listed = LONG_COMMANDS if options.long else commands()
+    jobs = [job for job in listed if job.name in options.commands]
     prepare(folder, options.rows, jobs)
     known = learn(folder, jobs)
     end = time.monotonic() + options.seconds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import os
 import subprocess
@@ -18,6 +19,7 @@ from jobs import OLD, STDOUT, Command, make_files
 import liftmesh
 from liftmesh.cli import main
 
+TIMEOUT = 600.0
 COMMAND = (sys.executable, "-m", "liftmesh")
 
 
@@ -27,7 +29,7 @@ class Known:
 
     seconds: dict[str, float] = field(default_factory=dict)
     printed: dict[Command, tuple[bytes, bytes]] = field(default_factory=dict)  # stdout, stderr
-    written: dict[Command, dict[str, bytes]] = field(default_factory=dict)
+    written: dict[Command, dict[str, str]] = field(default_factory=dict)  # digests
 
 
 def kind_of(job: Command) -> str:
@@ -65,13 +67,18 @@ def learn(folder: Path, jobs: Sequence[Command]) -> Known:
             known.seconds[kind_of(job)] = time.monotonic() - began
         else:
             known.printed[job] = _here(job, place)
-        known.written[job] = {name: (place / name).read_bytes() for name in job.targets}
+        known.written[job] = {name: digest(place / name) for name in job.targets}
     return known
+
+
+def digest(path: Path) -> str:
+    """Return what is the same for the same content."""
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _process(job: Command, place: Path) -> tuple[bytes, bytes]:
     done = subprocess.run(
-        [*COMMAND, *words_of(job)], cwd=place, capture_output=True, timeout=60, check=False
+        [*COMMAND, *words_of(job)], cwd=place, capture_output=True, timeout=TIMEOUT, check=False
     )
     if done.returncode:
         raise SystemExit(f"{job.line}: {done.returncode}, {done.stderr!r}")

@@ -6,6 +6,7 @@ its default; then both signals have handlers; once the exit code is decided, bot
 
 from __future__ import annotations
 
+import hashlib
 import math
 import random
 import re
@@ -20,12 +21,12 @@ from pathlib import Path
 from campaign import without_figures
 from jobs import OLD, Command
 from process_state import halted
-from sweep.jobs import COMMAND, Known, fill, kind_of, words_of
+from sweep.jobs import COMMAND, TIMEOUT, Known, digest, fill, kind_of, words_of
 
-TIMEOUT = 60.0
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 BEFORE, DURING, AFTER = "before the first line", "during the command", "after the result"
 
+_OLD = hashlib.sha256(OLD).hexdigest()
 _MESSAGES = {signal.SIGINT: b"interrupted", signal.SIGTERM: b"terminated by SIGTERM"}
 _LATE = 0.8  # share of the expected time: few commands should take longer
 _TICK = 0.02  # CPU seconds after a signal in which a call that had begun may end
@@ -207,8 +208,8 @@ def _of_files(planned: Plan, end: _End, place: Path, known: Known) -> Iterator[s
     for path in place.iterdir():
         if path.name.startswith("."):
             yield f"{path.name} was left behind"
-        elif path.name in planned.job.targets and path.read_bytes() != OLD:
-            if path.read_bytes() != known.written[planned.job][path.name]:
+        elif path.name in planned.job.targets and (found := digest(path)) != _OLD:
+            if found != known.written[planned.job][path.name]:
                 yield f"{path.name} is not whole"
             if path.stat().st_ctime > end.heard and not _was_lost(end):
                 yield f"{path.name} was written {path.stat().st_ctime - end.heard:.3f} s later"

@@ -40,7 +40,8 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
     if "classes" in texts:
         default = (
             "By default all."
-            if name in {"info", "thin", "constrain", "height", "tetrahedralize", "hull"}
+            if name
+            in {"info", "thin", "constrain", "height", "tetrahedralize", "hull", "alpha-shape"}
             else "as by default of LAS and LAZ."
         )
         assert texts["classes"].endswith(default)
@@ -48,11 +49,10 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 IN_THE_LIBRARY_ALONE = {
     "constrained_delaunay",
-    "a", "alpha", "b", "bins", "canonical", "carved", "clouds", "colors", "components",
-    "constraints", "copy", "data", "degrees", "density", "dimension", "dtype", "folder",
-    "furthest_site", "gradients", "heights", "incremental", "light", "markers", "masses",
-    "max_iter", "max_proofs", "order", "planar", "progress", "row", "rows", "shape",
-    "strict", "tol", "transform", "triangulation", "vertices",
+    "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
+    "degrees", "density", "dimension", "dtype", "folder", "furthest_site", "gradients", "heights",
+    "incremental", "light", "markers", "masses", "max_iter", "max_proofs", "order", "planar",
+    "progress", "row", "rows", "shape", "strict", "tol", "transform", "triangulation", "vertices",
 }  # fmt: skip
 NAMING = {
     "Option", "refused", "as_count", "as_number", "as_numbers", "as_positive", "as_distance",

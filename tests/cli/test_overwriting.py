@@ -37,6 +37,7 @@ WRITING = [
     ("refine", "box.geojson", "old.ply"),
     ("tetrahedralize", "a.las", "old.vtu"),
     ("hull", "a.las", "old.ply"),
+    ("alpha-shape", "a.las", "old.ply"),
     ("verify", "mesh.ply", "--certificate", "old.json"),
     ("compare", "a.las", "--lower", "old.ply"),
     ("compare", "a.las", "--hull", "old.ply"),

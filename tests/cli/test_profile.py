@@ -116,6 +116,7 @@ def test_corners_of_a_table_and_a_cloud(tin: Path, tmp_path: Path) -> None:
     [
         (["0,0"], 2, "'0,0' is one corner: give another --along X,Y"),
         (["0,0", "1,x"], 2, "'1,x' is not a corner x,y"),
+        (["0,0", "1"], 2, "'1' is not a corner x,y"),
         (["0,0", "1,nan"], 2, "'1,nan' is not a corner x,y"),
         (["0,0", "1,2,3"], 2, "'1,2,3' is not a corner x,y"),
         (["a.geojson", "b.geojson"], 2, "'a.geojson' is not a corner x,y"),

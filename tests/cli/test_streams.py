@@ -76,6 +76,12 @@ def test_input_without_stdin_is_refused(words: str, folder: Path) -> None:
     assert names(folder) == before
 
 
+def test_the_report_is_not_in_a_mesh_on_stdout(folder: Path) -> None:
+    done = run("solid mesh.ply - --output-format off --thickness 1", "", folder)
+    assert done.stdout.startswith("OFF\n")
+    assert (" triangles" in done.stdout, " triangles" in done.stderr) == (False, True)
+
+
 @pytest.mark.parametrize("closed", [">&-", "<&-", "2>&-", "<&- >&-", "<&- >&- 2>&-"])
 def test_a_file_is_written_whole_without_any_stream(closed: str, folder: Path) -> None:
     """No stream is needed, and none is the file: what was printed would be in it."""

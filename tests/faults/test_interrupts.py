@@ -155,7 +155,7 @@ def campaign(*words: str) -> subprocess.CompletedProcess[str]:
 
 @pytest.mark.campaign
 def test_the_campaign_interrupts_every_phase() -> None:
-    jobs = ("delaunay", "tile", "write OBJ", "liftmesh verify", "liftmesh info")
+    jobs = ("delaunay", "tile", "write OBJ")
     done = campaign("--rows", "100000", "--rounds", "2", "--most", "20", "--jobs", *jobs)
     assert done.returncode == 0, done.stdout + done.stderr
     assert "0 of them wrong" in done.stdout

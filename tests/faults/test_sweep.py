@@ -13,12 +13,14 @@ pytestmark = pytest.mark.campaign
 
 
 def sweep(*words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, str(ROOT / "scripts" / "sweep"), "--rows", "500", *words]
+    command = [sys.executable, str(ROOT / "scripts" / "sweep"), *words]
     return subprocess.run(command, capture_output=True, text=True, timeout=1200, check=False)
 
 
 def test_no_signal_is_lost_in_a_hundred_runs() -> None:
-    done = sweep("--runs", "100", "--most", "60", "--second", "60")  # others run, too
+    done = sweep(
+        "--rows", "500", "--runs", "100", "--most", "60", "--second", "60"
+    )  # others run, too
     assert done.returncode == 0, done.stdout + done.stderr
     counts = re.search(
         r"^100 runs, signals (\d+) before .+, (\d+) during .+, (\d+) after", done.stdout
@@ -30,9 +32,16 @@ def test_no_signal_is_lost_in_a_hundred_runs() -> None:
     assert "; 0 faults, in " in done.stdout
 
 
+def test_long_commands_end_in_every_phase() -> None:
+    words = ("--long", "--rows", "100000", "--runs", "6", "--most", "60", "--second", "60")
+    done = sweep(*words)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "6 runs, signals " in done.stdout
+
+
 def test_a_sweep_fails_where_a_command_is_late() -> None:
     commands = ("--commands", "volume", "profile", "thin")
-    done = sweep("--runs", "20", "--most", "0", "--second", "0", *commands)
+    done = sweep("--rows", "500", "--runs", "20", "--most", "0", "--second", "0", *commands)
     assert done.returncode == 1, done.stdout + done.stderr
     late = re.findall(r"^run \d+: (\w+) .+: it took ", done.stdout, re.MULTILINE)
     assert late

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import io
 import pickle
 import re
 from pathlib import Path
@@ -44,3 +45,11 @@ def test_pages_name_every_format() -> None:
         words = "|".join({each.name, *(suffix[1:] for suffix in each.suffixes)})
         for text in [*pages, *([read.__doc__ or ""] if each.read else [])]:
             assert re.search(rf"\b({words})\b", text, re.IGNORECASE), (each.name, text[:30])
+
+
+@pytest.mark.parametrize(
+    ("kind", "taken"), [("ply", "encoding, colors, comments"), ("off", "no options")]
+)
+def test_an_option_that_a_format_does_not_have(kind: str, taken: str) -> None:
+    with pytest.raises(liftmesh.FormatError, match=f"'colour': {kind} takes {taken}$"):
+        liftmesh.write(io.BytesIO(), [[0, 0, 0.0]], format=kind, colour=1)

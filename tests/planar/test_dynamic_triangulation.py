@@ -13,8 +13,9 @@ from oracles import planar as oracle
 from strategies import clouds
 
 import liftmesh
-from liftmesh import DynamicTriangulation
+from liftmesh import DynamicTriangulation, InputError
 from liftmesh._typing import Floats
+from liftmesh.planar import dynamic_triangulation
 
 Generator = np.random.Generator
 Made = Callable[[Generator, int], Floats]
@@ -166,6 +167,15 @@ def test_numbers_of_removed_points_are_given_again() -> None:
     assert tri.insert([[5, 5], [6, 9]]).tolist() == [1, 3]
     assert tri.find([[5, 5], [1, 0], [np.nan, 0]]).tolist() == [1, -1, -1]
     assert (tri.points[1] == 5).all()
+
+
+def test_more_points_than_there_are_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dynamic_triangulation, "MOST_ROWS", 4)
+    changing = DynamicTriangulation([[0, 0], [1, 0], [0, 1]])
+    for more in ([[1, 1], [2, 2]], [[1, 1], [2, 2], [3, 4]]):
+        with pytest.raises(InputError, match=f"{len(more)} more rows are too many: 4 is the limit"):
+            changing.insert(more)
+    assert changing.insert([[1, 1]]).tolist() == [3]
 
 
 @pytest.mark.parametrize("number", [7, -1, 2**40, 1.5, "a"])

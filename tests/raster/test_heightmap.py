@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from PIL import Image
 
 import liftmesh
 from liftmesh import FormatError, InputError
+from liftmesh.raster.heightmap import SIZES, suits_engines
 from liftmesh.raster.raster import Raster
 
 SLOPE = [[0, 0, 10], [8, 0, 30], [0, 8, 10], [8, 8, 30]]  # from 10 in the west to 30 in the east
@@ -123,6 +125,12 @@ def test_the_command_makes_what_engines_take(tmp_path: Path) -> None:
     done = command("raster", "a.ply", "a.r16", "--resolution", "1", cwd=tmp_path)
     assert "8 x 8 pixels of height, 64 with a value, 1 x 1 each: height = 0.000267" in done.stdout
     assert "Unreal takes 127, 253" in done.stderr
+
+
+def test_the_sizes_that_engines_take() -> None:
+    named = {int(each) for each in re.findall(r"\d+", SIZES)}
+    taken = {size for size in range(10_000) if suits_engines(size)}
+    assert taken == named | {129, 257, 513, 1025, 2049}  # so on
 
 
 def test_a_square_in_the_middle_or_bounds(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def ended(tmp_path: Path, said: Any, mesh: bytes) -> int:
 
 
 def test_it_needs_nothing_but_the_standard_library() -> None:
-    own = ("check_certificate", "check_constraints", "check_tetrahedra")
+    own = ("check_certificate", "check_constraints", "check_sphere", "check_tetrahedra")
     trees = [ast.parse((SCRIPT.parent / f"{name}.py").read_text("utf-8")) for name in own]
     nodes = [node for tree in trees for node in ast.walk(tree)]
     names = [node.module for node in nodes if isinstance(node, ast.ImportFrom)]

@@ -154,6 +154,14 @@ class TestBeyond:
         with pytest.warns(liftmesh.DataWarning, match=r"none is checked: .* products"):
             assert not liftmesh.scipy.Delaunay(FOUR).certified
 
+    def test_warnings_name_the_callers_line(self) -> None:
+        grid = np.indices((3, 3, 3, 3)).reshape(4, -1).T * 1.0
+        with warnings.catch_warnings(record=True) as told:
+            warnings.simplefilter("always")
+            liftmesh.scipy.SpaceDelaunay(grid)
+            liftmesh.scipy.Delaunay(grid, incremental=True).add_points(grid[:1] + 9)
+        assert [each.filename for each in told] == [__file__] * 3
+
     def test_duplicates_and_points_that_are_added(self) -> None:
         tri = liftmesh.scipy.Delaunay(np.vstack([FOUR[:40], FOUR[:3]]), incremental=True)
         assert tri.duplicates.tolist() == [[40, 0], [41, 1], [42, 2]]

@@ -191,7 +191,7 @@ class TestFlawsAreFound:
         nothing = replace(tri, simplices=none, neighbors=none).verify()
         assert {"no_triangles", "missing_vertices"} <= {flaw.kind for flaw in nothing.flaws}
         inside_out = replace(tri, simplices=tri.simplices[:, ::-1].copy()).verify()
-        assert {"clockwise", "not_delaunay"} <= {flaw.kind for flaw in inside_out.flaws}
+        assert {"not_convex", "not_delaunay"} <= {flaw.kind for flaw in inside_out.flaws}
         more = replace(tri, points=np.vstack([tri.points, [[1, 2, 3]]])).verify()
         assert [flaw.kind for flaw in more.flaws] == ["missing_vertices"]
 

@@ -122,6 +122,20 @@ class TestFlaws:
         around = np.array([[0, 1, 2 + i, 2 + (i + 1) % 5] for i in range(5)], dtype=np.int32)
         assert "boundary_winding" in kinds(points, turned(points, around))
 
+    def test_a_double_cover_that_turns_once_at_its_largest_vertex(self) -> None:
+        """Two rings around an axis, which close after two turns; no sphere has a neighbour."""
+        turn = np.arange(21) * 4 * np.pi / 21
+        ring = np.column_stack((np.cos(turn), np.sin(turn), 0 * turn)) * 2.0**20
+        points = np.vstack(([[0, 0, -(2**20)], [0, 0, 2**20], [0, 0, 0]], ring // 2, ring // 1))
+        flat = []
+        for a, d in zip(np.arange(3, 24), (np.arange(21) + 1) % 21 + 3, strict=True):
+            b, c = a + 21, d + 21
+            is_inside = liftmesh.incircle(*points[[a, b, c, d], :2]) > 0
+            flat += [(2, a, d)] + ([(a, b, d), (b, c, d)] if is_inside else [(a, b, c), (a, c, d)])
+        around = [(apex, *three) for three in flat for apex in (0, 1)]
+        around = turned(points, np.array(around, dtype=np.int32))
+        assert kinds(points, around) - {"not_canonical"} == {"not_convex"}
+
     def test_rows_without_a_vertex(self) -> None:
         assert kinds(np.vstack((CLOUD, CLOUD.mean(axis=0))), OF_CLOUD.simplices) == {
             "missing_vertices"

@@ -156,6 +156,42 @@ def test_vertices_that_differ_by_rounding_are_one() -> None:
     assert np.array_equal(there.faces, back.faces)
 
 
+def same_but_for_rounding(kind: str, seed: int) -> list[np.ndarray]:
+    """Two sets of rows that are the same within four units in the last place."""
+    rng = np.random.default_rng(seed)
+    plane = np.indices((7, 7)).reshape(2, -1).T.astype(float)
+    if kind == "hexagons":
+        plane = plane * (1, np.sqrt(0.75)) + np.outer(plane[:, 1] % 2, (0.5, 0))
+    elif kind == "turned":
+        plane = plane @ [[np.cos(0.3), np.sin(0.3)], [-np.sin(0.3), np.cos(0.3)]]
+    else:
+        plane += {"far": (4.5e5, 5.2e6), "about zero": (-3, -3)}[kind]
+    unit = np.spacing(abs(plane).max())
+    moved = plane[rng.random(len(plane)) < 0.8]
+    moved = np.vstack(
+        [moved + rng.integers(-2, 3, moved.shape) * unit, np.add(moved[:5], (0.3, 0.4))]
+    )
+    return [np.insert(each, 2, rng.random(len(each)), 1) for each in (plane, moved)]
+
+
+@pytest.mark.parametrize("kind", ["hexagons", "turned", "far", "about zero"])
+def test_rows_that_are_the_same_but_for_rounding(kind: str) -> None:
+    for seed in range(3):
+        rows = same_but_for_rounding(kind, seed)
+        one, two = map(liftmesh.triangulate, rows)
+        assert overlay_mesh(one, two, None) is not None
+        works = one.cut_and_fill(two)
+        # Constraints of the turned ones still cross after many splits.
+        for subtracted in (liftmesh.difference, _by_constraints)[: 1 if kind == "turned" else 2]:
+            change, back = subtracted(two, one), subtracted(one, two)
+            assert change.verify().valid
+            tolerance = 1e-12 + 1e2 * np.spacing(abs(rows[0]).max())
+            assert change.volume().above == pytest.approx(works.fill, rel=tolerance)
+            assert change.volume().below == pytest.approx(works.cut, rel=tolerance)
+            assert np.array_equal(back.vertices, change.vertices * (1, 1, -1))
+            assert np.array_equal(back.faces, change.faces)
+
+
 def test_surfaces_that_nearly_coincide() -> None:
     rng = np.random.default_rng(5)
     points = rng.random((60, 3))

@@ -16,6 +16,7 @@ from referencing import Registry, Resource
 import liftmesh
 from liftmesh import InputError, Surface, TilesetResult, write_tileset
 from liftmesh.tiles.staging import staged
+from liftmesh.tiles.terrain_parts import on_globe
 from liftmesh.tiles.tileset import TILESET
 
 SCHEMAS = Path(__file__).parent / "schemas" / "3d-tiles-1.1.json"
@@ -394,6 +395,19 @@ def test_surfaces_that_make_none(tmp_path: Path) -> None:
         with pytest.raises(InputError, match=cause):
             write_tileset(each, tmp_path, max_error=1)
     assert [*tmp_path.iterdir()] == []
+
+
+def test_what_is_said_of_places_beyond_the_globe_and_of_systems_that_are_none() -> None:
+    points = np.array([[5e5, 5.4e6, 0], [1e12, 5.4e6, 0]])
+    for crs, cause in (
+        (
+            "EPSG:25832",
+            r"from ETRS89 / UTM zone 32N \(1000000000000.0, 5400000.0, 0.0\) has no place there",
+        ),
+        ("EPSG:999999", r"the coordinate system 'EPSG:999999' is unknown: give WKT or EPSG:n"),
+    ):
+        with pytest.raises(InputError, match=cause):
+            on_globe(points, crs, "EPSG:4326")
 
 
 def test_the_published_schemas_take_the_tileset(made: tuple[Surface, TilesetResult]) -> None:

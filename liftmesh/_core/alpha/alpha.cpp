@@ -146,7 +146,9 @@ class EdgeRing {
     EdgeRing(const SimplexView<4>& view, const std::uint32_t* facet_at)
         : view_(view), facet_at_(facet_at) {}
 
-    // From tetrahedron t, whose corners i and j are the edge. False if an earlier one has it too.
+    // From tetrahedron t, whose corners i and j are the edge. False if an earlier one has it too,
+    // which is looked for on both sides in turn: so rings take O(n log n) steps in all, whatever
+    // the order of the tetrahedra. A closed ring has the facet at which it closes twice.
     bool find(std::size_t t, unsigned i, unsigned j) {
         const std::int32_t* const v = view_.simplices + 4 * t;
         unsigned k = 0;
@@ -155,35 +157,29 @@ class EdgeRing {
         vertices.clear();
         facets.clear();
         ends_ = {v[i], v[j]};
-        start_ = t;
-        vertices.push_back(v[k]);
-        facets.push_back(facet_at_[4 * t + l]);
-        if (!walk(4 * t + k)) return false;
-        return is_closed_ || walk(4 * t + l);
+        std::size_t exits[] = {4 * t + k, 4 * t + l};
+        bool is_open[] = {true, true};
+        for (std::size_t exit : exits) note(exit);
+        for (unsigned side = 0; is_open[0] || is_open[1]; side = 1 - side) {
+            if (!is_open[side]) continue;
+            const std::int32_t next = view_.neighbors[exits[side]];
+            is_open[side] = next >= 0;
+            if (!is_open[side]) continue;
+            if (static_cast<std::size_t>(next) < t) return false;
+            exits[side] = exit_of(static_cast<std::size_t>(next), exits[side] / 4);
+            note(exits[side]);
+            if (facets.back() == facet_at_[exits[1 - side]]) return true;
+        }
+        return true;
     }
 
     std::vector<std::int32_t> vertices;
     std::vector<std::uint32_t> facets;
 
  private:
-    // Out of the facet at `place`, until the start or the outside is reached. Facets are met once,
-    // but the last of a closed ring, with which it began, and the vertices with them.
-    bool walk(std::size_t place) {
-        for (is_closed_ = false;;) {
-            const std::size_t t = place / 4;
-            facets.push_back(facet_at_[place]);
-            vertices.push_back(third(place));
-            if (view_.neighbors[place] < 0) return true;
-            const auto next = static_cast<std::size_t>(view_.neighbors[place]);
-            if (next == start_) {
-                is_closed_ = true;
-                facets.pop_back();
-                vertices.pop_back();
-                return true;
-            }
-            if (next < start_) return false;
-            place = exit_of(next, static_cast<std::int32_t>(t));
-        }
+    void note(std::size_t place) {
+        facets.push_back(facet_at_[place]);
+        vertices.push_back(third(place));
     }
 
     // The corner of a facet beside the edge.
@@ -195,18 +191,17 @@ class EdgeRing {
     }
 
     // In a tetrahedron at the edge that was entered from another one, the other facet at the edge.
-    std::size_t exit_of(std::size_t t, std::int32_t from) const {
+    std::size_t exit_of(std::size_t t, std::size_t from) const {
         const std::int32_t* const v = view_.simplices + 4 * t;
+        const auto back = static_cast<std::int32_t>(from);
         std::size_t k = 0;
-        while (v[k] == ends_[0] || v[k] == ends_[1] || view_.neighbors[4 * t + k] == from) ++k;
+        while (v[k] == ends_[0] || v[k] == ends_[1] || view_.neighbors[4 * t + k] == back) ++k;
         return 4 * t + k;
     }
 
     const SimplexView<4>& view_;
     const std::uint32_t* facet_at_;
     std::array<std::int32_t, 2> ends_{};
-    std::size_t start_ = 0;
-    bool is_closed_ = false;
 };
 
 bool find_edges(const SimplexView<4>& view, const std::uint32_t* facet_at, Interrupt& interrupt,

@@ -4,6 +4,7 @@
 #include "predicates/insphere.hpp"
 #include "tetrahedra/locate.hpp"
 #include "tetrahedra/tetrahedra.hpp"
+#include "verify/sphere.hpp"
 #include "verify/tetrahedra.hpp"
 
 namespace bindings {
@@ -51,14 +52,15 @@ nb::tuple tetrahedralize(const PlanarRows& rows, bool skip_non_finite, std::uint
 
 using Quadruples = Array<const std::int32_t, 4>;
 
-nb::tuple verify_tetrahedra(const PlanarRows& rows, const Quadruples& simplices,
-                            bool skip_non_finite, unsigned threads, bool shared,
-                            nb::handle progress) {
+// By a function that checks tetrahedra, or triangles on the sphere.
+template <auto verify, int corners>
+nb::tuple verified(const PlanarRows& rows, const Array<const std::int32_t, corners>& simplices,
+                   bool skip_non_finite, unsigned threads, bool shared, nb::handle progress) {
     const Input input = read(rows);
     if (rows.shape(1) < 3) throw std::invalid_argument("rows need three columns");
     const auto verdict = unlocked(progress, [&](auto& interrupt) {
-        return liftmesh::verify_tetrahedra(input, simplices.data(), simplices.shape(0),
-                                           skip_non_finite, {threads, shared}, interrupt);
+        return verify(input, simplices.data(), simplices.shape(0), skip_non_finite,
+                      {threads, shared}, interrupt);
     });
     raise_if(verdict.status == liftmesh::Status::interrupted);
     return nb::make_tuple(name(verdict.status), verdict.row, verdict.skipped, verdict.vertices,
@@ -92,8 +94,10 @@ class PySpaceLocator {
 void bind_space(nb::module_& m) {
     m.def("tetrahedralize", &tetrahedralize, "rows"_a, "skip_non_finite"_a, "secret"_a, "threads"_a,
           "shared"_a, "progress"_a.none());
-    m.def("verify_tetrahedra", &verify_tetrahedra, "rows"_a, "simplices"_a, "skip_non_finite"_a,
-          "threads"_a, "shared"_a, "progress"_a.none());
+    m.def("verify_tetrahedra", &verified<liftmesh::verify_tetrahedra, 4>, "rows"_a, "simplices"_a,
+          "skip_non_finite"_a, "threads"_a, "shared"_a, "progress"_a.none());
+    m.def("verify_sphere", &verified<liftmesh::verify_sphere, 3>, "rows"_a, "simplices"_a,
+          "skip_non_finite"_a, "threads"_a, "shared"_a, "progress"_a.none());
     nb::class_<PySpaceLocator>(m, "SpaceLocator")
         .def(nb::init<Places, Quadruples, Quadruples>(), "points"_a, "simplices"_a, "neighbors"_a)
         .def("find", &PySpaceLocator::find, "queries"_a, "found"_a);

@@ -3,7 +3,6 @@
 #include "sphere/sphere.hpp"
 
 #include "bindings/python.hpp"
-#include "predicates/ray_side.hpp"
 
 namespace bindings {
 
@@ -21,16 +20,6 @@ nb::tuple spherical_delaunay(const PlanarRows& rows, bool skip_non_finite, std::
                           array_of<std::int32_t>(outcome.simplices),
                           array_of<std::int32_t>(outcome.neighbors), duplicates(outcome.duplicates),
                           skipped(outcome.skipped));
-}
-
-void ray_side(const Places& a, const Places& b, const Places& c, const Places& d,
-              const Signs& signs) {
-    const auto ray = [](const Places& places, std::size_t i) {
-        return liftmesh::Ray(points(places)[i]);
-    };
-    fill(signs, [&](std::size_t i) {
-        return liftmesh::ray_side(ray(a, i), ray(b, i), ray(c, i), ray(d, i));
-    });
 }
 
 void circle_centres(const Places& places, const Triples& simplices, const ChangingPlaces& centres) {
@@ -55,7 +44,6 @@ nb::tuple sphere_cells(const Triples& simplices, const Triples& neighbors, std::
 void bind_sphere(nb::module_& m) {
     m.def("spherical_delaunay", &spherical_delaunay, "rows"_a, "skip_non_finite"_a, "secret"_a,
           "progress"_a.none());
-    m.def("ray_side", &ray_side, "a"_a, "b"_a, "c"_a, "d"_a, "signs"_a);
     m.def("circle_centres", &circle_centres, "points"_a, "simplices"_a, "centres"_a);
     m.def("sphere_cells", &sphere_cells, "simplices"_a, "neighbors"_a, "rows"_a);
 }

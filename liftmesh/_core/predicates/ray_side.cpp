@@ -164,6 +164,9 @@ bool is_before(const SpacePoint& p, const SpacePoint& q) {
 }
 
 int side_by_rule(const SpacePoint (&p)[4]) {
+    for (int i = 1; i < 4; ++i)
+        for (int j = 0; j < i; ++j)
+            if (have_one_direction(p[i], p[j])) return 0;
     int order[4] = {0, 1, 2, 3};
     std::sort(order, order + 4, [&](int i, int j) { return is_before(p[j], p[i]); });
     for (int i : order)
@@ -200,14 +203,31 @@ bool have_one_direction(const SpacePoint& p, const SpacePoint& q) {
     return is_same(p.x, q.x) && is_same(p.y, q.y) && is_same(p.z, q.z);
 }
 
-int ray_side_exact(const Ray& a, const Ray& b, const Ray& c, const Ray& d) {
+bool is_direction_before(const SpacePoint& p, const SpacePoint& q) {
+    const auto face = [](const SpacePoint& r) {
+        const double x = std::fabs(r.x), y = std::fabs(r.y), z = std::fabs(r.z);
+        const int axis = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+        return 2 * axis + std::signbit(axis == 0 ? r.x : axis == 1 ? r.y : r.z);
+    };
+    const int at = face(p), other = face(q);
+    if (at != other) return at < other;
+    for (int axis = 0; axis < 3; ++axis)
+        if (const int sign = axis == at / 2 ? 0 : turn(p, q, axis); sign != 0) return sign > 0;
+    return false;
+}
+
+int ray_side_unperturbed(const Ray& a, const Ray& b, const Ray& c, const Ray& d) {
     if (const int sign = side_in_double_words(a, b, c, d); sign != 0) return sign;
-    const SpacePoint p[4] = {a.given, b.given, c.given, d.given};
+    const Ray* const rays[] = {&a, &b, &c, &d};
     for (int i = 1; i < 4; ++i)
         for (int j = 0; j < i; ++j)
-            if (have_one_direction(p[i], p[j])) return 0;
-    if (const int sign = sign_of_four_roots(p[0], p[1], p[2], p[3]); sign != 0) return sign;
-    return side_by_rule(p);
+            if (have_one_direction(*rays[i], *rays[j])) return 0;
+    return sign_of_four_roots(a.given, b.given, c.given, d.given);
+}
+
+int ray_side_exact(const Ray& a, const Ray& b, const Ray& c, const Ray& d) {
+    const int sign = ray_side_unperturbed(a, b, c, d);
+    return sign != 0 ? sign : side_by_rule({a.given, b.given, c.given, d.given});
 }
 
 }  // namespace liftmesh

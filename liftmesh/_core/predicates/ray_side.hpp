@@ -36,6 +36,18 @@ UnitVector unit_vector(const SpacePoint& p);
 
 bool have_one_direction(const SpacePoint& p, const SpacePoint& q);
 
+// Nearly always, rounded directions tell.
+inline bool have_one_direction(const Ray& p, const Ray& q) {
+    constexpr double far = 0x1p-49;
+    return std::fabs(p.unit.x - q.unit.x) <= far && std::fabs(p.unit.y - q.unit.y) <= far &&
+           std::fabs(p.unit.z - q.unit.z) <= far && have_one_direction(p.given, q.given);
+}
+
+// An order of directions, exactly: by the face of a cube that a ray meets, and where.
+bool is_direction_before(const SpacePoint& p, const SpacePoint& q);
+
+// Without the rule for ties the sign of rays on one circle is 0.
+int ray_side_unperturbed(const Ray& a, const Ray& b, const Ray& c, const Ray& d);
 int ray_side_exact(const Ray& a, const Ray& b, const Ray& c, const Ray& d);
 
 // With L the longest step, coordinates err by 4 e and steps by 9 e, so that the determinant of

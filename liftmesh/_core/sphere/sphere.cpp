@@ -60,17 +60,9 @@ class SphereInsertion {
         return ray_side(rays_[a], rays_[b], rays_[c], rays_[d]);
     }
 
-    // Whether v has the direction of a vertex: nearly always, their coordinates tell.
-    bool is_double(Vertex v, Vertex other) const {
-        constexpr double far = 0x1p-49;
-        const SpacePoint &p = rays_[v].unit, &q = rays_[other].unit;
-        if (std::fabs(p.x - q.x) > far || std::fabs(p.y - q.y) > far || std::fabs(p.z - q.z) > far)
-            return false;
-        return have_one_direction(rays_[v].given, rays_[other].given);
-    }
     bool note_if_double(Vertex v, std::span<const Vertex> others) {
         for (Vertex other : others) {
-            if (!is_double(v, other)) continue;
+            if (!have_one_direction(rays_[v], rays_[other])) continue;
             doubles_.push_back({v, other});
             return true;
         }

@@ -8,6 +8,9 @@ namespace {
 
 constexpr std::size_t none = 3;
 constexpr double unit = 0x1p-52;
+// Of the move where turns count as zero: sides that are one but for rounding are on the same side
+// of it. It is none that grids and decimals have.
+constexpr double slope = 0x1.3c6ef372fe94fp-1;
 
 }  // namespace
 
@@ -22,6 +25,24 @@ Face face_of(const Relief& relief, std::int32_t simplex) {
     return {{corners[first], corners[tail_of(first)], corners[head_of(first)]},
             first,
             std::max(width, high_y - low_y)};
+}
+
+bool is_near(double turn, Point tail, Point head, Point at, Nearness nearness) {
+    const auto size = [nearness](double a, double b, double c) {
+        return std::max({std::fabs(a), std::fabs(b), std::fabs(c), nearness.least});
+    };
+    return std::fabs(turn) <= nearness.units * unit *
+                                  (size(at.x, tail.x, head.x) * std::fabs(head.y - tail.y) +
+                                   size(at.y, tail.y, head.y) * std::fabs(head.x - tail.x));
+}
+
+bool is_flat(const Face& face, Nearness nearness) {
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Point at = face.at(k), tail = face.at(tail_of(k)), head = face.at(head_of(k));
+        const double turn = (tail.x - at.x) * (head.y - at.y) - (tail.y - at.y) * (head.x - at.x);
+        if (is_near(turn, tail, head, at, nearness)) return true;
+    }
+    return false;
 }
 
 FacePair::FacePair(const Face& first, const Face& second, Nearness nearness)
@@ -43,18 +64,6 @@ FacePair::FacePair(const Face& first, const Face& second, Nearness nearness)
     }
 }
 
-// Of a turn that is no zero. It has the same size from either face, and with both ends exchanged.
-bool FacePair::is_near(double value, std::size_t face, std::size_t side, std::size_t corner) const {
-    const Point tail = faces_[face]->at(tail_of(side)), head = faces_[face]->at(head_of(side)),
-                at = faces_[1 - face]->at(corner);
-    const auto size = [](double a, double b, double c) {
-        return std::max({std::fabs(a), std::fabs(b), std::fabs(c)});
-    };
-    return std::fabs(value) <= nearness_.units * unit *
-                                   (size(at.x, tail.x, head.x) * std::fabs(head.y - tail.y) +
-                                    size(at.y, tail.y, head.y) * std::fabs(head.x - tail.x));
-}
-
 // From the ends of a side relative to a corner of the other face.
 void FacePair::set_turn(std::size_t face, std::size_t side, std::size_t corner, Point tail,
                         Point head) {
@@ -63,31 +72,37 @@ void FacePair::set_turn(std::size_t face, std::size_t side, std::size_t corner, 
     Turn& turn = turns_[face][side][corner];
     turn = {left - right, std::fabs(left) + std::fabs(right)};
     const double error = bound * turn.size + underflow;
-    if (std::fabs(turn.value) > error + reach_) return;
-    if (nearness_.units > 0 && is_near(turn.value, face, side, corner)) {
-        turn.value = 0;
-        return;
+    int sign = (turn.value > 0) - (turn.value < 0);
+    if (std::fabs(turn.value) <= error + reach_) {
+        const Face& of = *faces_[face];
+        const Point from = of.at(tail_of(side)), to = of.at(head_of(side)),
+                    at = faces_[1 - face]->at(corner);
+        if (std::fabs(turn.value) <= error) {
+            sign = from == at || to == at ? 0 : orient2d_exact(from, to, at);
+            turn = {sign * std::numeric_limits<double>::denorm_min(),
+                    std::numeric_limits<double>::infinity()};
+        }
+        if (nearness_.units > 0 && is_near(left - right, from, to, at, nearness_)) turn.value = 0;
     }
-    if (std::fabs(turn.value) > error) return;
-    const Face& of = *faces_[face];
-    const int sign =
-        orient2d_exact(of.at(tail_of(side)), of.at(head_of(side)), faces_[1 - face]->at(corner));
-    turn = {sign * std::numeric_limits<double>::denorm_min(),
-            std::numeric_limits<double>::infinity()};
+    Sides& sides = sides_[face][side];
+    sides.positive |= static_cast<std::uint8_t>((sign > 0) << corner);
+    sides.negative |= static_cast<std::uint8_t>((sign < 0) << corner);
 }
 
 void FacePair::set_sides(std::size_t face, std::size_t side) {
     Sides& sides = sides_[face][side];
+    std::uint8_t right = 0;
     for (std::size_t i = 0; i < 3; ++i) {
         const double value = turns_[face][side][i].value;
-        sides.positive |= static_cast<std::uint8_t>((value > 0) << i);
-        sides.negative |= static_cast<std::uint8_t>((value < 0) << i);
+        sides.above |= static_cast<std::uint8_t>((value > 0) << i);
+        right |= static_cast<std::uint8_t>((value < 0) << i);
     }
-    sides.left = sides.positive;
-    if ((sides.positive | sides.negative) == all) return;
+    sides.left = sides.above;
+    if ((sides.above | right) == all) return;
     const Point tail = faces_[face]->at(tail_of(side)), head = faces_[face]->at(head_of(side));
-    const bool is_down = head.y < tail.y || (head.y == tail.y && head.x > tail.x);
-    if (is_down == (face == 0)) sides.left = static_cast<std::uint8_t>(all & ~sides.negative);
+    bool is_down = head.y < tail.y || (head.y == tail.y && head.x > tail.x);
+    if (nearness_.units > 0) is_down = slope * (head.x - tail.x) > head.y - tail.y;
+    if (is_down == (face == 0)) sides.left = static_cast<std::uint8_t>(all & ~right);
 }
 
 // The side of the other face to which the outline goes over from a side; `none` if to no one.

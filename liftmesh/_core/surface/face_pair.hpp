@@ -40,10 +40,17 @@ struct Turn {
 };
 
 // A turn counts as zero where moving coordinates by so many units in their last place, if any, can
-// make it zero. Of faces no coordinate of which is larger.
+// make it zero. Of faces no coordinate of which is larger; and none counts as less than the least.
 struct Nearness {
-    double units = 0, largest = 0;
+    double units = 0, largest = 0, least = 0;
 };
+
+// Of three points, of which the last one is relative to a side: whether their turn is that small.
+// It is the same with both ends exchanged.
+bool is_near(double turn, Point tail, Point head, Point at, Nearness nearness);
+
+// Whether one of the corners is as near to the side opposite.
+bool is_flat(const Face& face, Nearness nearness);
 
 class FacePair {
  public:
@@ -66,6 +73,7 @@ class FacePair {
     FacePair(const Face& first, const Face& second, Nearness nearness = {});
 
     const Face& face(std::size_t number) const { return *faces_[number]; }
+    Nearness nearness() const { return nearness_; }
     // Of a corner of the other face about a side of a face.
     const Turn& turn_about(std::size_t face, std::size_t side, std::size_t corner) const {
         return turns_[face][side][corner];
@@ -83,7 +91,7 @@ class FacePair {
     bool overlap() const {
         for (const auto& sides : sides_)
             for (const Sides& each : sides)
-                if (each.positive == 0) return false;
+                if (each.above == 0) return false;
         return true;
     }
     // Of that area, counter-clockwise.
@@ -92,13 +100,13 @@ class FacePair {
  private:
     static constexpr int all = 7;
 
-    // Of corners of the other face: a bit for each that is on either side of a side. The second
-    // face having been moved, all are to the left or not.
+    // Of corners of the other face: a bit for each that is on either side of a side, and for those
+    // on its left that are not near to it. The second face having been moved, all are to the left
+    // or not.
     struct Sides {
-        std::uint8_t positive = 0, negative = 0, left = 0;
+        std::uint8_t positive = 0, negative = 0, above = 0, left = 0;
     };
 
-    bool is_near(double value, std::size_t face, std::size_t side, std::size_t corner) const;
     void set_turn(std::size_t face, std::size_t side, std::size_t corner, Point tail, Point head);
     void set_sides(std::size_t face, std::size_t side);
     Corner crossing(std::size_t face, std::size_t side, std::size_t other_side) const;

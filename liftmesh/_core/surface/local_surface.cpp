@@ -44,4 +44,10 @@ Face LocalSurface::face(std::int32_t face) const {
     return {{a, b, c}, 0, std::max(right - left, high - low)};
 }
 
+void LocalSurface::hide_flat(Nearness nearness) {
+    for (std::size_t i = 0; i < shown_.size(); ++i)
+        if (shown_[i] != 0)
+            shown_[i] = is_flat(face(static_cast<std::int32_t>(i)), nearness) ? 2 : 1;
+}
+
 }  // namespace liftmesh

@@ -32,7 +32,9 @@ class LocalSurface {
         const std::int32_t beyond = neighbor(face, side);
         return beyond >= 0 && is_shown(beyond) ? beyond : -1;
     }
-    bool is_shown(std::int32_t face) const { return shown_[static_cast<std::size_t>(face)] != 0; }
+    bool is_shown(std::int32_t face) const { return shown_[static_cast<std::size_t>(face)] == 1; }
+    // Leaves out those that are flat within some units, beside those that never are shown.
+    void hide_flat(Nearness nearness);
     const SurfaceCorner& corner(std::int32_t vertex) const {
         return corners_[static_cast<std::size_t>(vertex)];
     }
@@ -40,7 +42,7 @@ class LocalSurface {
  private:
     OrderedTriangles triangles_;
     std::vector<SurfaceCorner> corners_;
-    std::vector<std::uint8_t> shown_;
+    std::vector<std::uint8_t> shown_;  // 2: not now
     double largest_ = 0;
 };
 

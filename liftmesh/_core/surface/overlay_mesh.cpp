@@ -14,6 +14,18 @@ namespace {
 // are zero within one; what has been computed once more, within two.
 constexpr double few_units = 2;
 
+// How near counts as on a side; and whether units are those of the largest coordinate, and faces
+// that are flat within them are left out.
+struct Attempt {
+    double units;
+    bool is_wide;
+};
+constexpr Attempt attempts[] = {{few_units, false},
+                                {0, false},
+                                {few_units, true},
+                                {8 * few_units, true},
+                                {64 * few_units, true}};
+
 // A side of a triangle, three times its number and the corner opposite.
 using OverlaySide = std::uint32_t;
 
@@ -372,8 +384,12 @@ bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, 
     }
     interrupt.expect(10 * surfaces[0].count());
     interrupt.advance(surfaces[0].count());
-    for (const double nearness : {few_units, 0.0}) {
+    const double largest = std::max(surfaces[0].largest(), surfaces[1].largest());
+    for (const auto [units, is_wide] : attempts) {
+        const Nearness nearness{units, largest, is_wide ? largest : 0};
         found = {};
+        if (is_wide)
+            for (LocalSurface& surface : surfaces) surface.hide_flat(nearness);
         Pieces pieces;
         if (!find_pieces(surfaces, faces[0], faces[1], nearness, pieces, interrupt)) return false;
         found.displacement = pieces.displacement;

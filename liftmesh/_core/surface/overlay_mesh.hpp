@@ -10,7 +10,9 @@
 // It would fail wherever a vertex of one surface is beside a side of the other by less than what
 // crossings are rounded by: where the coordinates are decimals, of nearly every vertex that is on a
 // side in decimals. So such vertices count as on these sides, and as one with a vertex that is as
-// near, and it is the check that tells whether this has led to a triangulation.
+// near, and it is the check that tells whether this has led to a triangulation. If not, all is
+// decided exactly; then more counts as near, and faces as flat as that, as along hulls, are left
+// out.
 //
 // Triangles of a piece are Delaunay in it. Sides of pieces are constraints where the triangles on
 // both sides are not Delaunay, and on the rim: so the whole is constrained Delaunay (Lee and Lin,

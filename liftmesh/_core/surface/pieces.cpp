@@ -24,10 +24,11 @@ constexpr std::size_t side_in(unsigned sides) {
 }
 
 // Whether corners near to the same sides are at one place, and not along two that hardly diverge.
-bool are_together(Point p, Point q) {
-    constexpr double unit = 0x1p-52, most = 16;
-    const auto is_near = [](double a, double b) {
-        return std::fabs(a - b) <= most * unit * std::max(std::fabs(a), std::fabs(b));
+bool are_together(Point p, Point q, Nearness nearness) {
+    constexpr double unit = 0x1p-52, more = 8;
+    const auto is_near = [nearness](double a, double b) {
+        return std::fabs(a - b) <= more * nearness.units * unit *
+                                       std::max({std::fabs(a), std::fabs(b), nearness.least});
     };
     return is_near(p.x, q.x) && is_near(p.y, q.y);
 }
@@ -36,7 +37,7 @@ PieceCorner corner_at(const FacePair& pair, std::size_t face, std::size_t k) {
     if (face == 1)
         for (std::size_t i = 0; i < 3; ++i)
             if (sides_at(pair, 0, k) == sides_of_corner(i) &&
-                are_together(pair.face(0).at(i), pair.face(1).at(k)))
+                are_together(pair.face(0).at(i), pair.face(1).at(k), pair.nearness()))
                 return PieceCorner::at(0, i);
     return PieceCorner::at(face, k);
 }
@@ -91,10 +92,7 @@ bool outline_of(const FacePair& pair, OverlayPiece& piece) {
 
 // As `along` of terrain/cutting.py.
 double height_along(const SurfaceCorner& tail, const SurfaceCorner& head, Point place) {
-    const double across = head.at.x / 2 - tail.at.x / 2, up = head.at.y / 2 - tail.at.y / 2;
-    const bool is_steep = std::fabs(up) > std::fabs(across);
-    const double ahead = is_steep ? place.y / 2 - tail.at.y / 2 : place.x / 2 - tail.at.x / 2;
-    const double share = std::min(std::max(ahead / (is_steep ? up : across), 0.0), 1.0);
+    const double share = std::min(std::max(share_between(tail.at, head.at, place), 0.0), 1.0);
     const double rise = head.height - tail.height;
     const double height = std::isfinite(rise) ? tail.height + share * rise
                                               : tail.height * (1 - share) + head.height * share;
@@ -120,12 +118,9 @@ namespace {
 
 class Collector {
  public:
-    Collector(const std::array<LocalSurface, 2>& surfaces, double nearness, Pieces& found,
+    Collector(const std::array<LocalSurface, 2>& surfaces, Nearness nearness, Pieces& found,
               Interrupt& interrupt)
-        : surfaces_(surfaces),
-          nearness_{nearness, std::max(surfaces[0].largest(), surfaces[1].largest())},
-          found_(found),
-          interrupt_(interrupt) {
+        : surfaces_(surfaces), nearness_(nearness), found_(found), interrupt_(interrupt) {
         // About as many as of points at random; what is not used takes no memory.
         found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
         for (std::size_t k : {0, 1}) found_.heights[k].assign(surfaces[k].vertices(), no_height);
@@ -192,7 +187,7 @@ class Collector {
 }  // namespace
 
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 double nearness, Pieces& found, Interrupt& interrupt) {
+                 Nearness nearness, Pieces& found, Interrupt& interrupt) {
     Patience patience(interrupt);
     Collector collector(surfaces, nearness, found, interrupt);
     Flood<Collector> flood(collector, surfaces[0].count(), surfaces[1].count(), patience);

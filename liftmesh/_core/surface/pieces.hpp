@@ -91,6 +91,6 @@ struct Pieces {
 // From two faces that touch; nearness as for pairs. Advances by three for each first face. False if
 // the interrupt came first.
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 double nearness, Pieces& found, Interrupt& interrupt);
+                 Nearness nearness, Pieces& found, Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -6,8 +6,9 @@
 //    any, so the point o in its middle is strictly inside of all: seen from o the boundary covers
 //    the sphere of directions some k times. No two of them that share an edge make a valley. At the
 //    lexicographically largest vertex u the facets are one cycle that turns around once. As u is
-//    extreme, no other facet meets the ray from o through u: so k is 1, the boundary is embedded,
-//    and locally convex, so convex (H. Tietze, 1928; S. Nakajima, 1928).
+//    extreme, no other facet meets the ray from o through u behind u, and as u is outside of none,
+//    none does before: so k is 1, the boundary is embedded, and locally convex, so convex
+//    (H. Tietze, 1928; S. Nakajima, 1928).
 // 3. So a point is in as many tetrahedra as the boundary winds around it: those of the hull in one,
 //    others in none. Each position of a row is a vertex.
 // 4. No sphere contains the opposite vertex of a neighbour: then none contains any (B. Delaunay,
@@ -15,33 +16,9 @@
 #pragma once
 
 #include "base/input.hpp"
-#include "parallel/thread_pool.hpp"
-#include "verify/flaws.hpp"
+#include "verify/simplices.hpp"
 
 namespace liftmesh {
-
-// _MEANINGS in planar/tetrahedra.py has the same names in the same order.
-enum class SpaceFlaw : std::uint8_t {
-    invalid_index,        // a corner that is not a row
-    non_finite,           // a corner on a row that is not finite
-    negative,             // a tetrahedron of negative volume
-    degenerate,           // one of no volume
-    non_manifold_facets,  // a facet with several tetrahedra on one side: one of them, and which
-    non_manifold_edges,   // two rows: an edge that does not join two facets of the boundary
-    boundary_winding,     // a row at which the boundary turns around more than once
-    not_convex,           // a facet of the boundary, with a point outside of it or of the next
-    missing_vertices,     // a row without a vertex at its position
-    not_delaunay,         // a facet with the opposite vertex of a neighbour inside the sphere
-    not_canonical,        // a facet that the symbolic perturbation would flip
-    kinds
-};
-
-struct SpaceVerdict {
-    Status status = Status::ok;
-    std::size_t row = 0;  // the first non-finite row, where that is the status
-    std::size_t skipped = 0, vertices = 0, merged = 0, facets = 0, hull_facets = 0;
-    FlawsOf<SpaceFlaw> flaws;
-};
 
 // Simplices are count x 4. Places are facets 4 t + k, opposite corner k of tetrahedron t, if
 // nothing else is said.

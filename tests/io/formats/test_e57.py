@@ -309,6 +309,12 @@ def test_a_process_that_takes_too_much_is_ended(monkeypatch: pytest.MonkeyPatch)
         read(data)
 
 
+def test_the_process_may_take_more_for_larger_files() -> None:
+    least, large, long = (decoding.Limits.of(*each) for each in ((0, 0), (0, 10**9), (10**9, 0)))
+    assert (large.memory - least.memory, large.seconds) == (10**9, least.seconds)
+    assert (long.memory, long.seconds > least.seconds) == (least.memory, True)
+
+
 def test_the_hint_without_pye57(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     data = e57(Scan(FEW))
     library = [each for each in sys.path if "site-packages" not in each]

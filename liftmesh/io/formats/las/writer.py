@@ -282,5 +282,5 @@ def _returns(cloud: Cloud) -> Array:
 
 
 def _new() -> bytes:
-    """Begin a header: by whom, and no date."""
-    return struct.pack("<4s20x2B32s32s4xH", b"LASF", 1, 4, b"", b"liftmesh", 0)
+    """Begin a header: by whom, without version and date."""
+    return struct.pack("<4s54x32s6x", b"LASF", b"liftmesh")
