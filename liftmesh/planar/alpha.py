@@ -402,7 +402,9 @@ def alpha_complex(found: AlphaMethods, alpha: float = np.inf) -> AlphaComplex:
     Returns
     -------
     AlphaComplex
-        All simplices whose radius is at most `alpha`, by exact comparison; by default all.
+        All simplices whose radius is at most `alpha`, by exact comparison; by default all. Radii
+        are rounded up, not to the nearest double as `circumradii` are: so comparing them with a
+        double decides as comparing the exact ones does.
 
     Raises
     ------
