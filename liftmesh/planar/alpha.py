@@ -265,7 +265,7 @@ class AlphaShape(HullMesh):
         faces = self.faces if self.points.shape[1] == 3 else self.simplices
         place = np.zeros(len(self.points), dtype=np.int32)
         place[rows] = np.arange(len(rows), dtype=np.int32)
-        return Cloud(in_space(self.points[rows]), faces=place[faces])
+        return Cloud(in_space(self.points[rows]), faces=place.take(faces, axis=0))
 
 
 class AlphaMethods:
