@@ -294,7 +294,7 @@ def with_rows(
     pieces = _in_order(np.sort(names[tri.constraints], axis=1), *tri.constraint_inputs)
     return ConstrainedTriangulation(
         points,
-        names[simplices],
+        names.take(simplices, axis=0),
         neighbors,
         names[hull],
         duplicates,
