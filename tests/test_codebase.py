@@ -172,7 +172,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "text": {"base", "parallel"},
     "sorting": {"base", "predicates", "parallel"},
     "delaunay": {"base", "predicates", "parallel", "sorting"},
-    "alpha": {"base", "predicates", "parallel"},
+    "alpha": {"base", "predicates", "parallel", "sorting", "tetrahedra"},
     "anisotropic": {"base", "predicates", "parallel", "sorting"},
     "apollonius": {"base", "predicates", "parallel", "sorting"},
     "constrained": {"base", "predicates", "sorting", "delaunay"},
