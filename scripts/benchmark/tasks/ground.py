@@ -89,7 +89,7 @@ def ground_of(points: Any, kind: str, noise: dict[str, float]) -> Truth:
         from pysmrf import classify  # noqa: PLC0415 - another program
 
         rows = points if isinstance(points, np.ndarray) else points.points
-        return np.asarray(classify(*rows.T.copy(), cellsize=1.0, windows=18).ground_mask)
+        return np.asarray(classify(*rows.T.copy(), cellsize=1.0, windows=18).is_ground)
     classes = liftmesh.classify_ground(points, **FILTERS[kind], **noise).attributes
     return np.asarray(classes["classification"] == 2)
 
