@@ -13,8 +13,8 @@ and their mutants do not count where they fail there, too. Printed are the mutan
 the share that was killed.
 
 Not drawn, but counted, is what no test should notice: annotations, messages of errors, what type
-checkers alone see, decorators and sizes of blocks that only change how long it takes, what is said
-to be out of reach, and objects that are compared by identity in place of equality.
+checkers alone see, decorators, their flags and sizes of blocks that only change how long it takes,
+what is said to be out of reach, and objects that are compared by identity in place of equality.
 """
 
 from __future__ import annotations
@@ -48,6 +48,7 @@ LEFT_OUT = (".git", ".venv*", "out", "build", "__pycache__", ".*_cache")
 NO_OPERATOR = re.compile("/(Variable|NoOp)")  # these need to be told a variable, or change nothing
 SAVES_TIME = re.compile(r"@(functools\.)?(lru_)?cache\b|@\w*\.?overload\b")
 SAME = re.compile("_(Eq_Is|NotEq_IsNot|Is_Eq|IsNot_NotEq)$")
+FLAGS = frozenset({"frozen", "repr", "slots"})  # of dataclasses that write their own `__repr__`
 SIZE = re.compile(r"\w*(BLOCK|CHUNK|BATCH|BUFFER)\w*")
 NO_PLACE = re.compile(r"name|string|fstring\w*|newline|endmarker")  # types of nodes
 MARKS = frozenset([*"()[]{},.:=;", "->"])
@@ -146,6 +147,8 @@ def hidden_in(parent: Any, child: Any) -> str:
         return "sizes of blocks"
     if parent.type == "raise_stmt":
         return "messages"
+    if parent.type == "argument" and parent.children[0].get_code().strip() in FLAGS:
+        return "decorators"
     is_seen = parent.type != "if_stmt" or "TYPE_CHECKING" not in parent.children[1].get_code()
     return "" if is_seen else "type checkers"
 
