@@ -21,6 +21,7 @@ BENCHMARKS = {
     "changing": "points inserted into, and removed from, what is there, beside CGAL",
     "refine": "angles and sizes of meshes beside triangle and Gmsh",
     "space": "tetrahedra and their proof, beside CGAL, SciPy and shull",
+    "shapes": "alpha surfaces and spheres, beside Open3D, shull and SciPy",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
     "locate": "points located, beside SciPy and matplotlib",

@@ -221,6 +221,18 @@ def _verify_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
     return lambda progress: tetra.verify(progress=progress)
 
 
+def _on_sphere(points: np.ndarray, rng: Generator) -> Action:
+    rays = rng.normal(size=(len(points), 3))
+    return lambda progress: liftmesh.spherical_delaunay(rays, progress=progress)
+
+
+def _verify_on_sphere(points: np.ndarray, rng: Generator) -> Action:
+    """With a row that is no vertex: then directions are compared, too."""
+    rays = rng.normal(size=(len(points), 3))
+    simplices = liftmesh.spherical_delaunay(rays[1:]).simplices + 1
+    return lambda progress: liftmesh.verify(rays, simplices, spherical=True, progress=progress)
+
+
 def _in_tetrahedra(points: np.ndarray, rng: Generator) -> Action:
     tetra = liftmesh.tetrahedralize(rng.random((max(len(points) // 30, 4), 3)))
     places = rng.random((len(points), 3))
@@ -293,6 +305,8 @@ CALLS: dict[str, Call] = {
     "tetrahedralize": _tetrahedralize,
     "verify tetrahedra": _verify_tetrahedra,
     "find_simplex in tetrahedra": _in_tetrahedra,
+    "spherical_delaunay": _on_sphere,
+    "verify on the sphere": _verify_on_sphere,
     "raster": partial(_surface, ask=_raster),
     "contours": partial(_surface, ask=_contours),
     "cut and fill": _cut_and_fill,

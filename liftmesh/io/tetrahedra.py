@@ -27,6 +27,7 @@ from liftmesh.optional import load
 
 FORMATS = {"vtu": "vtu", "vtk": "vtk", "msh": "gmsh"}  # with the names that meshio has
 _CELLS = "tetra"
+_LARGE = 1 << 26  # bytes of a file that may take more memory than there is; a smaller one lies
 
 
 def is_of_tetrahedra(path: str | os.PathLike[str], file_format: str | None = None) -> bool:
@@ -84,11 +85,15 @@ def read_tetrahedra(
     meshio = load("meshio", extra="solvers")
     place.open("rb").close()  # whose errors say more
     try:
-        with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()):
+        with (
+            contextlib.redirect_stdout(io.StringIO()),
+            contextlib.redirect_stderr(io.StringIO()),
+            np.errstate(all="ignore"),
+        ):
             mesh = meshio.read(place, file_format=FORMATS[key])
-    except MemoryError:
-        raise
     except (Exception, SystemExit) as error:
+        if isinstance(error, MemoryError) and place.stat().st_size > _LARGE:
+            raise
         why = error.__context__ if isinstance(error, SystemExit) else error
         raise FormatError(f"{place}: meshio cannot read it: {str(why) or repr(why)}") from error
     cells = [block.data for block in mesh.cells if block.type == _CELLS]

@@ -141,11 +141,14 @@ class SphericalTriangulation(HullMesh):
         """
         areas = np.zeros(len(self.points))
         units = _units(self.points)
+        numbers = np.arange(len(self.simplices))
         for k in range(3):
-            tail, head = (self.simplices[:, (k + step) % 3] for step in (1, 2))
-            before = self.centers[self.neighbors[:, k]]
-            parts = _swept_areas(units[tail], units[head], before, self.centers)
-            areas += np.bincount(tail, weights=parts, minlength=len(areas))
+            own = np.flatnonzero(self.neighbors[:, k] > numbers)  # each edge once
+            tail, head = (self.simplices[own, (k + step) % 3] for step in (1, 2))
+            before, after = self.centers[self.neighbors[own, k]], self.centers[own]
+            parts = _swept_areas(units[tail], units[head], before, after)
+            for ends in (tail, head):
+                areas += np.bincount(ends, weights=parts, minlength=len(areas))
         return read_only(areas)
 
     def to_cloud(self) -> Cloud:
@@ -352,7 +355,7 @@ def _swept_areas(p: Floats, q: Floats, first: Floats, last: Floats) -> Floats:
     """Compute what sides of cells sweep, seen from p: where p and q are as near, between centers.
 
     From the middle of p and q, which is at the distance a, an arc of length b along this great
-    circle sweeps 2 atan(tan(a / 2) tan(b / 2)).
+    circle sweeps 2 atan(tan(a / 2) tan(b / 2)). Seen from q it is the same.
     """
     total = p + q
     cosine = np.sqrt((total**2).sum(axis=1)) / 2

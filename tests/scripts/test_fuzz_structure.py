@@ -21,6 +21,7 @@ from fuzz.structure.parts import Chance, Liar, Part, encoded
 from lies import npy
 
 from liftmesh.io.registry import FORMATS, find_format
+from liftmesh.io.tetrahedra import FORMATS as CELLS
 
 TESTS = Path(__file__).resolve().parents[1]
 SCRIPTS = TESTS.parent / "scripts"
@@ -58,7 +59,8 @@ def test_no_known_file_does_harm(tmp_path: Path) -> None:
 
 def test_every_format_has_a_generator() -> None:
     kinds = {generated(name, number).kind for name in GENERATORS for number in range(20)}
-    made = {find_format(kind, "a file").name for kind in kinds}
+    made = {find_format(kind, "a file").name for kind in kinds - {*CELLS}}
+    assert kinds > {*CELLS}
     assert made == {each.name for each in FORMATS if each.read is not None}
 
 

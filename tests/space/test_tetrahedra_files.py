@@ -55,6 +55,21 @@ class TestFiles:
             liftmesh.verify(path)
         assert capfd.readouterr() == ("", "")
 
+    def test_a_small_file_that_takes_all_memory_lies(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def read(*_: Any, **__: Any) -> None:
+            raise MemoryError
+
+        path = tmp_path / "a.vtk"
+        TETRA.save(path)
+        monkeypatch.setattr(meshio, "read", read)
+        with pytest.raises(liftmesh.FormatError, match=r"a.vtk: meshio cannot read it: MemoryErr"):
+            liftmesh.verify(path)
+        monkeypatch.setattr("liftmesh.io.tetrahedra._LARGE", 0)
+        with pytest.raises(MemoryError):
+            liftmesh.verify(path)
+
     def test_refusals(self, tmp_path: Path) -> None:
         with pytest.raises(liftmesh.FormatError, match=r"'ply' is no format of tetrahedra"):
             TETRA.save(tmp_path / "cells.ply")

@@ -14,6 +14,7 @@ from fuzz.structure.ply import ply
 from fuzz.structure.points import compressed, ele, node, pcd, poly, pts, xyzrgb
 from fuzz.structure.raster import geotiff, grid
 from fuzz.structure.shapes import geojson, geopackage, shapefile
+from fuzz.structure.tetrahedra import cells
 from fuzz.structure.text import ascii_stl, binary_stl, dxf, mesh2d, obj, off, table
 from fuzz.structure.xml import landxml
 
@@ -47,6 +48,7 @@ GENERATORS: dict[str, Callable[[Chance], Case]] = {
     "geojson": geojson,
     "geopackage": geopackage,
     "shapefile": shapefile,
+    "tetrahedra": cells,
     "geotiff": geotiff,
     "grid": grid,
 }
