@@ -57,7 +57,7 @@ ROOT = Path(liftmesh.__file__).parent
 KERNELS = {
     "flaws.hpp": violations.MEANINGS,
     "disks.hpp": disks.MEANINGS,
-    "tetrahedra.hpp": tetrahedra._MEANINGS,
+    "simplices.hpp": tetrahedra._MEANINGS,
 }
 
 
@@ -75,5 +75,6 @@ def test_every_kind_of_flaw_is_documented() -> None:
     of_tiles = proof._MEANINGS
     documented = re.search(r"kind : str(.*?)count : int", liftmesh.Flaw.__doc__ or "", re.DOTALL)
     assert documented
-    known = set().union(made, of_tiles, *KERNELS.values())
+    of_space = {f"no_{several}" for _, several in tetrahedra._SIMPLICES.values()}
+    known = of_space.union(made, of_tiles, *KERNELS.values())
     assert {*re.findall(r'"(\w+)"', documented[1])} == known
