@@ -2,8 +2,8 @@
 
 #include "parallel/blocks.hpp"
 #include "predicates/lattice.hpp"
+#include "sorting/along_curve.hpp"
 #include "sorting/counting_sort.hpp"
-#include "sorting/hilbert.hpp"
 #include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
@@ -42,11 +42,6 @@ SpacePoint SpaceScale::operator()(const SpacePoint& p) const {
 
 namespace {
 
-struct PlacedRow {
-    std::uint64_t place;
-    Row row;
-};
-
 class SpaceSort {
  public:
     SpaceSort(SpaceRows rows, ThreadPool& pool, SpaceOrder& order)
@@ -55,10 +50,11 @@ class SpaceSort {
     bool run() { return find_places() && sort() && keep_distinct(); }
 
  private:
+    using Placed = PlacedRow<HilbertCurveInSpace>;
     static constexpr std::size_t length = std::size_t{1} << 14;  // of a task
 
     bool find_places() {
-        placed_ = allocate<PlacedRow>(rows_.count);
+        placed_ = allocate<Placed>(rows_.count);
         SpaceBox box;
         auto skipped = rows_.skipped.begin();
         const auto add = [&](std::size_t row) {
@@ -84,60 +80,26 @@ class SpaceSort {
         constexpr int key_bits = 12, place_bits = 63;
         const std::size_t shares = std::clamp<std::size_t>(count_ / length, 1, pool_.size());
         CountingSort parts(count_, shares, std::size_t{1} << key_bits, pool_);
-        auto sorted = allocate<PlacedRow>(count_);
+        auto sorted = allocate<Placed>(count_);
         const bool done = parts.sort(
             [this](const Share& share, auto visit) {
                 for (std::size_t i = share.first; i < share.last; ++i) visit(placed_[i]);
             },
-            [](const PlacedRow& item) { return item.place >> (place_bits - key_bits); },
-            [&](std::size_t to, const PlacedRow& item) { sorted[to] = item; });
+            [](const Placed& item) { return item.place >> (place_bits - key_bits); },
+            [&](std::size_t to, const Placed& item) { sorted[to] = item; });
         if (!done) return false;
         placed_ = std::move(sorted);
         const std::vector<std::size_t> starts = std::move(parts).starts();
         const std::size_t tasks = count_ < length ? 1 : std::size_t{1} << (key_bits - 4);
         const std::size_t each = (starts.size() - 1) / tasks;
+        const auto at = [this](Row row) -> const SpacePoint& { return rows_.points[row]; };
         return pool_.run(tasks, [&](std::size_t task) {
             const std::span part(&placed_[starts[task * each]],
                                  &placed_[starts[(task + 1) * each]]);
             interrupt_.advance(work::sorting / 2 * part.size());
-            sort(part);
+            AlongCurve<HilbertCurveInSpace, decltype(at)>(at, interrupt_).sort(part);
         });
     }
-
-    // By place, and those at one place by a curve of their own, unless that is one place again.
-    void sort(std::span<PlacedRow> part, bool is_refined = false) {
-        const auto is_before = [](const PlacedRow& a, const PlacedRow& b) {
-            return a.place != b.place ? a.place < b.place : a.row < b.row;
-        };
-        if (!patient_sort(part, is_before, interrupt_)) return;
-        for (auto first = part.begin(), last = first; first != part.end(); first = last) {
-            last = std::find_if(first, part.end(),
-                                [&](const PlacedRow& p) { return p.place != first->place; });
-            const std::span same(first, last);
-            constexpr std::size_t few = 64;
-            if (same.size() > few && (!is_refined || same.size() < part.size()))
-                refine(same);
-            else if (same.size() > 1)
-                sort_by_position(same);
-        }
-    }
-
-    void refine(std::span<PlacedRow> same) {
-        SpaceBox box;
-        for (const PlacedRow& item : same) box.add(at(item));
-        const HilbertCurveInSpace curve(box);
-        for (PlacedRow& item : same) item.place = curve(at(item));
-        sort(same, true);
-    }
-
-    void sort_by_position(std::span<PlacedRow> same) {
-        const auto is_before = [this](const PlacedRow& a, const PlacedRow& b) {
-            return at(a) == at(b) ? a.row < b.row : before_xyz(at(a), at(b));
-        };
-        patient_sort(same, is_before, interrupt_);
-    }
-
-    const SpacePoint& at(const PlacedRow& item) const { return rows_.points[item.row]; }
 
     bool keep_distinct() {
         order_.points = allocate<SpacePoint>(count_);
@@ -162,7 +124,7 @@ class SpaceSort {
     ThreadPool& pool_;
     Interrupt& interrupt_;
     SpaceOrder& order_;
-    Buffer<PlacedRow> placed_;
+    Buffer<Placed> placed_;
     std::size_t count_ = 0;
     SpaceScale scale_;
 };
