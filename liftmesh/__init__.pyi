@@ -59,6 +59,7 @@ from .planar.lifting import (
     lift as lift,
     project as project,
 )
+from .planar.polygon import triangulate_polygon as triangulate_polygon
 from .planar.refined import RefineResult as RefineResult
 from .planar.refinement import refine as refine
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular

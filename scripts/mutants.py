@@ -7,13 +7,14 @@
 Mutants are those of cosmic-ray's operators: other operators, comparisons, numbers and exceptions, a
 loop that is never entered, a decorator less. A file is drawn by its lines of code, then a place in
 it, then what is changed there. Its tests are those of the folder of its name, the ones first that
-name most of what it defines; they run in copies of the tree, and end at the first that fails. Tests
-that have failed run once more without the mutant in the end, and their mutants do not count where
-they fail there, too. Printed are the mutants that survive, and the share that was killed.
+name most of what it defines, and a few of other folders that do; they run in copies of the tree,
+and end at the first that fails. Tests that have failed run once more without the mutant in the end,
+and their mutants do not count where they fail there, too. Printed are the mutants that survive, and
+the share that was killed.
 
 Not drawn, but counted, is what no test should notice: annotations, messages of errors, what type
-checkers alone see, decorators and sizes of blocks that only change how long it takes, what is said
-to be out of reach, and objects that are compared by identity in place of equality.
+checkers alone see, decorators, their flags and sizes of blocks that only change how long it takes,
+what is said to be out of reach, and objects that are compared by identity in place of equality.
 """
 
 from __future__ import annotations
@@ -47,10 +48,12 @@ LEFT_OUT = (".git", ".venv*", "out", "build", "__pycache__", ".*_cache")
 NO_OPERATOR = re.compile("/(Variable|NoOp)")  # these need to be told a variable, or change nothing
 SAVES_TIME = re.compile(r"@(functools\.)?(lru_)?cache\b|@\w*\.?overload\b")
 SAME = re.compile("_(Eq_Is|NotEq_IsNot|Is_Eq|IsNot_NotEq)$")
+FLAGS = frozenset({"frozen", "repr", "slots"})  # of dataclasses that write their own `__repr__`
 SIZE = re.compile(r"\w*(BLOCK|CHUNK|BATCH|BUFFER)\w*")
 NO_PLACE = re.compile(r"name|string|fstring\w*|newline|endmarker")  # types of nodes
 MARKS = frozenset([*"()[]{},.:=;", "->"])
 QUICK, SLOW = "not slow and not campaign", "slow and not campaign"
+OTHERS = 8  # files of tests of other folders
 FIRST = 4  # files that are run before the others: they kill most
 KILLED, SURVIVED, TOO_LONG, NO_TEST = "killed", "survived", "took too long", "has no test"
 UNCLEAR = "met tests that fail anyhow"
@@ -144,6 +147,8 @@ def hidden_in(parent: Any, child: Any) -> str:
         return "sizes of blocks"
     if parent.type == "raise_stmt":
         return "messages"
+    if parent.type == "argument" and parent.children[0].get_code().strip() in FLAGS:
+        return "decorators"
     is_seen = parent.type != "if_stmt" or "TYPE_CHECKING" not in parent.children[1].get_code()
     return "" if is_seen else "type checkers"
 
@@ -162,7 +167,10 @@ def drawn(files: list[Path], count: int, rng: random.Random) -> list[Site]:
 
 @cache
 def tests_of(file: Path) -> list[str]:
-    """Return the tests of the folder of its name, those first that name most of what it defines."""
+    """Return the tests of the folder of its name, those first that name most of what it defines.
+
+    Some of other folders follow, or stand alone for a module that has no folder.
+    """
     relative = file.relative_to(PACKAGE)
     folder = ROOT / "tests" / relative.parts[0]
     words = {*re.findall(r"(?m)^(?:def |class )?(\w{4,})", file.read_text("utf-8")), file.stem}
@@ -173,8 +181,10 @@ def tests_of(file: Path) -> list[str]:
         named = sum(name in test.stem for name in called)
         return named, len(pattern.findall(test.read_text("utf-8")))
 
-    found = sorted(folder.rglob("test_*.py"), key=rank, reverse=True)
-    return [test.relative_to(ROOT).as_posix() for test in found]
+    found = sorted((ROOT / "tests").rglob("test_*.py"), key=rank, reverse=True)
+    own = [test for test in found if folder in test.parents]
+    others = [test for test in found if folder not in test.parents][:OTHERS]
+    return [test.relative_to(ROOT).as_posix() for test in (*own, *others)]
 
 
 def copied(folder: Path) -> Path:

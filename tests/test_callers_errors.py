@@ -48,6 +48,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.constrained_delaunay,
         {"points": PLANAR, "edges": [[0, 1]], "polylines": [[[0.5, 0.5], [0.6, 0.7]]]},
     ),
+    "triangulate_polygon": (
+        liftmesh.triangulate_polygon,
+        liftmesh.triangulate_polygon,
+        {"polygon": [[[0.0, 0], [1, 0], [0, 1]]], "max_area": 1.0},
+    ),
     "refine": (
         liftmesh.refine,
         liftmesh.refine,

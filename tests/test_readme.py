@@ -21,6 +21,7 @@ EXAMPLES = {
     "TILES.md": 15,
     "CONSTRAINTS.md": 15,
     "PAPER.md": 15,
+    "PLUGINS.md": 25,
 }  # at least so many
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 

@@ -256,7 +256,7 @@ class Cloud(FrozenResult):
                 f"edge {wrong[0]} of the cloud is {edges[wrong[0]].tolist()}: "
                 f"give rows from 0 to {len(self) - 1}"
             )
-        ends = place[edges]
+        ends = place.take(edges, axis=0)
         found: Rows = ends[(ends >= 0).all(axis=1)]
         return found
 

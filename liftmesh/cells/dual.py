@@ -104,7 +104,7 @@ def dual_of(
     if len(degenerate):  # the cells of the others stay as they are without them
         kept = np.setdiff1d(dual.simplices, degenerate).astype(np.int32)
         others = _solve(sites, kept, threads)
-        dual = _with_vertices(sites, kept[others.simplices], others.neighbors, threads)
+        dual = _with_vertices(sites, kept.take(others.simplices, axis=0), others.neighbors, threads)
     if progress is not None:
         progress(1.0)
     hidden, duplicates = solution.hidden, solution.duplicates
@@ -148,7 +148,7 @@ def _without_area(dual: Dual, solution: Solution) -> Rows:
         return _NO_ROWS
     regions = regions_of(rows, simplices, dual.neighbors, dual.simplex_to_vertex)
     ridges = np.bincount(regions.ridge_points.reshape(-1), minlength=rows)
-    if (ridges[simplices] > 2).all():
+    if (ridges.take(simplices, axis=0) > 2).all():
         return _NO_ROWS
     triangles = dual.points, simplices, dual.neighbors, solution.hull
     return rows_without_area(LiftedTriangles(*triangles, solution.weights))

@@ -138,5 +138,5 @@ def _heights(surface: Any, values: str | None) -> tuple[float, float]:
         return low, high
     if values is not None:
         surface = over_known(surface, values)
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
+    heights = surface.frame.heights(surface.vertices).take(surface.faces, axis=0)
     return float(heights.min()), float(heights.max())

@@ -119,6 +119,6 @@ def _volume(solid: Cloud) -> float:
 
     import numpy as np
 
-    corners = (solid.points - solid.points.min(axis=0))[solid.faces]
+    corners = (solid.points - solid.points.min(axis=0)).take(solid.faces, axis=0)
     parts = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     return math.fsum(parts.tolist()) / 6

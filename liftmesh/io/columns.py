@@ -252,7 +252,7 @@ def with_used_rows(cloud: Cloud) -> tuple[Cloud, Rows]:
         return cloud, used
     names = np.full(len(cloud), -1, dtype=np.int32)
     names[used] = np.arange(len(used), dtype=np.int32)
-    return replace(cloud.select(used), faces=names[faces]), used
+    return replace(cloud.select(used), faces=names.take(faces, axis=0)), used
 
 
 def narrowed(faces: Array) -> Array:

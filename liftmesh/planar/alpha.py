@@ -265,7 +265,7 @@ class AlphaShape(HullMesh):
         faces = self.faces if self.points.shape[1] == 3 else self.simplices
         place = np.zeros(len(self.points), dtype=np.int32)
         place[rows] = np.arange(len(rows), dtype=np.int32)
-        return Cloud(in_space(self.points[rows]), faces=place[faces])
+        return Cloud(in_space(self.points[rows]), faces=place.take(faces, axis=0))
 
 
 class AlphaMethods:
@@ -402,7 +402,9 @@ def alpha_complex(found: AlphaMethods, alpha: float = np.inf) -> AlphaComplex:
     Returns
     -------
     AlphaComplex
-        All simplices whose radius is at most `alpha`, by exact comparison; by default all.
+        All simplices whose radius is at most `alpha`, by exact comparison; by default all. Radii
+        are rounded up, not to the nearest double as `circumradii` are: so comparing them with a
+        double decides as comparing the exact ones does.
 
     Raises
     ------

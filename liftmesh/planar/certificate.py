@@ -50,7 +50,8 @@ class Violation:
     sign : int or None
         The exact sign that decides: of `orient2d` for three rows; for four of `incircle`, or for
         other members than "delaunay" whether the last is lifted below the plane of the others (1).
-        In space of `orient3d` and `insphere`.
+        In space of `orient3d` and `insphere`; on the sphere whether the last row is inside the
+        circle of the others (1) or on it (0).
 
     See Also
     --------

@@ -294,7 +294,7 @@ def with_rows(
     pieces = _in_order(np.sort(names[tri.constraints], axis=1), *tri.constraint_inputs)
     return ConstrainedTriangulation(
         points,
-        names[simplices],
+        names.take(simplices, axis=0),
         neighbors,
         names[hull],
         duplicates,
@@ -432,9 +432,14 @@ def bits_of(sides: Mask) -> Bits:
 def left_first(keep: Mask, simplices: Rows, neighbors: Rows) -> tuple[Integers, Rows, Rows]:
     """Put the triangles that are left before the others; return that order, too."""
     order = np.concatenate([np.flatnonzero(keep), np.flatnonzero(~keep)])
-    name = np.empty(len(keep) + 1, dtype=np.int32)
-    name[order], name[-1] = np.arange(len(keep), dtype=np.int32), -1
-    return order, simplices.take(order, axis=0), name.take(neighbors.take(order, axis=0))
+    return order, *in_order(order, simplices, neighbors)
+
+
+def in_order(order: Integers, simplices: Rows, neighbors: Rows) -> tuple[Rows, Rows]:
+    """Put triangles, and their names in the lists of their neighbours, in another order."""
+    name = np.empty(len(order) + 1, dtype=np.int32)
+    name[order], name[-1] = np.arange(len(order), dtype=np.int32), -1
+    return simplices.take(order, axis=0), name.take(neighbors.take(order, axis=0))
 
 
 def _in_order(rows: Rows, indptr: Rows, members: Rows) -> tuple[Rows, Rows, Rows]:

@@ -199,7 +199,7 @@ def solve(  # noqa: PLR0913 - as above
     run = planar, nonfinite == "skip", count, shared, progress
     folder = None if scratch is None else _folder(scratch, algorithm, order, form)
     counters = None
-    if algorithm is not _AUTO and algorithm in _WRAPPING:
+    if algorithm in _WRAPPING:
         if form is not None:
             raise InputError(
                 f"{Option('algorithm')} {algorithm!r} has no {Option('metric')}: leave one of the "

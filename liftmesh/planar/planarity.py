@@ -45,7 +45,7 @@ def turned(points: Reals, triangles: Rows) -> tuple[Rows, Mask]:
     signs = np.empty(len(triangles), np.int8)
     for start in range(0, len(triangles), _PIECE):
         piece = slice(start, start + _PIECE)
-        signs[piece] = orient2d(*np.moveaxis(points[triangles[piece]], 1, 0))
+        signs[piece] = orient2d(*np.moveaxis(points.take(triangles[piece], axis=0), 1, 0))
     is_clockwise = signs < 0
     if is_clockwise.any():
         triangles = np.where(is_clockwise[:, None], triangles[:, [0, 2, 1]], triangles)
@@ -94,10 +94,10 @@ def first_conflict(points: Floats, triangles: Rows, threads: int | None = None) 
 
 def _with_earlier(points: Floats, triangles: Rows, later: int) -> Conflict:
     """Find the first triangle that conflicts with a later one."""
-    own = points[triangles[later]]
+    own = points.take(triangles[later], axis=0)
     low, high = own.min(axis=0), own.max(axis=0)
     for start in range(0, later, _PIECE):
-        corners = points[triangles[start : min(start + _PIECE, later)]]
+        corners = points.take(triangles[start : min(start + _PIECE, later)], axis=0)
         is_near = (corners.min(axis=1) <= high).all(1) & (corners.max(axis=1) >= low).all(1)
         near = np.flatnonzero(is_near)
         others, itself = corners[near], np.broadcast_to(own, (len(near), 3, 2))

@@ -84,7 +84,7 @@ def _shortest_edges(rows: Reals, simplices: Rows) -> Floats:
     points = as_complex(rows)
     for piece in pieces(len(simplices)):
         corners = simplices[piece].reshape(-1)
-        a, b, c = points[corners].reshape(-1, 3).T
+        a, b, c = points.take(corners, axis=0).reshape(-1, 3).T
         ab, bc, ca = np.abs(a - b), np.abs(b - c), np.abs(c - a)
         at_corners = np.stack([np.minimum(ab, ca), np.minimum(ab, bc), np.minimum(bc, ca)], axis=1)
         lower_to(shortest, corners, at_corners.reshape(-1))

@@ -94,7 +94,7 @@ def hole_points(made: tuple[ConstrainedTriangulation, Integers] | None, stated: 
     are_holes[tri.regions[known[known >= 0]]] = False
     holes = np.where(are_holes[tri.regions], tri.regions, -1)
     of_holes = np.flatnonzero(holes >= 0)
-    corners = tri.points[tri.simplices[of_holes]]
+    corners = tri.points.take(tri.simplices[of_holes], axis=0)
     centers = (corners / 3).sum(axis=1)
     sizes = _sizes(corners, centers)
     order = np.lexsort((sizes, holes[of_holes]))

@@ -303,7 +303,7 @@ def below_angle(tri: ConstrainedTriangulation, cosine: float, among: Array) -> I
         is_below = np.any(excess > 0, axis=0)
         is_sure = (np.abs(excess) > _DOUBT * squares) & (squares > _TINY)
         for k in np.flatnonzero(~is_sure.all(axis=0)).tolist():
-            corners = tri.points[simplices[part.start + k]]
+            corners = tri.points.take(simplices[part.start + k], axis=0)
             is_below[k] = _is_below(corners.tolist(), Fraction(cosine))
         found.append(among[part][is_below])
     return np.concatenate(found)

@@ -526,11 +526,11 @@ def barycentric_transforms(points: Floats, simplices: Rows) -> Floats:
     #
     # Each matrix is first scaled by a power of two, which is exact: products of very large or very
     # small differences would overflow or vanish otherwise.
-    origin = points[simplices[:, 2]]
+    origin = points.take(simplices[:, 2], axis=0)
     result = np.empty((len(simplices), 3, 2))
     result[:, 2] = origin
     with np.errstate(all="ignore"):
-        sides = np.stack([points[simplices[:, 0]] - origin, points[simplices[:, 1]] - origin])
+        sides = points.take(simplices[:, :2].T, axis=0) - origin
         exponents = np.frexp(np.abs(sides).max(axis=(0, 2)))[1]
         (ax, ay), (bx, by) = np.moveaxis(np.ldexp(sides, -exponents[:, None]), 2, 1)
         area = ax * by - ay * bx

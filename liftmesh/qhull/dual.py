@@ -53,7 +53,7 @@ class Solids:
 def centers_of(tetra: Tetrahedralization) -> Centers:
     """Compute the vertices that are dual to tetrahedra."""
     first, simplex_to_vertex = np.unique(_on_one_sphere(tetra), return_inverse=True)
-    corners = tetra.points[tetra.simplices[first]]
+    corners = tetra.points.take(tetra.simplices[first], axis=0)
     vertices = np.concatenate([_centers(corners[part]) for part in pieces(len(corners))])
     overflowed = int((~np.isfinite(vertices)).any(axis=1).sum())
     return Centers(vertices, simplex_to_vertex.reshape(-1).astype(np.int32), overflowed)

@@ -208,7 +208,7 @@ def _in_three(rows: Floats) -> dict[str, Any]:
     return {
         "simplices": simplices,
         "neighbors": exact.neighbors.copy(),
-        "equations": _planes(rows[simplices]),
+        "equations": _planes(rows.take(simplices, axis=0)),
         "coplanar": np.stack([row, at, exact.duplicates[:, 1]], axis=1),
         "good": np.ones(len(simplices), np.int32),
         "duplicates": exact.duplicates,

@@ -20,6 +20,7 @@ from liftmesh.base.cloud import Cloud, is_crs
 from liftmesh.base.frozen import FrozenResult
 from liftmesh.base.options import Voids, as_switch, counted, refused
 from liftmesh.crs.comparison import plane_of
+from liftmesh.crs.description import as_wkt
 from liftmesh.errors import InputError, Option
 from liftmesh.io.atomic import replacing
 from liftmesh.io.metadata import Unread, noted
@@ -27,11 +28,14 @@ from liftmesh.io.objects.plain import is_array, qualified_name
 from liftmesh.io.options import as_missing
 from liftmesh.io.streams import at_home, check_suffix
 from liftmesh.io.write import WriteResult, written_file
+from liftmesh.optional import load
 from liftmesh.raster import fill, heightmap, writer
 from liftmesh.raster.pixels import Transform, centres_of, layout_of
 
 if TYPE_CHECKING:
     import os
+
+    import xarray
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -145,6 +149,54 @@ class Raster(FrozenResult):
         """
         reach = fill.Reach.of(distance, self.transform, "distance")
         return replace(self, values=fill.filled(self.values, reach))
+
+    def to_xarray(self) -> xarray.DataArray:
+        """Convert to a grid of xarray, with the coordinates of its pixels.
+
+        Returns
+        -------
+        xarray.DataArray
+            A copy of the values, with the dimensions y and x, ``name`` the quantity, ``units`` the
+            unit; the coordinate system is stated as rioxarray and GDAL read it.
+
+        Raises
+        ------
+        InputError
+            The pixels are turned: x depends on the row, or y on the column.
+        MissingDependencyError
+            xarray is not installed.
+
+        See Also
+        --------
+        liftmesh.triangulate : Takes grids of xarray.
+
+        Examples
+        --------
+        >>> import liftmesh
+        >>> surface = liftmesh.triangulate([[0, 0, 0], [2, 0, 2], [0, 2, 0], [2, 2, 2]])
+        >>> surface.raster(1).to_xarray().sel(x=1.5, y=0.5).item()
+        1.5
+        """
+        _, b, _, d, *_ = self.transform
+        if b or d:
+            raise InputError(
+                f"pixels of the transform {self.transform} are turned: xarray has none"
+            )
+        library = load("xarray", extra="xarray")
+        a, b, c, d, e, f = self.transform
+        place = {"GeoTransform": " ".join(map(repr, (c, a, b, f, d, e)))}
+        if (text := written_system(self.crs, self.quantity)) is not None:
+            place["crs_wkt"] = place["spatial_ref"] = as_wkt(text) or text
+        centers = self.centers()
+        grid: xarray.DataArray = library.DataArray(
+            np.array(self.values),
+            coords={"y": centers[:, 0, 1], "x": centers[0, :, 0], "spatial_ref": ((), 0, place)},
+            dims=("y", "x"),
+            name=self.quantity,
+            attrs={} if self.unit is None else {"units": self.unit},
+        )
+        grid.encoding["grid_mapping"] = "spatial_ref"
+        return grid
 
     def save(
         self,

@@ -14,13 +14,13 @@ from liftmesh._typing import Array, Floats, Rows
 
 def interpolated(points: Floats, corners: Rows, places: Floats, values: Array) -> Floats:
     """Return the values, (k, ...), at places in tetrahedra of these corners."""
-    axes = points[corners]
+    axes = points.take(corners, axis=0)
     order = np.lexsort((axes[:, :, 2], axes[:, :, 1], axes[:, :, 0]), axis=1)
     corners = np.take_along_axis(corners, order, axis=1)
-    weights = _weights(points[corners], places)
+    weights = _weights(points.take(corners, axis=0), places)
     shaped = weights.reshape(*weights.shape, *[1] * (values.ndim - 1))
     with np.errstate(all="ignore"):
-        parts = np.where(shaped == 0, 0.0, shaped * values[corners])
+        parts = np.where(shaped == 0, 0.0, shaped * values.take(corners, axis=0))
         found: Floats = parts[:, 0] + parts[:, 1] + parts[:, 2] + parts[:, 3]
     return found
 

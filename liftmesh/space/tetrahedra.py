@@ -155,12 +155,12 @@ def _canonical_order(
     """Begin each tetrahedron with its two least points, and sort all by their points."""
     rank = np.empty(len(rows), dtype=np.int32)
     rank[np.lexsort(rows.T[::-1])] = np.arange(len(rows), dtype=np.int32)
-    places = rank[simplices].argsort(axis=1)
+    places = rank.take(simplices, axis=0).argsort(axis=1)
     is_odd = _is_odd(places)
     places[is_odd] = places[is_odd][:, [0, 1, 3, 2]]
     simplices = np.take_along_axis(simplices, places, axis=1)
     neighbors = np.take_along_axis(neighbors, places, axis=1)
-    by_points = np.lexsort(rank[simplices].T[::-1])
+    by_points = np.lexsort(rank.take(simplices, axis=0).T[::-1])
     new_name = np.empty(len(simplices) + 1, dtype=np.int32)
     new_name[by_points] = np.arange(len(simplices), dtype=np.int32)
     new_name[-1] = -1

@@ -95,7 +95,7 @@ def trim(
     (<Surface of 2 triangles over 5 vertices>, [False, False, True, True])
     """
     left_out = mask_of(surface).copy()
-    corners = surface.triangulation.points[surface.triangulation.simplices]
+    corners = surface.triangulation.points.take(surface.triangulation.simplices, axis=0)
     inwards = as_switch("boundary_only", boundary_only)
     if max_edge is None and max_radius is None and polygon is None:
         raise InputError(
@@ -452,7 +452,7 @@ def _unpinched(surface: AnySurface, pinched: Pinched) -> AnySurface:
             )
         flags = np.zeros(surface.triangulation.npoints, dtype=np.bool_)
         flags[rows] = True
-        at_them = flags[surface.triangulation.simplices].any(axis=1)
+        at_them = flags.take(surface.triangulation.simplices, axis=0).any(axis=1)
         surface = masked(surface, mask_of(surface) | at_them)
     return surface
 

@@ -380,7 +380,7 @@ def line_counts(surface: SurfaceData, first: int) -> dict[str, int]:
     left, used = surface.report.left_out, surface.report.representatives
     left, used = left[left >= first], used[left >= first]
     is_beside = (flags[left - first] == OF_LINE) & (heights[left] != heights[used])
-    heights, tri = heights[surface.faces], surface.triangulation
+    heights, tri = heights.take(surface.faces, axis=0), surface.triangulation
     return {
         "rows": int(np.count_nonzero(flags)),
         "rows_from_around": int(np.count_nonzero(flags == OF_AROUND)),
@@ -416,15 +416,15 @@ def _shown(tri: Triangulation, lines: Lines, frame: Frame) -> Mask:
     if isinstance(tri, ConstrainedTriangulation):
         at_rings[tri.constraints] = True
         regions = tri.regions
-    is_asked = at_rings[tri.simplices].any(axis=1)
-    found = _within(tri.points[tri.simplices[is_asked]], lines, frame)
+    is_asked = at_rings.take(tri.simplices, axis=0).any(axis=1)
+    found = _within(tri.points.take(tri.simplices[is_asked], axis=0), lines, frame)
     of_region = regions[is_asked]
     shown, hidden = (
         np.bincount(of_region[each], minlength=regions.max() + 1) for each in (found, ~found)
     )
     is_shown = (shown > 0)[regions]
     is_mixed = ((shown > 0) == (hidden > 0))[regions]
-    is_shown[is_mixed] = _within(tri.points[tri.simplices[is_mixed]], lines, frame)
+    is_shown[is_mixed] = _within(tri.points.take(tri.simplices[is_mixed], axis=0), lines, frame)
     return is_shown
 
 
@@ -444,7 +444,7 @@ def _without_slivers(
 ) -> AnySurface:
     """Leave out slivers where a ring leaves the hull."""
     with np.errstate(all="ignore"):  # the order of the rows changes no bit
-        a, b, c = np.moveaxis(ordered_corners(tri.points[tri.simplices]), 1, 0)
+        a, b, c = np.moveaxis(ordered_corners(tri.points.take(tri.simplices, axis=0)), 1, 0)
         (ax, ay), (bx, by) = (b - a).T, (c - a).T
         area = np.abs(ax * by - ay * bx)
     is_smaller = is_open & (area[:, None] < area[tri.neighbors])

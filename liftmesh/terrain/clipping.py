@@ -222,7 +222,7 @@ def _of_used(surface: AnySurface, cloud: Cloud, faces: Rows, lines: Rows) -> Any
     lines = place[lines]
     mesh = replace(
         cloud.select(used),
-        faces=place[faces],
+        faces=place.take(faces, axis=0),
         edges=lines[(lines >= 0).all(axis=1)] if len(lines) else None,
         metadata={k: v for k, v in cloud.metadata.items() if k not in (LIFTED, MARKERS)},
         attributes={k: v[used] for k, v in cloud.attributes.items() if k != HIDDEN},
@@ -250,7 +250,7 @@ def _faces_with(surface: SurfaceData, sides: Rows, among: Mask) -> Integers:
     corners = surface.triangulation.simplices
     is_end = np.zeros(len(surface.triangulation.points), dtype=np.bool_)
     is_end[sides] = True
-    near = np.flatnonzero(among & (is_end[corners].sum(axis=1) > 1))
+    near = np.flatnonzero(among & (is_end.take(corners, axis=0).sum(axis=1) > 1))
     ends = np.sort(np.stack([corners[near], corners[near][:, [1, 2, 0]]], axis=2), axis=2)
     keys = pair_keys(*np.sort(sides, axis=1).T)
     return near[np.isin(pair_keys(ends[..., 0], ends[..., 1]), keys).any(axis=1)]
@@ -443,7 +443,7 @@ def _divided(
 ) -> Rows:
     """Name the rows of faces anew, and divide faces at the corners that the border has on sides."""
     is_border = np.array([place in row_at for place in places])
-    is_near = is_border[faces].sum(axis=1) > 1
+    is_near = is_border.take(faces, axis=0).sum(axis=1) > 1
     done = names[faces[~is_near]].tolist()
     pending = [[(int(names[row]), places[row]) for row in face] for face in faces[is_near].tolist()]
     while pending:

@@ -146,7 +146,7 @@ class _Network:
         self._rows = len(points)
         place = np.empty(self._rows, np.int64)
         place[self._order] = np.arange(len(used))
-        ends = place[faces]
+        ends = place.take(faces, axis=0)
         starts, stops = ends.ravel(), np.roll(ends, -1, axis=1).ravel()
         keys = np.unique(np.concatenate([pair_keys(starts, stops), pair_keys(stops, starts)]))
         self._from, self._to = keys >> 32, keys & 0xFFFFFFFF

@@ -352,7 +352,8 @@ def _sides_of(surface: SurfaceData) -> Floats:
     """Return the ends of all sides with their heights, (m, 2, 3)."""
     edges, planar = surface.triangulation.edges, surface.triangulation.points
     heights = surface.frame.heights(surface.vertices)
-    return np.concatenate([planar[edges], heights[edges][..., None]], axis=2) + 0.0
+    ends, rises = planar.take(edges, axis=0), heights.take(edges, axis=0)
+    return np.concatenate([ends, rises[..., None]], axis=2) + 0.0
 
 
 def wanted_levels(

@@ -84,7 +84,8 @@ class Layer:
         """Return the areas of faces, and 0 for none."""
         tri = self.surface.triangulation
         with np.errstate(all="ignore"):
-            areas = planar_areas(ordered_corners(tri.points[tri.simplices[self.faces]]))
+            corners = tri.points.take(tri.simplices[self.faces], axis=0)
+            areas = planar_areas(ordered_corners(corners))
         found = np.zeros(tri.nsimplex + 1)
         found[self.faces] = areas
         return found[faces]

@@ -160,13 +160,13 @@ def _by_constraints(
         "displacement": laid.tri.displacement,
     }
     points = in_space(surface.frame, laid.tri.points[rows], heights)
-    return _of_mesh(surface, points, place[faces], told)
+    return _of_mesh(surface, points, place.take(faces, axis=0), told)
 
 
 def _near(surface: SurfaceData, other: SurfaceData) -> Integers:
     """Return the faces whose boxes touch that of another surface."""
     low, high = other.triangulation.min_bound, other.triangulation.max_bound
-    corners = surface.triangulation.points[surface.triangulation.simplices]
+    corners = surface.triangulation.points.take(surface.triangulation.simplices, axis=0)
     touches = (corners.min(axis=1) <= high).all(axis=1) & (corners.max(axis=1) >= low).all(axis=1)
     near = np.flatnonzero(touches & ~mask_of(surface))
     if not len(near):

@@ -284,7 +284,7 @@ class TangledError(InputError):
 
 def _range(surface: SurfaceData) -> tuple[Fraction, Fraction]:
     """Return the lowest and the highest height of a face; raise if one is not finite."""
-    heights = surface.frame.heights(surface.vertices)[surface.faces]
+    heights = surface.frame.heights(surface.vertices).take(surface.faces, axis=0)
     if (face := np.flatnonzero(~np.isfinite(heights).all(axis=1))).size:
         rows = surface.faces[face[0]]
         row = rows[~np.isfinite(heights[face[0]])][0]

@@ -435,7 +435,7 @@ def _total(name: str, parts: Floats) -> float:
 def faces_of(surface: SurfaceData) -> tuple[Floats, Floats]:
     """Return the corners of the faces by x, then y, (m, 3, 2), and their heights, (m, 3)."""
     faces = surface.faces
-    planar = surface.triangulation.points[faces]
+    planar = surface.triangulation.points.take(faces, axis=0)
     order = corner_order(planar)
     heights = surface.frame.heights(surface.vertices)[np.take_along_axis(faces, order, axis=1)]
     return np.take_along_axis(planar, order[..., None], axis=1), heights

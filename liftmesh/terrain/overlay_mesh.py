@@ -149,7 +149,7 @@ class _Filler(NamedTuple):
         names[chosen] = np.arange(len(chosen), dtype=np.int32)
         neighbors = names[solved.neighbors[chosen]]
         neighbors[beyond[chosen] >= 0] = -1
-        simplices = rows[solved.simplices[chosen]]
+        simplices = rows.take(solved.simplices[chosen], axis=0)
         return cls(simplices, neighbors, beyond[chosen], rows[solved.convex_hull])
 
     def join(

@@ -135,7 +135,7 @@ def _checked(
             f"rows {low} and {high} of faces are at one planar position, with the heights "
             f"{float(heights[low])!r} and {float(heights[high])!r}: a surface has one; {remedy}"
         )
-    corners = kept_rows(solved)[corners]
+    corners = kept_rows(solved).take(corners, axis=0)
     if (conflict := first_conflict(solved.points, corners, threads)) is not None:
         raise InputError(f"{_told(conflict, faces, solved.points)}{remedy}")
     return corners

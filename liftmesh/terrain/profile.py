@@ -438,7 +438,7 @@ class LineCrossings:
     def _met(self, piece: Rows, face: Rows, p: Floats, q: Floats) -> list[Met]:
         """Return what pieces meet of faces, in any order, and some of it twice."""
         faces = self._surface.triangulation.simplices[face]
-        turns = orient2d(p[piece, None], q[piece, None], self._points[faces])
+        turns = orient2d(p[piece, None], q[piece, None], self._points.take(faces, axis=0))
         apart = turns * turns[:, _NEXT] < 0
         sides = np.sort(np.stack([faces, faces[:, _NEXT]], axis=-1)[apart], axis=1)
         pieces = np.repeat(piece[:, None], 3, axis=1)

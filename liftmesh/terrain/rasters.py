@@ -217,7 +217,7 @@ def _scan_faces(
 def longest_sides(surface: SurfaceData) -> Floats:
     """Return the length of the longest side of each triangle in the plane, and NaN for none."""
     solved = surface.triangulation
-    corners = solved.points[solved.simplices].astype(np.float64, copy=False)
+    corners = solved.points.take(solved.simplices, axis=0).astype(np.float64, copy=False)
     with np.errstate(over="ignore"):
         sides = corners - np.roll(corners, 1, axis=1)
         lengths: Floats = np.hypot(sides[..., 0], sides[..., 1]).max(axis=1)
@@ -228,7 +228,7 @@ def _check_range(surface: SurfaceData, plan: RasterPlan) -> None:
     """Raise if a height of a face is beyond the type; others than those of faces may be."""
     heights = surface.frame.heights(surface.vertices)
     if not np.fmax.reduce(np.abs(heights)) <= np.finfo(plan.kind).max:
-        plan.check_range(heights[surface.faces])
+        plan.check_range(heights.take(surface.faces, axis=0))
 
 
 def _blocks_of_rows(values: Array) -> Iterator[tuple[int, Array]]:

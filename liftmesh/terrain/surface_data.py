@@ -151,7 +151,7 @@ def bounds_of_faces(surface: SurfaceData) -> tuple[float, float, float, float]:
     """Return xmin, ymin, xmax and ymax of the faces."""
     solved = surface.triangulation
     corners = solved.convex_hull if surface.mask is None else surface.faces.ravel()
-    return planar_bounds(solved.points[corners])
+    return planar_bounds(solved.points.take(corners, axis=0))
 
 
 def plane_system(surface: OverPlane) -> str | None:

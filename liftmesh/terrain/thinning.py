@@ -431,7 +431,7 @@ def _are_frozen(plane: Floats, places: Floats, distance: float) -> Mask:
         solved = delaunay(plane)
     except DegenerateInputError:
         return none
-    corners = plane[solved.simplices]
+    corners = plane.take(solved.simplices, axis=0)
     sides = corners - np.roll(corners, 1, axis=1)
     is_frozen = np.append((np.hypot(*sides.T) < distance).all(axis=0), False)  # none beyond
     found = solved.find_simplex(places)
@@ -446,7 +446,7 @@ def _add_sides(
     """Add the places on sides that the triangle found shares with a frozen one."""
     beyond = is_frozen[solved.neighbors]
     asked = np.flatnonzero((found >= 0) & ~are_frozen & beyond[found].any(axis=1))
-    corners = solved.points[solved.simplices[found[asked]]]
+    corners = solved.points.take(solved.simplices[found[asked]], axis=0)
     for k in range(3):
         start, end = corners[:, (k + 1) % 3], corners[:, (k + 2) % 3]
         is_on = orient2d(start, end, places[asked]) == 0

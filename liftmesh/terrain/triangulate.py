@@ -452,7 +452,7 @@ def _chosen(solution: Solution, choice: Choice) -> Solution:
     vertex_of = np.arange(len(solution.points), dtype=np.int32)
     vertex_of[choice.kept[changed]] = choice.chosen[changed]
     return solution._replace(
-        simplices=vertex_of[solution.simplices],
+        simplices=vertex_of.take(solution.simplices, axis=0),
         hull=vertex_of[solution.hull],
         duplicates=np.stack([choice.left_out, choice.representatives], axis=1),
     )

@@ -86,7 +86,7 @@ def over_known(surface: AnySurface, values: Values) -> AnySurface:
     """Make that surface of the faces whose corners all have a value."""
     over = over_values(surface, values)
     is_none = ~np.isfinite(over.vertices[:, 2])
-    left_out = mask_of(over) | is_none[over.triangulation.simplices].any(axis=1)
+    left_out = mask_of(over) | is_none.take(over.triangulation.simplices, axis=0).any(axis=1)
     if left_out.all():
         raise InputError(f"{Option('values')} are not finite at a corner of each face: {_REMEDY}")
     return masked(over, left_out) if is_none.any() else over

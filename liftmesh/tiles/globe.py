@@ -245,7 +245,7 @@ def _moved(surface: Surface, move: _Steps) -> WholeTerrain:
     """Move a surface in memory; heights go on in its gaps, and beyond its hull."""
     points, place = corners_of(surface).points, np.full(len(surface.vertices), -1, np.int32)
     place[np.unique(surface.faces)] = np.arange(len(points), dtype=np.int32)
-    there = part_of_cloud(Cloud(move(points)), place[surface.faces])
+    there = part_of_cloud(Cloud(move(points)), place.take(surface.faces, axis=0))
     around = replace(there, mask=None, faces=there.triangulation.simplices)
     return WholeTerrain(there, "hull", around)
 

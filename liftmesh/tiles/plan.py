@@ -225,7 +225,7 @@ def _crossings(part: Floats, simplices: Rows, axis: int, wanted: int) -> int:
     ordered = np.lexsort((part[:, 1 - axis], part[:, axis]))
     is_after = np.ones(len(part), dtype=np.bool_)
     is_after[ordered[: len(part) * (wanted // 2) // wanted]] = False
-    corners = is_after[simplices].sum(axis=1)
+    corners = is_after.take(simplices, axis=0).sum(axis=1)
     return int(((corners > 0) & (corners < 3)).sum())
 
 

@@ -52,7 +52,7 @@ def encoded(tile: QuantizedTile) -> bytes:
     parts = [_header(tile), struct.pack("<I", len(places))]
     parts += [_zigzag(column).astype("<u2").tobytes() for column in places.T]
     parts.append(bytes(-sum(map(len, parts)) % width))
-    corners = number[tile.faces].ravel()
+    corners = number.take(tile.faces, axis=0).ravel()
     parts += [struct.pack("<I", len(tile.faces)), _high_water(corners).astype(kind).tobytes()]
     for axis, at in ((0, 0), (1, 0), (0, STEPS), (1, STEPS)):  # west, south, east, north
         on = np.flatnonzero(places[:, axis] == at)

@@ -279,7 +279,7 @@ def apart(vertices: Any, faces: Rows) -> tuple[Any, Rows]:
     is_corner = np.zeros(len(vertices), dtype=np.bool_)
     is_corner[faces.reshape(-1)] = True
     number = np.cumsum(is_corner, dtype=np.int32) - np.int32(1)
-    return vertices[is_corner], number[faces]
+    return vertices[is_corner], number.take(faces, axis=0)
 
 
 def _overlaps(along: Floats, low: float, high: float) -> Array:

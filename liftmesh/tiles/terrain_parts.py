@@ -57,7 +57,7 @@ class WholeTerrain:
         self._surface, self._extrapolate, self._around = surface, extrapolate, around or surface
         self.crs, self.beyond = surface.crs, extrapolate is not None
         self._cloud = replace(as_cloud(surface), edges=None)
-        corners = surface.triangulation.points[surface.faces]
+        corners = surface.triangulation.points.take(surface.faces, axis=0)
         self._low, self._high = corners.min(axis=1), corners.max(axis=1)
         left, low, right, high = bounds_of_faces(surface)
         heights = surface.vertices[used_rows(len(surface.vertices), surface.faces), 2]
@@ -80,7 +80,7 @@ class WholeTerrain:
         used = used_rows(len(self._cloud), faces)
         place = np.empty(len(self._cloud), dtype=np.int32)
         place[used] = np.arange(len(used), dtype=np.int32)
-        return part_of_cloud(self._cloud.select(used), place[faces])
+        return part_of_cloud(self._cloud.select(used), place.take(faces, axis=0))
 
 
 class Kept:

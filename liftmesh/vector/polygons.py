@@ -25,7 +25,9 @@ import numpy as np
 from liftmesh._typing import Array, Floats, Indices
 from liftmesh.base.options import refused, shown
 from liftmesh.errors import FormatError, InputError, Option
+from liftmesh.io.objects.plain import is_of
 from liftmesh.io.streams import at_home
+from liftmesh.optional import load
 from liftmesh.predicates import orient2d
 from liftmesh.vector.files import check_system, read_features, read_shapes
 from liftmesh.vector.geojson import coordinates_of, geometries, planar_corners
@@ -38,6 +40,7 @@ _SMALLEST = 2.0**-1070
 _NAME = "name"  # the property that regions have their names from
 _SHOWN = 12  # names in a message
 Polygon: TypeAlias = list[Floats]
+_is_polygon = is_of("shapely", {"Polygon", "MultiPolygon"})
 T = TypeVar("T")
 
 
@@ -265,8 +268,20 @@ def _taken(given: Any, what: str, take: Callable[[Any], Shapes]) -> Shapes | Non
             raise FormatError(f"{path}: {error.message.marked}") from error
     if hasattr(type(given), "discrete") and hasattr(type(given), "entities"):
         return take({"type": "MultiLineString", "coordinates": list(_lines_of_path(given))})
-    described = getattr(given, "__geo_interface__", given)
+    described = _rings_of_shapely(given) or getattr(given, "__geo_interface__", given)
     return take(described) if isinstance(described, Mapping) else None
+
+
+def _rings_of_shapely(given: Any) -> dict[str, Any] | None:
+    """Describe polygons of shapely as their own interface does, in a tenth of its time."""
+    if not _is_polygon(given) or given.is_empty:
+        return None
+    shapely = load("shapely", extra="shapes")
+    polygons = [
+        [shapely.get_coordinates(ring) for ring in (part.exterior, *part.interiors)]
+        for part in shapely.get_parts(given)
+    ]
+    return {"type": "MultiPolygon", "coordinates": polygons}
 
 
 def _lines_of_path(path: Any) -> Iterator[Any]:

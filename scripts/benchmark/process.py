@@ -14,6 +14,7 @@ from types import TracebackType
 from typing import Any
 
 STARTING = 300.0  # time limit in seconds for a process's first answer
+ENDING = 300.0  # for a process that has closed its output, to end by itself
 
 
 class NoAnswerError(Exception):
@@ -61,7 +62,7 @@ class Process:
         try:
             print(*words, sep="\t", file=self.child.stdin, flush=True)
         except BrokenPipeError:
-            raise NoAnswerError(self.close()) from None
+            raise NoAnswerError(self.close(ENDING)) from None
         return self.answer(patience)
 
     def answer(self, patience: float) -> dict[str, Any]:
@@ -72,17 +73,17 @@ class Process:
             raise TimeLimitError(f"> {patience:g} s")
         line = self.child.stdout.readline()
         if not line.endswith("\n"):
-            raise NoAnswerError(self.close())
+            raise NoAnswerError(self.close(ENDING))
         return json.loads(line)
 
-    def close(self) -> str:
+    def close(self, patience: float = 0.5) -> str:
         """End the process; return why it had ended, if it had."""
         if self.child.stdin.closed:
             return "gone"
         with suppress(BrokenPipeError):
             self.child.stdin.close()
         try:
-            code = self.child.wait(0.5)
+            code = self.child.wait(patience)
         except subprocess.TimeoutExpired:
             self.child.kill()
             code = self.child.wait()

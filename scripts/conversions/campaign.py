@@ -12,6 +12,7 @@ from conversions.drawn import clouds
 from conversions.objects import objects
 from conversions.passages import files
 from conversions.read_only import read_only
+from conversions.tetrahedra import TRIPS
 from conversions.write_only import READERS
 from hypothesis import HealthCheck, Phase, given, settings, strategies as st
 
@@ -73,6 +74,7 @@ def _make(trip: Trip, cloud: Cloud) -> None:
 
 
 def _trips(first: list[str]) -> Iterator[Trip]:
+    yield from TRIPS
     for way in WAYS:
         yield partial(went_through, way)
     for way in IN_CHUNKS:

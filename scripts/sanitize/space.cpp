@@ -8,8 +8,10 @@
 #include "checks.hpp"
 #include "patient.hpp"
 #include "shapes.hpp"
+#include "sphere/sphere.hpp"
 #include "tetrahedra/locate.hpp"
 #include "tetrahedra/tetrahedra.hpp"
+#include "verify/sphere.hpp"
 #include "verify/tetrahedra.hpp"
 
 namespace parallel {
@@ -113,10 +115,26 @@ void seen_on_a_sphere(const Cloud& cloud, std::vector<SpacePoint> points) {
     });
 }
 
+// As rays, of which none is zero.
+void check_sphere(const Cloud& cloud, std::vector<SpacePoint> rays) {
+    for (SpacePoint& ray : rays) ++ray.z;
+    Patient interrupt;
+    const auto found = liftmesh::triangulate_sphere(input_of(rays), true, 1, interrupt);
+    if (found.status != Status::ok) return;
+    for (const unsigned threads : {1u, 4u}) {
+        const liftmesh::SpaceVerdict verdict =
+            liftmesh::verify_sphere(input_of(rays), found.simplices.front().data(),
+                                    found.simplices.size(), true, {threads, false}, interrupt);
+        demand(!verdict.flaws.any() && verdict.vertices == found.distinct, cloud,
+               "the verifier finds flaws on the sphere");
+    }
+}
+
 }  // namespace
 
 void check_space(const Cloud& cloud) {
     const std::vector<SpacePoint> points = raised(cloud);
+    check_sphere(cloud, points);
     const Tetrahedra alone = run(points, 1);
     for (const unsigned threads : {2u, 5u})
         demand(same(run(points, threads), alone), cloud, "threads change the tetrahedra");

@@ -30,12 +30,14 @@ from benchmark import cgal
 from benchmark.cgal.beside import (
     PROGRAMS,
     answer,
+    as_set,
     built,
     clocked,
     columns,
     conclude,
     in_turn,
     parser_of,
+    positions,
 )
 from distributions import Points
 from tetrahedra.families import FAMILIES
@@ -96,18 +98,6 @@ def by_cgal(program: Path, points: Points) -> tuple[np.ndarray, Any]:
     """Return tetrahedra as numbers of positions, and the seconds of their insertion."""
     found, said = answer(program, points, corners=4)
     return found, said["seconds"]
-
-
-def positions(points: Points) -> np.ndarray:
-    """Number the positions in lexicographic order, and return the number of each row."""
-    number: np.ndarray = np.unique(points + 0.0, axis=0, return_inverse=True)[1]
-    return number.reshape(-1)
-
-
-def as_set(tetrahedra: np.ndarray) -> np.ndarray:
-    """Order the corners of each tetrahedron, then the tetrahedra."""
-    corners = np.sort(tetrahedra, axis=1)
-    return corners[np.lexsort(corners.T[::-1])]
 
 
 if __name__ == "__main__":

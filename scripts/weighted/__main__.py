@@ -30,7 +30,16 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))  # scripts/ holds this package
 
-from benchmark.cgal.beside import PROGRAMS, clocked, columns, conclude, in_turn, parser_of
+from benchmark.cgal.beside import (
+    PROGRAMS,
+    as_set,
+    clocked,
+    columns,
+    conclude,
+    in_turn,
+    parser_of,
+    positions,
+)
 from distributions import Points
 from weighted.families import FAMILIES, Weights, hidden_share, under_the_hull, with_share
 from weighted.peers import Peer, peers
@@ -98,21 +107,6 @@ def compare(
         np.savez(KEPT, points=points, weights=weights)
         print(f"kept in {KEPT}")
     return is_same
-
-
-def positions(points: Points) -> np.ndarray:
-    """Number the positions in lexicographic order, and return the number of each row."""
-    order = np.lexsort(points.T[::-1])
-    is_new = np.any(np.diff(points[order], axis=0) != 0, axis=1)
-    numbers = np.empty(len(points), dtype=np.int32)
-    numbers[order] = np.concatenate([[0], np.cumsum(is_new)])
-    return numbers
-
-
-def as_set(triangles: np.ndarray) -> np.ndarray:
-    """Order the corners of each triangle, then the triangles."""
-    corners = np.sort(triangles, axis=1)
-    return corners[np.lexsort(corners.T[::-1])]
 
 
 if __name__ == "__main__":

@@ -101,3 +101,21 @@ def test_text_of_files_does_not_control_the_terminal() -> None:
 def test_rates_have_three_digits() -> None:
     rates = 1_234_567.8, 98_700.0, 9.0, 0.0
     assert [*map(terminal.rate_text, rates)] == ["1.23 M/s", "98.7 k/s", "9 /s", ""]
+
+
+@pytest.mark.parametrize("words", [3, 30])
+def test_notes_that_differ_in_numbers_are_counted(
+    words: int, capsys: pytest.CaptureFixture[str]
+) -> None:
+    said = "rows " + "and more " * words
+    with terminal.few_of_a_kind():
+        for k in range(9):
+            terminal.note(f"{k}.las: {k} {said}")
+        terminal.note("0.las: other words")
+    *lines, other, last = capsys.readouterr().err.splitlines()
+    assert [line.split()[2] for line in lines] == [f"{k}.las:" for k in range(len(lines))]
+    assert other.endswith("0.las: other words")
+    name = len(lines) - 1
+    start = f"liftmesh: note: {9 - len(lines)} more files, as {name}.las: {name} rows and more"
+    assert last.startswith(start)
+    assert last.endswith("...") == (words == 30)

@@ -10,7 +10,7 @@ import pytest
 from liftmesh.errors import FormatError
 from liftmesh.io.atomic import check_writable, holds_data
 from liftmesh.io.formats.las.laz import ErrorRecordingStream, OffsetStream
-from liftmesh.io.streams import check_links, check_suffix, name_of, suffix_of
+from liftmesh.io.streams import check_links, check_suffix, is_file, name_of, suffix_of
 
 
 @pytest.mark.parametrize(
@@ -64,3 +64,13 @@ def test_a_part_of_a_stream_begins_at_zero() -> None:
     part = OffsetStream(stream, 5)
     assert (part.seek(0), part.read(6), part.tell(), stream.tell()) == (0, b"points", 6, 11)
     assert part.seek(-3, io.SEEK_END) == 3
+
+
+def test_a_stream_is_its_file_while_that_is_there(tmp_path: Path) -> None:
+    path = tmp_path / "a.ele"
+    path.write_bytes(b"1")
+    with path.open("rb") as stream:
+        assert is_file(stream, str(path))
+        assert not is_file(io.BytesIO(b"1"), str(path))
+        path.unlink()
+        assert not is_file(stream, str(path))

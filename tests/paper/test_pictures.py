@@ -46,6 +46,15 @@ def test_overlapping_disks_hide_some_and_have_triangles_without_a_plane() -> Non
     assert (graph.circles[:, 2] < 0).sum() == 4
 
 
+def test_drawings_are_side_by_side_within_the_figure() -> None:
+    boxes = [axes.get_position(original=True) for axes in weighted.figure_power().axes]
+    assert len(boxes) == 2
+    for box in boxes:
+        assert (box.min >= 0).all()
+        assert (box.max <= 1).all()
+    assert boxes[0].x1 <= boxes[1].x0
+
+
 def test_space_is_seen_along_a_direction() -> None:
     view = style.View(0, 0)
     assert view.flat([[5.0, 1.0, 2.0]]).tolist() == [[1.0, 2.0]]

@@ -210,6 +210,8 @@ class TestInThePlane:
     def test_meshes_are_of_the_triangles(self) -> None:
         shape = liftmesh.alpha_shape([[0, 0], [4, 0], [0, 3], [8, 8]], 3)
         assert shape.to_trimesh().area == 6
+        shape = liftmesh.alpha_shape([[9, 9], [0, 0], [4, 0], [4, 4], [0, 4], [2, 2]], 3)
+        assert shape.vertices.tolist() == [1, 2, 3, 4, 5]  # the last one inside
 
     @pytest.mark.parametrize("kind", ["weighted", "constrained", "by a metric", "farthest"])
     def test_other_triangulations_are_refused(self, kind: str) -> None:

@@ -15,6 +15,7 @@ from conversions.drawn import clouds
 from conversions.objects import MAKERS, REFUSING
 from conversions.passages import Arrival, Passage
 from conversions.table import PAGE, page
+from conversions.tetrahedra import TRIPS
 from file_samples import full_mesh
 from hypothesis import HealthCheck, given, settings, strategies as st
 
@@ -49,6 +50,22 @@ def test_every_way_keeps_every_value_or_names_the_loss(cloud: Cloud) -> None:
 @given(clouds(), st.lists(st.sampled_from([*BY_NAME]), min_size=2, max_size=2, unique=True))
 def test_every_pair_keeps_every_value_or_names_the_loss(cloud: Cloud, first: list[str]) -> None:
     check_pairs(cloud, [BY_NAME[name] for name in first], QUICK)
+
+
+@pytest.mark.slow
+@SLOW
+@given(clouds())
+def test_files_of_tetrahedra_keep_every_row(cloud: Cloud) -> None:
+    for trip in TRIPS:
+        trip(cloud)
+
+
+def test_files_of_tetrahedra_that_are_wrong_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    cloud, (trip, *_) = Cloud(np.eye(4, 3)), TRIPS
+    for wrong in ((-cloud.points, np.zeros((10, 4))), (cloud.points, np.zeros((10, 4)))):
+        monkeypatch.setattr("conversions.tetrahedra.read_tetrahedra", lambda _, got=wrong: got)
+        with pytest.raises(ChangedError, match="vtu changes"):
+            trip(cloud)
 
 
 @pytest.mark.slow

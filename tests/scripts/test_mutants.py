@@ -16,6 +16,7 @@ SOURCE = '''
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = ["half", "name"]
 CHUNK_ROWS = 1 << 20
+
+
+@dataclass(slots=True)
+class Tile:
+    pass
 
 
 @cache
@@ -73,6 +79,7 @@ def test_what_no_test_should_notice_is_counted_and_not_drawn(tile: Path, mutants
     lines = SOURCE.splitlines()
     assert {lines[row - 1].strip() for row, _ in places} == {
         "if value is None or value == low:", "return value // 2", "return value + 1",
+        "@dataclass(slots=True)",
     }  # fmt: skip
     assert set(counts) == {
         "annotations", "messages", "type checkers", "decorators", "sizes of blocks", "identity",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import logging
 import os
 import pickle
@@ -96,6 +97,19 @@ def expected(source: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str
     out = tmp_path_factory.mktemp("expected")
     liftmesh.tile(source, out, **OPTIONS)
     return contents(out)
+
+
+def test_what_is_not_given_is_as_without_dask() -> None:
+    for with_dask, without in (
+        (liftmesh.dask.delaunay, liftmesh.tile),
+        (liftmesh.dask.triangulate, liftmesh.tile_surface),
+    ):
+        ours, theirs = (inspect.signature(each).parameters for each in (with_dask, without))
+        shared = ours.keys() & theirs.keys()
+        assert {"nonfinite", "resume", "shards", "neighbors"} <= shared
+        assert {name: ours[name].default for name in shared} == {
+            name: theirs[name].default for name in shared
+        }
 
 
 @pytest.mark.slow

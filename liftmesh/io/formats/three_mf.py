@@ -64,7 +64,7 @@ def write_3mf(stream: BinaryIO, cloud: Cloud, *, unit: Unit | None = None) -> Or
     rows = used_rows(len(cloud), cloud.faces)
     numbers = np.zeros(len(cloud), np.int32)
     numbers[rows] = np.arange(len(rows), dtype=np.int32)
-    faces = numbers[cloud.faces]
+    faces = numbers.take(cloud.faces, axis=0)
     origin = needed_origin(cloud.points[rows], "3MF")
     points = without_origin(cloud.points[rows], origin)
     stated = "" if origin is None else " ".join(map(repr, origin))

@@ -117,30 +117,34 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     >>> liftmesh.triangulate([[0, 0, 5], [1, 0, 6], [0, 1, 7]]).to_trimesh().faces.shape
     (1, 3)
     """
-    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
     with preserve_signals():
-        mesh: trimesh.Trimesh = library.Trimesh(
-            vertices=cloud.points.copy(),
-            faces=faces_of(cloud),
-            vertex_colors=colors,
-            vertex_normals=_copied(cloud.normals),
-            vertex_attributes={name: values.copy() for name, values in cloud.attributes.items()},
-            metadata=_metadata(cloud),
-            process=False,
-        )
+        mesh: trimesh.Trimesh = library.Trimesh(**arguments_of(cloud))
     return mesh
 
 
 def to_points(cloud: Cloud) -> trimesh.PointCloud:
     """Convert the rows of a cloud to a trimesh point cloud."""
-    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
     library = load("trimesh")
     with preserve_signals():
-        points: trimesh.PointCloud = library.PointCloud(
-            cloud.points.copy(), colors=colors, metadata=_metadata(cloud)
-        )
+        points: trimesh.PointCloud = library.PointCloud(**arguments_of(replace(cloud, faces=None)))
     return points
+
+
+def arguments_of(cloud: Cloud) -> dict[str, Any]:
+    """Return what makes a mesh of trimesh; a point cloud if there are no faces."""
+    colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
+    shared = {"vertices": cloud.points.copy(), "metadata": _metadata(cloud)}
+    if cloud.faces is None:
+        return {**shared, "colors": colors}
+    return {
+        **shared,
+        "faces": faces_of(cloud),
+        "vertex_colors": colors,
+        "vertex_normals": _copied(cloud.normals),
+        "vertex_attributes": {name: values.copy() for name, values in cloud.attributes.items()},
+        "process": False,
+    }
 
 
 def transformed(cloud: Cloud, matrix: Floats) -> Cloud:

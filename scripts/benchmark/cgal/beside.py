@@ -50,6 +50,18 @@ def answer(
         return np.fromfile(made, np.int32).reshape(-1, corners), json.loads(done.stdout)
 
 
+def positions(points: NDArray[Any]) -> NDArray[Any]:
+    """Number the positions in lexicographic order, and return the number of each row."""
+    number: NDArray[Any] = np.unique(points + 0.0, axis=0, return_inverse=True)[1]
+    return number.reshape(-1)
+
+
+def as_set(simplices: NDArray[Any]) -> NDArray[Any]:
+    """Order the corners of each simplex, then the simplices."""
+    corners = np.sort(simplices, axis=1)
+    return corners[np.lexsort(corners.T[::-1])]
+
+
 def clocked(call: Callable[[], Result]) -> tuple[Result, float]:
     """Return the result of a call, and the processor's seconds that it took."""
     start = time.process_time()

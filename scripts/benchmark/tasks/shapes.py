@@ -130,7 +130,7 @@ def gridded(n: int, _: np.random.Generator) -> Points:
 
 
 def gathered(n: int, rng: np.random.Generator) -> Points:
-    """Groups of rows 10^-8 apart, whose unit vectors are rounded off the sphere by as much."""
+    """Groups of rows 10^-8 apart, between which the sphere bends less than unit vectors err."""
     points = scattered(max(n // 20, 4), rng).repeat(20, axis=0)
     points += rng.normal(size=points.shape) * 1e-8
     return points / np.linalg.norm(points, axis=1)[:, None]

@@ -144,6 +144,16 @@ def test_polylines_seen_from_below_are_mirrored() -> None:
     assert corners_of(found, found.edges) == ends
 
 
+def test_turned_polylines_are_left_out_but_for_those_in_space() -> None:
+    head = "0\nPOLYLINE\n70\n{}\n30\n0\n210\n1\n"
+    rest = "".join(f"0\nVERTEX\n10\n{x}\n20\n0\n30\n5\n" for x in (1, 2)) + "0\nSEQEND\n"
+    for flags in (8, 9):
+        found = loaded(entities(head.format(flags) + rest))
+        assert corners_of(found, found.edges)[0] == [[1, 0, 5], [2, 0, 5]]
+    found = loaded(entities(head.format(0) + rest + POINT))
+    assert (len(found), found.metadata["not_read"]) == (1, ("1 turned POLYLINE",))
+
+
 def test_polylines_without_an_end_are_kept() -> None:
     """SEQEND may be missing, and other entities may stand between the vertices and it."""
     vertex = "0\nVERTEX\n10\n{}\n20\n0\n30\n5\n"

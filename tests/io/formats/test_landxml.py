@@ -201,3 +201,14 @@ def test_what_is_written_comes_back(tmp_path: Path) -> None:
     assert liftmesh.write(tmp_path / "b.xml", back).dropped == ()
     assert (tmp_path / "a.xml").read_bytes() == (tmp_path / "b.xml").read_bytes()
     assert len(liftmesh.as_surface(tmp_path / "a.xml").faces) == len(hill.faces)
+
+
+@pytest.mark.parametrize(
+    ("crs", "unit"),
+    [(None, "meter"), ("EPSG:25832", "meter"), ("EPSG:2263", "USSurveyFoot"), (2222, "foot")],
+)
+def test_the_unit_is_that_of_the_coordinate_system(crs: Any, unit: str) -> None:
+    stream = io.BytesIO()
+    surface = liftmesh.triangulate([[0, 0, 1.0], [1, 0, 2], [0, 1, 3]], crs=crs)
+    liftmesh.write(stream, surface, format="landxml")
+    assert f'linearUnit="{unit}"' in stream.getvalue().decode()

@@ -104,6 +104,7 @@ def test_every_value_comes_back(kind: str) -> None:
         np.array([[1, 2, 3]], dtype=np.uint16),
         np.array([[0, 0, 1]], dtype=np.uint16),
         np.array([[1, 2, 300]], dtype=np.uint16),
+        np.array([[1, 2, 255]], dtype=np.uint16),
         np.array([[1, 2, 2**31]], dtype=np.uint32) * 17,
         np.array([[0.0, 1.0, 1.0]]),
         np.array([[0.1, 0.2, 0.3]], dtype=np.float32),

@@ -86,7 +86,7 @@ def _of_faces(points: Floats, faces: Array) -> Floats:
     """Compute the normals of faces, as long as twice their areas in some unit."""
     rank = np.empty(len(points), np.int64)
     rank[np.lexsort(points.T[::-1])] = np.arange(len(points))
-    first = rank[faces].argmin(axis=1)[:, None]
+    first = rank.take(faces, axis=0).argmin(axis=1)[:, None]
     a, b, c = (points[np.take_along_axis(faces, (first + k) % 3, axis=1)[:, 0]] for k in range(3))
     sides = np.concatenate([b - a, c - a])
     exponent = np.frexp(np.abs(sides).max(initial=0.0))[1]  # so that no product overflows
