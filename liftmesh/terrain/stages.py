@@ -40,7 +40,8 @@ if TYPE_CHECKING:
     from liftmesh.terrain.surface_data import SurfaceData
 
 _PAIRS = 1 << 20  # of faces and levels that are cut at once
-_STEPS = 1 << 10  # heights that are tried at once
+_STEPS = 1 << 10  # heights that are tried at once, unless many faces are cut at each
+_CUT = 8  # times that a face may be cut for these
 _VOLUMES = "give volumes of zero or more"
 Under: TypeAlias = tuple[Fraction, Fraction]  # area and volume of faces that are below as a whole
 
@@ -267,7 +268,10 @@ class _Faces:
     def levels_of(self, volumes: Floats) -> Floats:
         """Return the lowest level of each volume."""
         heights = np.unique(self.heights)
-        tried = np.unique(np.linspace(0, len(heights) - 1, _STEPS).astype(np.int64))
+        low, high = np.searchsorted(heights, self.heights[:, [0, 2]]).T
+        share = float((high - low).mean()) / len(heights)  # of the faces, as a height cuts them
+        steps = int(min(_STEPS, 2 + _CUT / max(share, _CUT / _STEPS)))
+        tried = np.unique(np.linspace(0, len(heights) - 1, steps).astype(np.int64))
         whole = self.whole(heights[tried])
         reached = np.maximum.accumulate(self._at(heights[tried], whole)[1])
         place = np.searchsorted(reached, volumes)

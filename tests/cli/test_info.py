@@ -169,7 +169,7 @@ def test_float32_where_it_overflows_or_there_is_no_spacing(tmp_path):
     told = lines_of("one.npy", cwd=tmp_path)
     assert told["spacing"] == "none: one position"
     shift = abs(float(np.float32(0.1)) - 0.1)
-    assert told["float32"].endswith(f"changes coordinates by up to {shift:.3g}")
+    assert told["float32"] == f"not enough: changes coordinates by up to {shift:.3g}"
 
 
 def test_a_mesh_with_colours(tmp_path):

@@ -64,6 +64,15 @@ def test_levels_of_volumes_hold_them(points, volumes, above: bool) -> None:
         assert (held.above if above else held.below) == pytest.approx(volume, rel=1e-12, abs=1e-12)
 
 
+def test_levels_where_each_cuts_most_faces() -> None:
+    table = liftmesh.triangulate(np.random.default_rng(8).random((400, 3))).stage_storage(
+        interval=0.05
+    )
+    levels = table.level_of(table.volumes[1:-1])
+    assert levels == pytest.approx(table.levels[1:-1], abs=1e-14)
+    assert (np.diff(levels) > 0).all()
+
+
 @settings(max_examples=40)
 @given(LATTICE, LEVELS, st.randoms(use_true_random=False))
 def test_no_bit_depends_on_the_order_of_the_rows(points, levels, rng) -> None:

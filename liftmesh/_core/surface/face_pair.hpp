@@ -86,6 +86,16 @@ class FacePair {
             if ((each.negative & ends) == ends) return false;
         return sides_[face][side].positive != all && sides_[face][side].negative != all;
     }
+    // Whether they have more than a point in common: no side of either has all of the other beyond
+    // it but for a point, and no more than that on it.
+    bool meets(std::size_t face, std::size_t side) const {
+        const int ends = (1 << tail_of(side)) | (1 << head_of(side));
+        for (const Sides& each : sides_[1 - face])
+            if ((each.positive & ends) == 0 && (each.negative & ends) != 0) return false;
+        const Sides& corners = sides_[face][side];
+        const int on = all & ~(corners.positive | corners.negative);
+        return (corners.positive != 0 && corners.negative != 0) || (on & (on - 1)) != 0;
+    }
     // Whether the faces have an area in common: convex sets without an inner point in common are
     // separated by a line along a side of one.
     bool overlap() const {

@@ -3,7 +3,8 @@
 // cover convex regions, so what touches a face is connected, and so are the faces that touch the
 // other region: each hands the next one a face to begin with. Whether a side touches a face is
 // decided by exact orientations. So no pair is missed, and one that is found needlessly has no
-// area.
+// area. Once two faces overlap, sides count that have more than a point in common with a face: what
+// overlaps a face is connected through them, too, and all faces at a vertex of both are not paired.
 #pragma once
 
 #include "delaunay/first_containing.hpp"
@@ -12,7 +13,8 @@
 namespace liftmesh {
 
 // `Meshes` has face(mesh, number) and neighbor(mesh, number, face, side), where `mesh` is 0 or 1,
-// goes_on(tail, head), whether to cross a side of the first, and visit(number, other, pair).
+// goes_on(tail, head), whether to cross a side of the first, is_whole(), whether it always does,
+// and visit(number, other, pair).
 template <class Meshes>
 class Flood {
  public:
@@ -21,6 +23,7 @@ class Flood {
 
     // From two faces that touch; stops if the patience ends.
     void run(std::int32_t face, std::int32_t other) {
+        overlaps_ = false;
         begin(face, other);
         while (!pending_.empty() && !patience_.ends()) {
             const std::int32_t next = pending_.back();
@@ -42,6 +45,17 @@ class Flood {
         begun_.push_back(face);
     }
 
+    void begin_anew(std::int32_t face, std::int32_t other) {
+        overlaps_ = true;
+        forget();
+        pending_.clear();
+        begin(face, other);
+    }
+
+    bool is_met(const FacePair& pair, std::size_t face, std::size_t side) const {
+        return overlaps_ ? pair.meets(face, side) : pair.touches(face, side);
+    }
+
     // All faces of the second that touch a face of the first.
     void visit(std::int32_t number) {
         const Face face = meshes_.face(0, number);
@@ -53,6 +67,10 @@ class Flood {
             reached_.pop_back();
             const Face over = meshes_.face(1, other);
             const FacePair pair(face, over, meshes_.nearness());
+            if (!overlaps_ && meshes_.is_whole() && pair.overlap()) {
+                begin_anew(number, other);
+                return;
+            }
             meshes_.visit(number, other, pair);
             for (std::size_t side = 0; side < 3; ++side) {
                 hand_on(meshes_.neighbor(0, number, face, side), other, pair, side);
@@ -63,7 +81,7 @@ class Flood {
 
     void reach(std::int32_t next, const FacePair& pair, std::size_t side) {
         if (next < 0 || seen_[static_cast<std::size_t>(next)] == visits_) return;
-        if (!pair.touches(1, side)) return;
+        if (!is_met(pair, 1, side)) return;
         seen_[static_cast<std::size_t>(next)] = visits_;
         reached_.push_back(next);
     }
@@ -71,7 +89,7 @@ class Flood {
     // The next face of the first begins with the same one, if that touches the side between.
     void hand_on(std::int32_t next, std::int32_t other, const FacePair& pair, std::size_t side) {
         if (next < 0 || start_[static_cast<std::size_t>(next)] >= 0) return;
-        if (!pair.touches(0, side)) return;
+        if (!is_met(pair, 0, side)) return;
         const Face& face = pair.face(0);
         if (meshes_.goes_on(face.at(tail_of(side)), face.at(head_of(side)))) begin(next, other);
     }
@@ -81,6 +99,7 @@ class Flood {
     std::vector<std::int32_t> start_;  // for each face of the first, one of the second
     std::vector<std::int64_t> seen_;   // for each of the second, the visit that reached it last
     std::int64_t visits_ = 0;
+    bool overlaps_ = false;  // two faces that were found
     std::vector<std::int32_t> pending_, reached_, begun_;
 };
 

@@ -187,6 +187,7 @@ class Overlay {
     }
 
     static constexpr Nearness nearness() { return {}; }
+    bool is_whole() const { return !part_; }
     bool goes_on(Point tail, Point head) const { return !part_ || touches(*part_, tail, head); }
 
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {

@@ -132,6 +132,7 @@ class Collector {
         return surfaces_[mesh].neighbor(number, side);
     }
     Nearness nearness() const { return nearness_; }
+    bool is_whole() const { return true; }
     bool goes_on(Point, Point) const { return true; }
 
     void visit(std::int32_t number, std::int32_t other, const FacePair& pair) {
