@@ -8,9 +8,10 @@ every x86-64 processor and for this one, and for aarch64, whose programs qemu ru
 triangulates every distribution of `distributions.py` and small sets of every kind in
 `small_sets.py`, on one thread and on three, by every engine, by weights and by radii, in a metric
 and for farthest points; makes graphs of disks, and stars in metrics of their own; asks surfaces for
-heights, rasters, contours and volumes, inserts and removes points, puts edges in, refines, and
-simplifies; merges tiles, makes tetrahedra, locates, verifies, decides signs, and prints and parses
-numbers (`driver.cpp`). Hashes of all results must be those of the first build. No build may have an
+heights, rasters, contours and volumes, lays them over each other, inserts and removes points and
+edges, puts edges in, refines, and simplifies; merges tiles, makes tetrahedra, alpha complexes and
+triangulations on the sphere, locates, verifies, decides signs, and prints and parses numbers
+(`driver.cpp`). Hashes of all results must be those of the first build. No build may have an
 instruction that fuses a product and a sum. Two are compiled with such instructions: these have to
 notice, as the kernel does at its import, and refuse to run.
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "changing_edges.hpp"
 #include "dynamic/triangulation.hpp"
 #include "kinds.hpp"
 #include "simplification/simplify.hpp"
@@ -60,6 +61,18 @@ void add_sequence(const std::vector<Point>& points, Digest& digest) {
     add(digest, mesh);
 }
 
+// With constraints, some of which go before others.
+void add_edges(const std::vector<Point>& points, Digest& digest) {
+    native::change_edges(points, [&](const liftmesh::dynamic::Triangulation& mesh) {
+        add(digest, mesh);
+        for (const auto& [a, b] : mesh.constraints().wholes()) {
+            digest.add(a);
+            digest.add(b);
+        }
+        for (const auto mark : mesh.marks()) digest.add(mark);
+    });
+}
+
 void add_rows(const Simplified& found, Digest& digest) {
     digest.add(found.status);
     digest.add(found.is_within);
@@ -103,6 +116,7 @@ std::vector<Point> distinct(std::vector<Point> points) {
 void add_changes(const double* coordinates, std::size_t rows, Digests& digests) {
     const std::vector<Point> points = finite(coordinates, rows);
     add_sequence(points, digests.of["points that come and go"]);
+    add_edges(points, digests.of["edges that come and go"]);
     add_simplified(distinct(points), digests.of["simplified"]);
     std::vector<Point> raster;  // of a step that no double holds
     for (std::size_t i = 0; i < points.size(); ++i)

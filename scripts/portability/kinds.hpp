@@ -20,16 +20,16 @@ void add_family(const double* coordinates, std::size_t rows, Digests& digests);
 void add_disks(const double* coordinates, std::size_t rows, Digests& digests);
 
 // What a surface over the rows answers: heights and slopes at points and as rasters, neighbours,
-// lines, rings and volumes.
+// lines, rings, volumes and overlays.
 void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests);
 
-// Points that come and go, and terrains of few triangles.
+// Points and edges that come and go, and terrains of few triangles.
 void add_changes(const double* coordinates, std::size_t rows, Digests& digests);
 
 // Edges that a triangulation must have, the regions between them, and what these are refined to.
 void add_constraints(const double* coordinates, std::size_t rows, Digests& digests);
 
-// Tetrahedra of rows in space, their check, and signs.
+// Tetrahedra of rows in space, their check, alpha complexes, directions, and signs.
 void add_space(const double* coordinates, std::size_t rows, Digests& digests);
 
 // The nodes of a tiled triangulation, and what their faces reach.

@@ -1,7 +1,9 @@
 #include <vector>
 
+#include "delaunay/delaunay.hpp"
 #include "kinds.hpp"
 #include "predicates/insphere.hpp"
+#include "shapes.hpp"
 #include "tetrahedra/tetrahedra.hpp"
 #include "verify/tetrahedra.hpp"
 
@@ -9,12 +11,11 @@ namespace portability {
 
 namespace {
 
-using liftmesh::Input;
 using liftmesh::SpacePoint;
 using liftmesh::Status;
 using liftmesh::Tetrahedra;
 
-constexpr std::size_t most_rows = 8000, most_questions = 200;
+constexpr std::size_t most_rows = 8000, most_questions = 200, most_directions = 1000;
 
 // The height of a row is one coordinate of another.
 std::vector<SpacePoint> raised(const double* coordinates, std::size_t rows) {
@@ -25,9 +26,13 @@ std::vector<SpacePoint> raised(const double* coordinates, std::size_t rows) {
     return points;
 }
 
-void add_tetrahedra(const std::vector<SpacePoint>& points, Digest& digest) {
-    const Input input{reinterpret_cast<const std::byte*>(points.data()), points.size(),
-                      sizeof(SpacePoint), sizeof(double), false};
+void add(Digest& digest, const native::Numbers& numbers) {
+    if (!numbers.empty()) digest.add(numbers.data(), numbers.size() * sizeof(double));
+}
+
+void add_tetrahedra(const std::vector<SpacePoint>& points, Digests& digests) {
+    Digest& digest = digests.of["tetrahedra"];
+    const liftmesh::Input input = native::input_of(points);
     liftmesh::NoInterrupt never;
     const Tetrahedra found = liftmesh::tetrahedralize(input, true, 5, {}, never);
     digest.add(found.status);
@@ -38,6 +43,25 @@ void add_tetrahedra(const std::vector<SpacePoint>& points, Digest& digest) {
     const auto verdict = liftmesh::verify_tetrahedra(input, found.simplices.get(), found.count,
                                                      true, {3, false}, never);
     demand(!verdict.flaws.any(), "tetrahedra have flaws");
+    const liftmesh::SimplexView<4> view{points.data(), found.simplices.get(), found.neighbors.get(),
+                                        found.count};
+    add(digests.of["alpha complexes"], native::alpha_numbers(view, points.size(), never));
+}
+
+void add_plane(std::vector<SpacePoint> points, Digest& digest) {
+    for (SpacePoint& p : points) p.z = 0;
+    liftmesh::NoInterrupt never;
+    const auto found = liftmesh::delaunay(native::input_of(points), true, {}, never);
+    if (found.status != Status::ok) return;
+    const liftmesh::SimplexView<3> view{points.data(), found.result.simplices.get(),
+                                        found.result.neighbors.get(), found.result.triangle_count};
+    add(digest, native::alpha_numbers(view, points.size(), never));
+}
+
+void add_directions(std::vector<SpacePoint> points, Digest& digest) {
+    points.resize(std::min(points.size(), most_directions));
+    liftmesh::NoInterrupt never;
+    add(digest, native::sphere_numbers(points, 7, never));
 }
 
 void add_signs(const std::vector<SpacePoint>& points, Digest& digest) {
@@ -58,7 +82,9 @@ void add_signs(const std::vector<SpacePoint>& points, Digest& digest) {
 
 void add_space(const double* coordinates, std::size_t rows, Digests& digests) {
     const std::vector<SpacePoint> points = raised(coordinates, rows);
-    add_tetrahedra(points, digests.of["tetrahedra"]);
+    add_tetrahedra(points, digests);
+    add_plane(points, digests.of["alpha complexes in the plane"]);
+    add_directions(points, digests.of["on the sphere"]);
     add_signs(points, digests.of["signs in space"]);
 }
 

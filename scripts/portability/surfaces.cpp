@@ -6,6 +6,7 @@
 #include "delaunay/delaunay.hpp"
 #include "delaunay/locate.hpp"
 #include "kinds.hpp"
+#include "overlaid.hpp"
 #include "rows.hpp"
 #include "surface/contours.hpp"
 #include "surface/natural.hpp"
@@ -177,6 +178,16 @@ void add_volumes(Terrain& terrain, Digests& digests) {
         add(digests.of["volumes"], std::vector<double>{each.above, each.below, each.area});
 }
 
+void add_overlay(const double* coordinates, std::size_t rows, Digests& digests) {
+    std::vector<Point> points;
+    for (std::size_t i = 0; i < std::min(rows, most_overlaid); ++i)
+        if (const Point p{coordinates[2 * i] + 0.0, coordinates[2 * i + 1] + 0.0};
+            liftmesh::is_finite(p))
+            points.push_back(p);
+    liftmesh::NoInterrupt never;
+    add(digests.of["overlays"], native::Overlaid(points).numbers(never));
+}
+
 }  // namespace
 
 void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests) {
@@ -189,6 +200,7 @@ void add_surfaces(const double* coordinates, std::size_t rows, Digests& digests)
     add_natural(terrain, asked, digests);
     add_raster(terrain, asked, digests);
     add_lines(terrain, digests);
+    add_overlay(coordinates, rows, digests);
     if (rows <= most_overlaid && terrain.mesh.count > 1) add_volumes(terrain, digests);
 }
 

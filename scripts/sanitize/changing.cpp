@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <thread>
 
+#include "changing_edges.hpp"
 #include "checks.hpp"
 #include "dynamic/triangulation.hpp"
 #include "patient.hpp"
@@ -40,6 +41,15 @@ void come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
     for (std::size_t i = 0; i < found.size(); ++i)
         if (i % 3 != 0) mesh.remove(found[i]);
     demand(mesh.size() == 0, cloud, "points are left");
+}
+
+// With constraints; those that are gone have left nothing.
+void edges_come_and_go(const Cloud& cloud, const std::vector<Point>& points) {
+    native::change_edges(points, [&](const liftmesh::dynamic::Triangulation& mesh) {
+        if (mesh.constraints().empty())
+            demand(mesh.result().triangle_count == fresh_triangles(mesh), cloud,
+                   "triangles are missing where constraints were");
+    });
 }
 
 // Few triangles within a bound: to the end and interrupted; not of points on a line.
@@ -102,6 +112,9 @@ void check_changes(const Cloud& cloud) {
     come_and_go(cloud, points);
     other.join();
     const std::vector<Point> once = distinct(points), pixels = raster(points.size());
+    std::thread second([&] { edges_come_and_go(cloud, once); });
+    edges_come_and_go(cloud, points);
+    second.join();
     std::thread third([&] { simplified(cloud, once); });
     simplified(cloud, once);
     third.join();

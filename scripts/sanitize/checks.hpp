@@ -16,6 +16,10 @@ void check_cells(const Cloud& cloud, const liftmesh::Delaunay& found);
 // too.
 void check_surfaces(const Cloud& cloud, const liftmesh::Delaunay& found);
 
+// Lays two surfaces over each other, on two callers' threads, and interrupts some runs. Exits with a
+// message if anything differs.
+void check_overlays(const Cloud& cloud);
+
 // The same calls while their rows and heights are written. Whatever comes out, it comes.
 void check_spoilt_surfaces(std::size_t rows, unsigned most_threads);
 
@@ -27,8 +31,8 @@ void check_family(const Cloud& cloud);
 // the process if anything differs, or if there are not as many triangles as one run makes.
 void check_tiles(const Cloud& cloud, std::size_t triangles);
 
-// Inserts and removes rows, one by one and many at once, on several callers' threads; the number of
-// triangles must be that of a fresh run. Then it simplifies a terrain of the rows. Ends the process
+// Inserts and removes rows, one by one and many at once, on several callers' threads, also with
+// constraints; the number of triangles must be that of a fresh run. Then it simplifies a terrain of the rows. Ends the process
 // if anything differs.
 void check_changes(const Cloud& cloud);
 
@@ -42,7 +46,9 @@ void check_constraints(const Cloud& cloud);
 void check_disks(const Cloud& cloud);
 
 // Makes, verifies and searches tetrahedra of the rows at heights of few values, on one thread and
-// on several, and interrupts some runs. Ends the process if anything differs.
+// on several, and interrupts some runs. Then two callers at the same time make their alpha complex,
+// that of the rows in the plane, and the triangulation of their directions. Ends the process if
+// anything differs.
 void check_space(const Cloud& cloud);
 
 // Exits with a message if what is parsed differs from what was printed, or threads change the text.

@@ -157,6 +157,7 @@ void check(const Cloud& cloud) {
     check_constraints(cloud);
     check_disks(cloud);
     check_space(cloud);
+    check_overlays(cloud);
     std::printf("%s: %zu rows, %zu triangles\n", cloud.name.c_str(), cloud.points.size(),
                 alone.result.triangle_count);
     std::fflush(stdout);

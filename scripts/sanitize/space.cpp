@@ -2,10 +2,12 @@
 #include <cmath>
 #include <cstring>
 #include <random>
+#include <thread>
 #include <vector>
 
 #include "checks.hpp"
 #include "patient.hpp"
+#include "shapes.hpp"
 #include "sphere/sphere.hpp"
 #include "tetrahedra/locate.hpp"
 #include "tetrahedra/tetrahedra.hpp"
@@ -16,15 +18,10 @@ namespace parallel {
 
 namespace {
 
-using liftmesh::Input;
 using liftmesh::SpacePoint;
 using liftmesh::Status;
 using liftmesh::Tetrahedra;
-
-Input input_of(const std::vector<SpacePoint>& points) {
-    return {reinterpret_cast<const std::byte*>(points.data()), points.size(), sizeof(SpacePoint),
-            sizeof(double), false};
-}
+using native::input_of;
 
 // The rows at heights of few values, so that many are on spheres; where there are none, x.
 std::vector<SpacePoint> raised(const Cloud& cloud) {
@@ -73,6 +70,51 @@ void located(const Cloud& cloud, const std::vector<SpacePoint>& points, const Te
                "a row is in no tetrahedron");
 }
 
+// By two callers at the same time, then interrupted: numbers(secret, interrupt).
+template <class Function>
+void repeated(const Cloud& cloud, Function numbers) {
+    const auto by = [&](std::uint64_t secret, std::size_t patience) {
+        Patient interrupt(patience);
+        return numbers(secret, interrupt);
+    };
+    native::Numbers other;
+    std::thread caller([&] { other = by(1, ~std::size_t{0}); });
+    const native::Numbers alone = by(2, ~std::size_t{0});
+    caller.join();
+    demand(!alone.empty() && other == alone, cloud, "callers at the same time differ in space");
+    for (const std::size_t patience : {1u, 2u, 3u, 5u, 9u, 20u}) {
+        const native::Numbers found = by(3, patience);
+        demand(found.empty() || found == alone, cloud, "a run in space ends otherwise");
+    }
+}
+
+template <int K, class Found>
+void shaped(const Cloud& cloud, const std::vector<SpacePoint>& points, const Found& found,
+            std::size_t count) {
+    const liftmesh::SimplexView<K> view{points.data(), found.simplices.get(), found.neighbors.get(),
+                                        count};
+    repeated(cloud, [&](std::uint64_t, auto& interrupt) {
+        return native::alpha_numbers(view, points.size(), interrupt);
+    });
+}
+
+void shaped_in_the_plane(const Cloud& cloud, std::vector<SpacePoint> points) {
+    liftmesh::NoInterrupt never;
+    const liftmesh::Delaunay found = liftmesh::delaunay(cloud.input(), true, {}, never);
+    if (found.status != Status::ok) return;
+    for (SpacePoint& p : points) p.z = 0;
+    shaped<3>(cloud, points, found.result, found.result.triangle_count);
+}
+
+// Seen from amid their heights.
+void seen_on_a_sphere(const Cloud& cloud, std::vector<SpacePoint> points) {
+    for (SpacePoint& p : points) p.z -= 0.5;
+    points.resize(std::min<std::size_t>(points.size(), 5000));  // far off, exact signs are slow
+    repeated(cloud, [&](std::uint64_t secret, auto& interrupt) {
+        return native::sphere_numbers(points, secret, interrupt);
+    });
+}
+
 // As rays, of which none is zero.
 void check_sphere(const Cloud& cloud, std::vector<SpacePoint> rays) {
     for (SpacePoint& ray : rays) ++ray.z;
@@ -104,6 +146,9 @@ void check_space(const Cloud& cloud) {
     if (alone.status != Status::ok) return;
     verified(cloud, points, alone);
     located(cloud, points, alone);
+    shaped<4>(cloud, points, alone, alone.count);
+    shaped_in_the_plane(cloud, points);
+    seen_on_a_sphere(cloud, points);
 }
 
 }  // namespace parallel

@@ -1,16 +1,18 @@
-// Heights, gradients, rasters, contours, rings and volumes of one surface, by one thread and by
-// many.
+// Heights, gradients, rasters, contours and rings of one surface, by one thread and by many; and
+// two surfaces laid over each other.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "checks.hpp"
 #include "delaunay/locate.hpp"
+#include "overlaid.hpp"
 #include "patient.hpp"
 #include "spoiler.hpp"
 #include "surface/contours.hpp"
@@ -148,6 +150,20 @@ void check_surfaces(const Cloud& cloud, const liftmesh::Delaunay& found) {
         std::exit(1);
     }
     for (const std::size_t patience : {1u, 3u, 8u, 20u, 40u}) by(3, patience);
+}
+
+void check_overlays(const Cloud& cloud) {
+    const native::Overlaid surfaces(finite(cloud, 6000));
+    const auto by = [&](std::size_t patience) {
+        Patient interrupt(patience);
+        return surfaces.numbers(interrupt);
+    };
+    std::vector<double> other;
+    std::thread caller([&] { other = by(~std::size_t{0}); });
+    const std::vector<double> alone = by(~std::size_t{0});
+    caller.join();
+    demand(same(other, alone), cloud, "callers at the same time lay surfaces otherwise");
+    for (const std::size_t patience : {1u, 2u, 4u, 8u, 16u}) by(patience);
 }
 
 void check_spoilt_surfaces(std::size_t rows, unsigned most_threads) {

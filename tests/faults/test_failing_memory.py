@@ -84,6 +84,63 @@ def test_a_batch_that_memory_fails_changes_nothing(tmp_path: Path) -> None:
     assert {name: count for name, count in told.items() if int(count) <= 10} == {}
 
 
+CALLS = """
+space = np.random.default_rng(1).integers(0, 9, (160, 3)).astype(float)
+square, hole = np.array([[0, 0], [40, 0], [40, 40], [0, 40]]) * 1.0, [[9, 9], [31, 9], [9, 31]]
+rings = [square, np.array(hole) * 1.0]
+hills = [np.column_stack([p, np.sin(p[:, 0])]) for p in (cloud[::2], cloud[1::2] + 0.25)]
+flat, solid = liftmesh.delaunay(cloud), liftmesh.tetrahedralize(space)
+carved = liftmesh.constrained_delaunay(cloud, polygons=[rings], carve="holes")
+surfaces = [liftmesh.triangulate(each) for each in hills]
+
+def ball():
+    return liftmesh.spherical_delaunay(space - 4.25)
+
+def shaped(tri):
+    return tri.alpha_shape().faces, tri.alpha_complex(3.0).edge_radii
+
+calls = {
+    "constrained": lambda: liftmesh.constrained_delaunay(
+        cloud, polygons=[rings], carve="holes"
+    ).simplices,
+    "verified": lambda: str(liftmesh.verify(carved)),
+    "refined": lambda: liftmesh.refine(carved, smooth=1).triangulation.simplices,
+    "laid over": lambda: liftmesh.difference(*surfaces).faces,
+    "tetrahedra": lambda: liftmesh.tetrahedralize(space, threads=1).simplices,
+    "checked in space": lambda: str(liftmesh.verify(solid)),
+    "alpha": lambda: shaped(flat),
+    "alpha in space": lambda: shaped(solid),
+    "sphere": lambda: ball().simplices,
+    "cells of the sphere": lambda: ball().cells,
+}
+
+def failures(call):
+    "How many allocations of a call have failed, after each of which it is as if nothing had been."
+    expected, failed, number = repr(call()), 0, 1
+    while True:
+        memory.fail_at(number)
+        try:
+            call()
+        except MemoryError:
+            failed += 1
+        if memory.allocations_left() > 0:
+            memory.fail_at(0)
+            assert repr(call()) == expected
+            return failed
+        number += 1 + number // 64
+"""
+
+
+@pytest.mark.slow
+def test_a_call_that_memory_fails_raises(tmp_path: Path) -> None:
+    told = output(
+        CALLS + "for name in calls: print(name, failures(calls[name]), sep=':')", tmp_path
+    )
+    counts = dict(line.split(":") for line in told.splitlines())
+    assert len(counts) == 10
+    assert {name: count for name, count in counts.items() if int(count) <= 5} == {}
+
+
 @pytest.mark.slow
 def test_maps_of_files_are_given_back(tmp_path: Path) -> None:
     program = """

@@ -243,3 +243,13 @@ class TestWrongInput:
             liftmesh.spherical_delaunay([[1, 0, 0], [2, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 3]])
         with pytest.raises(liftmesh.DegenerateInputError, match="need four"):
             liftmesh.spherical_delaunay(np.empty((0, 3)))
+
+
+def test_the_order_of_insertion_changes_nothing_of_equal_directions() -> None:
+    directions = np.random.default_rng(4).integers(-3, 4, (400, 3)).astype(float)
+    rays = directions[directions.any(axis=1)]
+    rays = np.concatenate([rays, 3 * rays[::-1]])
+    runs = [_kernel.spherical_delaunay(rays, False, secret, None)[3:] for secret in range(5)]
+    for run in runs[1:]:
+        for one, other in zip(run, runs[0], strict=True):
+            np.testing.assert_array_equal(one, other)

@@ -8,7 +8,7 @@ namespace liftmesh::constrained {
 
 namespace {
 
-constexpr std::size_t longest_in_cache = 1 << 12;
+constexpr std::size_t short_chain = 64, longest_in_cache = 1 << 12;
 
 }  // namespace
 
@@ -57,9 +57,11 @@ void Pocket::fill(Ground& ground, Guard guard) {
 
 void Pocket::link() {
     const auto count = static_cast<Index>(chain_.size());
-    at_.resize(count);
-    side_.resize(count);
-    link_.resize(count);
+    if (at_.size() < count) {  // never less, so that none is set to zero again
+        at_.resize(count);
+        side_.resize(count);
+        link_.resize(count);
+    }
     for (Index i = 0; i < count; ++i) {
         at_[i] = ground_->points[chain_[i]];
         link_[i] = {i + 1, i - 1};
@@ -71,11 +73,33 @@ bool Pocket::is_convex(Index i) const {
     return orient2d(at_[link_[i].previous], at_[i], at_[link_[i].next]) > 0;
 }
 
+Pocket::Link Pocket::cut(Index i) {
+    order_.push_back(i);
+    const Link around = link_[i];
+    link_[around.previous].next = around.next;
+    link_[around.next].previous = around.previous;
+    return around;
+}
+
+// Round and round: after each corner that goes, the next one stays for this round. Any order will
+// do for so few, and chance takes time.
+void Pocket::cut_short_chain(std::size_t many) {
+    const auto last = static_cast<Index>(chain_.size() - 1);
+    for (Index i = 0; order_.size() < many;) {
+        i = link_[i].next == last ? link_[0].next : link_[i].next;
+        if (is_convex(i)) i = cut(i).next % last;
+    }
+}
+
 // In rounds, each along the chain: of the corners that may go about every second one goes. So each
 // round of those that come back goes along the chain, too, and finds what it reads in the cache.
 // Corners are looked at again once a neighbour has gone.
 void Pocket::cut_corners() {
     const std::size_t many = chain_.size() - 3;  // are cut off
+    if (chain_.size() <= short_chain) {
+        cut_short_chain(many);
+        return;
+    }
     round_.resize(chain_.size() + 1);
     later_.resize(chain_.size() + 1);
     std::iota(round_.begin(), round_.end(), Index{1});
@@ -89,10 +113,7 @@ void Pocket::cut_corners() {
             for (const Index i : draw({&round_[first], some})) {
                 is_listed_[i] = 0;
                 if (order_.size() == many || !is_convex(i)) continue;
-                order_.push_back(i);
-                const auto [after, before] = link_[i];
-                link_[before].next = after;
-                link_[after].previous = before;
+                const auto [after, before] = cut(i);
                 list(before);
                 list(after);
             }
@@ -122,31 +143,34 @@ void Pocket::list(Index i) {
     is_listed_[i] = 1;
 }
 
+bool Pocket::conflicts(TriangleId t, Point p) const {
+    const Vertex* corner = ground_->vertices + t;
+    return incircle_canonical(ground_->points[corner[0]], ground_->points[corner[1]],
+                              ground_->points[corner[2]], p, guard_);
+}
+
 // The triangles in conflict with a corner that comes back are a path or a tree that begins at the
 // side on which it stands. Their border is met in order.
 void Pocket::dig(Point p, Edge side) {
     const Vertex* vertices = ground_->vertices;
     border_.clear();
-    stack_.assign(1, side);
-    while (!stack_.empty()) {
-        const Word x = stack_.back();
-        stack_.pop_back();
+    stack_.clear();
+    for (Word x = side;;) {
+        if (!(x & open) && conflicts(triangle_of(x), p)) {
+            ground_->free.push_back(triangle_of(x));
+            stack_.push_back(ground_->twins[next(x)]);
+            x = ground_->twins[previous(x)];
+            continue;
+        }
         if (x & open) {  // seen from inside the polygon
             const Index i = x & ~open;
             border_.push_back({chain_[link_[i].next], chain_[i], x});
-            continue;
-        }
-        const TriangleId t = triangle_of(x);
-        const Vertex* corner = vertices + t;
-        const Point a = ground_->points[corner[0]], b = ground_->points[corner[1]],
-                    c = ground_->points[corner[2]];
-        if (!incircle_canonical(a, b, c, p, guard_)) {
+        } else {
             border_.push_back({vertices[next(x)], vertices[previous(x)], x});
-            continue;
         }
-        ground_->free.push_back(t);
-        stack_.push_back(ground_->twins[next(x)]);
-        stack_.push_back(ground_->twins[previous(x)]);
+        if (stack_.empty()) return;
+        x = stack_.back();
+        stack_.pop_back();
     }
 }
 

@@ -20,13 +20,14 @@ struct Ground {
 // each time that the chain passes it.
 //
 // A pocket is triangulated by insertion (after Shewchuk and Brown, "Fast segment insertion and
-// incremental construction of constrained Delaunay triangulations", 2015): corners are cut off in
-// random order until a triangle is left, and come back in the opposite order. A corner may go if it
-// is convex. Each vertex of the chain sees the constraint, along an edge that the constraint
-// crossed; these lines of sight do not cross each other, nor the chain; and the triangle that is
-// cut off with a convex corner lies between those of its neighbours. So what is left is a simple
-// polygon with the same property, and the corner that comes back sees the side on which it stands.
-// Of the corners farthest from the constraint one is convex: there is always one that may go.
+// incremental construction of constrained Delaunay triangulations", 2015): corners are cut off, in
+// random order where they are many, until a triangle is left, and come back in the opposite order.
+// A corner may go if it is convex. Each vertex of the chain sees the constraint, along an edge that
+// the constraint crossed; these lines of sight do not cross each other, nor the chain; and the
+// triangle that is cut off with a convex corner lies between those of its neighbours. So what is
+// left is a simple polygon with the same property, and the corner that comes back sees the side on
+// which it stands. Of the corners farthest from the constraint one is convex: there is always one
+// that may go.
 class Pocket {
  public:
     void clear() { chain_.clear(); }
@@ -60,11 +61,14 @@ class Pocket {
 
     void link();
     bool is_convex(Index i) const;
+    Link cut(Index i);
+    void cut_short_chain(std::size_t many);
     void cut_corners();
     std::span<const Index> draw(std::span<const Index> some);
     void list(Index i);
     [[gnu::always_inline]] inline void foresee(std::size_t restored) const;
     void restore(Index i);
+    bool conflicts(TriangleId t, Point p) const;
     void dig(Point p, Edge side);
     TriangleId make(Vertex a, Vertex b, Vertex c);
     void connect(Edge e, Word beyond);

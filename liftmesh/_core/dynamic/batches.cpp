@@ -4,8 +4,7 @@
 
 #include "delaunay/delaunay.hpp"
 #include "dynamic/triangulation.hpp"
-#include "sorting/hilbert.hpp"
-#include "sorting/patient_sort.hpp"
+#include "sorting/along_curve.hpp"
 
 namespace liftmesh::dynamic {
 
@@ -21,16 +20,14 @@ std::vector<Row> as_given(std::size_t count) {
 
 // The rows in the order of a Hilbert curve; none if interrupted.
 std::vector<Row> ordered(const Input& input, Interrupt& interrupt) {
-    Bounds box = Bounds::nothing();
-    for (std::size_t row = 0; row < input.rows; ++row) box.add(pair(input[row]));
-    const HilbertCurve curve(box);
-    std::vector<std::pair<std::uint32_t, Row>> places(input.rows);
-    for (std::size_t row = 0; row < input.rows; ++row)
-        places[row] = {curve(input[row]), static_cast<Row>(row)};
-    if (!patient_sort(places, std::less<>(), interrupt)) return {};
+    std::vector<PlacedRow<HilbertCurve>> placed(input.rows);
+    for (std::size_t row = 0; row < input.rows; ++row) placed[row].row = static_cast<Row>(row);
+    const auto at = [&input](Row row) { return input[row]; };
+    AlongCurve<HilbertCurve, decltype(at)>(at, interrupt).arrange(placed);
+    if (interrupt.requested()) return {};
     std::vector<Row> rows(input.rows);
-    std::transform(places.begin(), places.end(), rows.begin(),
-                   [](auto each) { return each.second; });
+    std::transform(placed.begin(), placed.end(), rows.begin(),
+                   [](const auto& each) { return each.row; });
     return rows;
 }
 

@@ -22,6 +22,12 @@ inline std::uint32_t place_on_hilbert_curve(std::uint32_t x, std::uint32_t y) {
 
 class HilbertCurve {
  public:
+    using Place = std::uint32_t;
+    using Box = Bounds;
+    static Box no_box() { return Bounds::nothing(); }
+    static void extend(Box& box, Point p) { box.add(pair(p)); }
+    static bool before(Point a, Point b) { return before_xy(a, b); }
+
     explicit HilbertCurve(const Bounds& box) : low_{box.low[0] / 2, box.low[1] / 2} {
         // Halves, so that no difference overflows.
         const double size = std::fmax(box.high[0] / 2 - low_.x, box.high[1] / 2 - low_.y);
@@ -79,6 +85,12 @@ inline std::uint64_t place_on_hilbert_curve(std::array<std::uint32_t, 3> at) {
 
 class HilbertCurveInSpace {
  public:
+    using Place = std::uint64_t;
+    using Box = SpaceBox;
+    static Box no_box() { return {}; }
+    static void extend(Box& box, const SpacePoint& p) { box.add(p); }
+    static bool before(const SpacePoint& a, const SpacePoint& b) { return before_xyz(a, b); }
+
     explicit HilbertCurveInSpace(const SpaceBox& box)
         : low_{box.low.x / 2, box.low.y / 2, box.low.z / 2} {
         const double size = std::fmax(std::fmax(box.high.x / 2 - low_.x, box.high.y / 2 - low_.y),

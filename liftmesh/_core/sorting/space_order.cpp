@@ -2,8 +2,9 @@
 
 #include "parallel/blocks.hpp"
 #include "predicates/lattice.hpp"
+#include "sorting/along_curve.hpp"
 #include "sorting/counting_sort.hpp"
-#include "sorting/curve_sort.hpp"
+#include "sorting/patient_sort.hpp"
 
 namespace liftmesh {
 
@@ -49,6 +50,7 @@ class SpaceSort {
     bool run() { return find_places() && sort() && keep_distinct(); }
 
  private:
+    using Placed = PlacedRow<HilbertCurveInSpace>;
     static constexpr std::size_t length = std::size_t{1} << 14;  // of a task
 
     bool find_places() {
@@ -60,7 +62,7 @@ class SpaceSort {
                 ++skipped;
                 return;
             }
-            placed_[count_++].index = row;
+            placed_[count_++].row = static_cast<Row>(row);
             box.add(rows_.points[row]);
             scale_.add(rows_.points[row]);
         };
@@ -69,7 +71,7 @@ class SpaceSort {
         const HilbertCurveInSpace curve(box);
         return in_blocks(count_, length, pool_, [&](std::size_t i, std::size_t last, std::size_t) {
             interrupt_.advance(work::sorting / 2 * (last - i));
-            for (; i < last; ++i) placed_[i].place = curve(rows_.points[placed_[i].index]);
+            for (; i < last; ++i) placed_[i].place = curve(rows_.points[placed_[i].row]);
         });
     }
 
@@ -90,14 +92,12 @@ class SpaceSort {
         const std::vector<std::size_t> starts = std::move(parts).starts();
         const std::size_t tasks = count_ < length ? 1 : std::size_t{1} << (key_bits - 4);
         const std::size_t each = (starts.size() - 1) / tasks;
+        const auto at = [this](Row row) -> const SpacePoint& { return rows_.points[row]; };
         return pool_.run(tasks, [&](std::size_t task) {
             const std::span part(&placed_[starts[task * each]],
                                  &placed_[starts[(task + 1) * each]]);
             interrupt_.advance(work::sorting / 2 * part.size());
-            const auto at = [this](std::size_t row) -> const SpacePoint& {
-                return rows_.points[row];
-            };
-            sort_on_curve(part, at, interrupt_);
+            AlongCurve<HilbertCurveInSpace, decltype(at)>(at, interrupt_).sort(part);
         });
     }
 
@@ -106,7 +106,7 @@ class SpaceSort {
         order_.rows = allocate<Row>(count_);
         const SpacePoint* kept = nullptr;
         const bool done = for_each_in_blocks(count_, interrupt_, [&](std::size_t i) {
-            const Row row = static_cast<Row>(placed_[i].index);
+            const Row row = placed_[i].row;
             if (kept != nullptr && *kept == rows_.points[row]) {
                 order_.duplicates.push_back({row, order_.rows[order_.count - 1]});
                 return;

@@ -176,10 +176,16 @@ class SphereInsertion {
 
     Row row(Vertex v) const { return points_.rows[v]; }
 
-    // Of the rows of one direction the lowest is the vertex. False if the interrupt came first.
+    // Of the rows of one direction the lowest is the vertex. Its place is the first on the curve of
+    // all of them, whichever was inserted. False if the interrupt came first.
     bool merge() {
         row_.assign(points_.rows.get(), points_.rows.get() + points_.count);
-        for (const auto& [v, vertex] : doubles_) row_[vertex] = std::min(row_[vertex], row(v));
+        foremost_.resize(points_.count);
+        std::iota(foremost_.begin(), foremost_.end(), Vertex{0});
+        for (const auto& [v, vertex] : doubles_) {
+            row_[vertex] = std::min(row_[vertex], row(v));
+            foremost_[vertex] = std::min(foremost_[vertex], v);
+        }
         for (const auto& [v, vertex] : doubles_) {
             result_.duplicates.push_back({row(v), row_[vertex]});
             if (row_[vertex] != row(vertex))
@@ -205,11 +211,13 @@ class SphereInsertion {
 
     // False if the interrupt came first.
     bool write() {
+        for (const auto& [v, vertex] : doubles_) row_[foremost_[vertex]] = row_[vertex];
         std::vector<std::pair<std::array<Vertex, 3>, FacetName>> sorted;
         std::vector<std::int32_t> place(facets_.size());
         std::vector<unsigned> least(facets_.size());
         for (FacetName t = 0; t < facets_.size(); ++t) {
             auto v = facets_[t].vertex;
+            for (Vertex& each : v) each = foremost_[each];
             const auto at = std::min_element(v.begin(), v.end());
             least[t] = static_cast<unsigned>(at - v.begin());
             std::rotate(v.begin(), at, v.end());
@@ -247,6 +255,7 @@ class SphereInsertion {
     std::vector<Vertex> seed_;
     std::vector<std::pair<Vertex, Vertex>> doubles_;  // each with the vertex of its direction
     std::vector<Row> row_;
+    std::vector<Vertex> foremost_;
     Vertex far_ = 0;
     FacetName last_ = 0;
 };

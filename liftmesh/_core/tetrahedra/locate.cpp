@@ -2,7 +2,7 @@
 
 #include "base/floating_point.hpp"
 #include "parallel/blocks.hpp"
-#include "sorting/curve_sort.hpp"
+#include "sorting/along_curve.hpp"
 
 namespace liftmesh {
 
@@ -102,6 +102,8 @@ class SpaceWalk {
     std::vector<std::uint8_t> seen_;  // of each tetrahedron, once it is needed
 };
 
+using Placed = PlacedRow<HilbertCurveInSpace, std::size_t>;
+
 // False if the interrupt came first.
 bool in_order(const SpacePoint* queries, std::size_t count, const SpaceBox& box,
               Interrupt& interrupt, std::vector<Placed>& order) {
@@ -110,7 +112,8 @@ bool in_order(const SpacePoint* queries, std::size_t count, const SpaceBox& box,
     for (std::size_t i = 0; i < count; ++i)
         if (is_finite(queries[i])) order.push_back({curve(queries[i]), i});
     const auto at = [queries](std::size_t i) -> const SpacePoint& { return queries[i]; };
-    return sort_on_curve(std::span(order), at, interrupt);
+    AlongCurve<HilbertCurveInSpace, decltype(at), std::size_t>(at, interrupt).sort(order);
+    return !interrupt.requested();
 }
 
 }  // namespace
@@ -134,7 +137,7 @@ bool SpaceLocator::find(const SpacePoint* queries, std::size_t count, Interrupt&
     if (!in_order(queries, count, box, interrupt, order)) return false;
     return for_each_in_blocks(order.size(), interrupt,
                               [&](std::size_t i) {
-                                  const std::size_t index = order[i].index;
+                                  const std::size_t index = order[i].row;
                                   found[index] = walk.find(queries[index]);
                               }) &&
            !interrupt.requested();
