@@ -16,8 +16,8 @@ void check_cells(const Cloud& cloud, const liftmesh::Delaunay& found);
 // too.
 void check_surfaces(const Cloud& cloud, const liftmesh::Delaunay& found);
 
-// Lays two surfaces over each other, on two callers' threads, and interrupts some runs. Exits with a
-// message if anything differs.
+// Lays two surfaces over each other, on two callers' threads, and interrupts some runs. Exits with
+// a message if anything differs.
 void check_overlays(const Cloud& cloud);
 
 // The same calls while their rows and heights are written. Whatever comes out, it comes.
@@ -32,8 +32,8 @@ void check_family(const Cloud& cloud);
 void check_tiles(const Cloud& cloud, std::size_t triangles);
 
 // Inserts and removes rows, one by one and many at once, on several callers' threads, also with
-// constraints; the number of triangles must be that of a fresh run. Then it simplifies a terrain of the rows. Ends the process
-// if anything differs.
+// constraints; the number of triangles must be that of a fresh run. Then it simplifies a terrain of
+// the rows. Ends the process if anything differs.
 void check_changes(const Cloud& cloud);
 
 // Puts edges into triangulations on one thread and on several, interrupts some runs, carves, and
