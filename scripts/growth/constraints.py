@@ -99,6 +99,24 @@ def by_coordinates(points: Any, edges: Any, **options: Any) -> object:
     return constrained_delaunay(points[:3], polylines=list(points[edges]), **options)
 
 
+def polygons(case: Case) -> Work:
+    """Prepare a polygon for each ring, whose edges may have any direction."""
+    points, edges = case
+    beside: dict[int, set[int]] = {row: set() for row in np.unique(edges).tolist()}
+    for tail, head in edges.tolist():
+        beside[tail].add(head)
+        beside[head].add(tail)
+    rings = []
+    while beside:
+        row, around = beside.popitem()
+        rows = [row]
+        while following := around & beside.keys():
+            rows.append(row := following.pop())
+            around = beside.pop(row)
+        rings.append([points[rows]])
+    return Work(lambda: liftmesh.triangulate_polygon(rings), len(points))
+
+
 def located(tri: ConstrainedTriangulation) -> object:
     """Find all rows."""
     return tri.find_simplex(tri.points)
@@ -152,6 +170,7 @@ def subjects() -> Iterator[tuple[Any, ...]]:
     yield "constrained_delaunay", CASES, plain, ("tiling", *HARD)
     carved = constrained(constrained_delaunay, carve="holes", order="canonical")
     yield "constrained_delaunay carved", RINGS, carved, ("nested rings",)
+    yield "triangulate_polygon", RINGS, polygons, ("nested rings",)
     yield "constrained_delaunay by coordinates", CASES, constrained(by_coordinates), ("tiling",)
     yield "constrained_delaunay split", CROSSING, split
     yield "verify with constraints", CASES, verified_whole, ("tiling", *HARD)

@@ -269,9 +269,10 @@ def surface_functions() -> Iterator[tuple[Any, ...]]:
     yield "Surface.raster", PLANAR, rasters(), HARD_TO_WALK, LEAST
     hillshade = rasters(quantity="hillshade")
     yield "Surface.raster of hillshade", PLANAR, hillshade, ("uniform", "lattice"), LEAST
-    yield "Raster.centers", PLANAR, on_raster(liftmesh.Raster.centers), ("uniform",), LEAST
-    filled = on_raster(lambda raster: raster.filled(10))
-    yield "Raster.filled", PLANAR, filled, ("uniform",), LEAST
+    calls = {"centers": liftmesh.Raster.centers, "filled": lambda raster: raster.filled(10)}
+    for name, call in calls.items():
+        yield f"Raster.{name}", PLANAR, on_raster(call), ("uniform",), LEAST
+    yield "Raster.to_xarray", PLANAR, on_raster(liftmesh.Raster.to_xarray), ()  # loads for long
     yield "Raster.save", PLANAR, on_raster(saved), ()  # GDAL takes long to load under callgrind
 
 

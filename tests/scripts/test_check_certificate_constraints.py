@@ -158,7 +158,7 @@ def test_what_is_not_a_certificate_of_constraints_is_said(
     said = said_of(POINTS, TRIANGLES, EDGES, carved=True)
     for lie, text in (
         ({"carved": 1}, "it does not say whether regions were carved"),
-        ({"format_version": 2}, "version 1 or 4, or 2 or 3 with its member"),
+        ({"format_version": 2}, "version 1 or 4, or 2, 3 or 5 with its member"),
     ):
         (tmp_path / "said.json").write_text(json.dumps(said | lie))
         assert checker.main(str(tmp_path / "said.json"), str(tmp_path / "obj")) == 2

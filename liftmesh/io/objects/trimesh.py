@@ -119,7 +119,7 @@ def to_mesh(cloud: Cloud) -> trimesh.Trimesh:
     """
     library = load("trimesh")
     with preserve_signals():
-        mesh: trimesh.Trimesh = library.Trimesh(**arguments_of(cloud))
+        mesh: trimesh.Trimesh = library.Trimesh(**_of_mesh(cloud))
     return mesh
 
 
@@ -127,16 +127,23 @@ def to_points(cloud: Cloud) -> trimesh.PointCloud:
     """Convert the rows of a cloud to a trimesh point cloud."""
     library = load("trimesh")
     with preserve_signals():
-        points: trimesh.PointCloud = library.PointCloud(**arguments_of(replace(cloud, faces=None)))
+        points: trimesh.PointCloud = library.PointCloud(**_of_points(cloud))
     return points
 
 
 def arguments_of(cloud: Cloud) -> dict[str, Any]:
     """Return what makes a mesh of trimesh; a point cloud if there are no faces."""
+    return _of_points(cloud) if cloud.faces is None else _of_mesh(cloud)
+
+
+def _of_points(cloud: Cloud) -> dict[str, Any]:
     colors = None if cloud.colors is None else with_alpha(as_uint8(cloud.colors))
-    shared = {"vertices": cloud.points.copy(), "metadata": _metadata(cloud)}
-    if cloud.faces is None:
-        return {**shared, "colors": colors}
+    return {"vertices": cloud.points.copy(), "colors": colors, "metadata": _metadata(cloud)}
+
+
+def _of_mesh(cloud: Cloud) -> dict[str, Any]:
+    shared = _of_points(cloud)
+    colors = shared.pop("colors")
     return {
         **shared,
         "faces": faces_of(cloud),
