@@ -17,6 +17,17 @@ class Interrupt {
     virtual void advance(std::size_t /*work, since the last call*/) {}
 };
 
+// For a part of a run, which has been told what to expect of the whole.
+class PartInterrupt final : public Interrupt {
+ public:
+    explicit PartInterrupt(Interrupt& whole) : whole_(whole) {}
+    bool requested() override { return whole_.requested(); }
+    void advance(std::size_t work) override { whole_.advance(work); }
+
+ private:
+    Interrupt& whole_;
+};
+
 class NoInterrupt final : public Interrupt {
  public:
     bool requested() override { return false; }

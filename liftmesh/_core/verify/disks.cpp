@@ -66,7 +66,8 @@ class DiskVerification {
           use_(graph.disks.size(), Use::none) {}
 
     bool check(std::uint64_t secret) {
-        pool_.interrupt().expect(triangles());
+        const std::size_t hiding = graph_.hidden.empty() ? 0 : graph_.disks.size();
+        pool_.interrupt().expect(triangles() + hiding);
         check_indices();
         if (flaws().any()) return true;
         return check_triangles() && pair_sides() && check_edges() && check_winding() &&
@@ -318,8 +319,9 @@ class DiskVerification {
 
     bool check_hidden(std::uint64_t secret) {
         if (graph_.hidden.empty()) return true;
-        const auto found = apollonius::apollonius({graph_.disks.begin(), graph_.disks.end()},
-                                                  secret, pool_.interrupt());
+        PartInterrupt interrupt(pool_.interrupt());
+        const auto found =
+            apollonius::apollonius({graph_.disks.begin(), graph_.disks.end()}, secret, interrupt);
         if (found.status == Status::interrupted) return false;
         std::vector<std::int32_t> container(graph_.disks.size(), at_infinity);
         for (const auto& [row, other] : found.hidden)
