@@ -307,7 +307,8 @@ class Certificate:
         if self.member != "constrained":
             del counts["n_constraints"], counts["n_outside"]
         versions = {"delaunay": FORMAT_VERSION, "constrained": OF_CONSTRAINED}
-        version = (versions | {"spherical": OF_SPHERE}).get(self.member, OF_MEMBERS)
+        versions["spherical"] = OF_SPHERE
+        version = versions.get(self.member, OF_MEMBERS)
         if self.dimension == 3:
             version = OF_TETRAHEDRA
             counts = {_NAMES_IN_SPACE.get(name, name): count for name, count in counts.items()}

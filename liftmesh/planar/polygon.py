@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Integers
-from liftmesh.base.arrays import as_pairs
+from liftmesh.base.arrays import as_pairs, used_rows
 from liftmesh.base.options import as_switch, counted, refused
 from liftmesh.errors import InputError, Option
 from liftmesh.planar.constrained import constrained_delaunay
@@ -53,7 +53,8 @@ def triangulate_polygon(
     Returns
     -------
     vertices : (n, 2) ndarray of float64
-        The corners of the rings, each position once, then those that were added.
+        Each position once: those of `steiner`, then the corners of the rings, then those that were
+        added for `quality` and `max_area`.
     faces : (m, 3) ndarray of int64
         Triangles, counter-clockwise.
 
@@ -84,10 +85,11 @@ def triangulate_polygon(
     if triangle_args is not None:
         quality, max_area, conforming = _read(triangle_args, quality, max_area)
     adds = quality is not None or max_area is not None or conforming
-    if as_switch("force_vertices", force_vertices) and adds:
+    if as_switch("force_vertices", force_vertices) and (adds or steiner is not None):
         raise InputError(
             f"{Option('force_vertices')} allows no vertices beside the polygon's: leave out "
-            f"{Option('quality')}, {Option('max_area')} and {Option('triangle_args')}"
+            f"{Option('quality')}, {Option('max_area')}, {Option('steiner')} and the switches of "
+            f"{Option('triangle_args')} that add some"
         )
     if polygon is None or getattr(polygon, "is_empty", False):
         return np.empty((0, 2)), np.empty((0, 3), dtype=np.int64)
@@ -100,7 +102,8 @@ def triangulate_polygon(
             tri, min_angle=quality, max_area=max_area, conforming=conforming
         ).triangulation
         points, triangles = refined.points, refined.simplices
-    return np.array(points), triangles.astype(np.int64)
+    used = used_rows(len(points), triangles)  # not those of repeated points
+    return points[used], np.searchsorted(used, triangles)
 
 
 def _read(

@@ -30,7 +30,7 @@ from liftmesh.errors import InputError, Option
 from liftmesh.planar.certificate import Certificate, Flaw, narrowest, sha256_of
 from liftmesh.planar.kinds import TriangulationKind, as_kind, options_of
 from liftmesh.planar.planarity import is_locally_delaunay, is_triangulation
-from liftmesh.planar.tetrahedra import verify_sphere, verify_tetrahedra
+from liftmesh.planar.space_verification import verify_sphere, verify_tetrahedra
 from liftmesh.planar.violations import MEANINGS, TriangleViolations
 
 _MOST_CORNERS = 2**31  # the kernel counts them

@@ -125,8 +125,9 @@ def voronoi_polygons(
     -------
     GeometryCollection of Polygon, or MultiLineString, or ndarray of these
         Cells in the order of their points; empty for fewer than two different ones. For a table of
-        points, the same table with cells; for one of other geometries, a row for each of their
-        vertices, with the index of its row; for edges a GeoSeries.
+        points, the same table with cells, empty ones of rows without a point; for one of other
+        geometries, a row for each of their vertices, with the index of its row; for edges a
+        GeoSeries.
 
     Raises
     ------
@@ -291,15 +292,17 @@ def _box(coordinates: Floats, extend_to: Any) -> tuple[float, ...]:
 
 
 def _cells_of_table(table: Any, tolerance: float, extend_to: Any, only_edges: bool) -> Any:
-    """Give each point of a table its cell, or make a row for each vertex."""
+    """Give each row of a table its cell, or one for each of its vertices."""
     series = table.geometry
     whole = shapely.geometrycollections(series.to_numpy())
     made = _cells(whole, tolerance, extend_to, only_edges, True)
     if only_edges:
         return type(series)(shapely.get_parts(made), crs=series.crs)
-    row = shapely.get_coordinates(series.to_numpy(), return_index=True)[1]
+    count = shapely.get_num_coordinates(series.to_numpy())
+    row = np.repeat(np.arange(len(count)), np.maximum(count, 1))  # also of what has none
     polygons = np.full(len(row), shapely.Polygon(), dtype=object)
-    polygons[:] = shapely.get_parts(made) if len(shapely.get_parts(made)) else shapely.Polygon()
+    if parts := made.geoms:
+        polygons[count[row] > 0] = list(parts)
     cells = type(series)(polygons, index=series.index[row], crs=series.crs)
     return cells if _is_series(table) else table.iloc[row].set_geometry(cells)
 

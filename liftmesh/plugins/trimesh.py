@@ -12,7 +12,8 @@ whose options it takes (``classes=[2]``), and ``trimesh.creation.triangulate_pol
 functions of trimesh that call it, triangulates by `liftmesh.triangulate_polygon` unless another
 engine is named. What differs from trimesh's own:
 
-- PLY keeps float64 and the attributes of vertices, and rows are neither merged nor reordered.
+- PLY keeps float64 and the attributes of vertices, and rows are neither merged nor reordered; what
+  is not read, such as colours of faces and textures, is listed in ``metadata["not_read"]``.
 - Triangles of polygons are constrained Delaunay, also where holes touch, and each position is one
   vertex.
 """

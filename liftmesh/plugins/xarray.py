@@ -21,6 +21,7 @@ import numpy as np
 
 from liftmesh.base.options import Interpolation
 from liftmesh.optional import load
+from liftmesh.raster.raster import heights_of
 from liftmesh.terrain.simplification import simplify
 from liftmesh.terrain.triangulate import triangulate
 
@@ -128,17 +129,11 @@ class GridAccessor:
         [[0.0, 1.0, 2.0], [0.0, 1.0, 2.0]]
         """
         surface = triangulate(self._grid)
-        across, along = (self._grid.coords[name].values for name in self._dims())
-        values = np.array(self._grid.values, dtype=np.float64)
-        plane = values.reshape(len(along), len(across))
-        no_height = np.isnan(plane) | (plane == self._grid.attrs.get("_FillValue", np.nan))
-        row, column = np.nonzero(no_height)
-        places = np.stack([across[column], along[row]], axis=1)
-        plane[row, column] = surface.sample(places, interpolation)
-        filled: host.DataArray = self._grid.copy(data=values)
+        grid = self._grid.squeeze()
+        heights = np.array(heights_of(grid))
+        row, column = np.nonzero(np.isnan(heights))
+        y, x = (grid.coords[name].values for name in grid.dims)
+        places = np.stack([x[column], y[row]], axis=1)
+        heights[row, column] = surface.sample(places, interpolation)
+        filled: host.DataArray = self._grid.copy(data=heights.reshape(self._grid.shape))
         return filled
-
-    def _dims(self) -> tuple[Any, Any]:
-        """Return the dimensions of x and y, which are the last that are longer than 1."""
-        y, x = self._grid.squeeze().dims
-        return x, y

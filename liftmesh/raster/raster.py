@@ -323,19 +323,25 @@ def _of_raster(raster: Raster) -> Cloud:
 def _of_xarray(grid: Any) -> Cloud:
     """Take x from the coordinates of the last dimension, and y from those of the one before."""
     squeezed = grid.squeeze(drop=False)  # a band
-    if squeezed.ndim != 2:
+    heights = heights_of(squeezed)
+    across, along = (_positions(squeezed, name) for name in reversed(squeezed.dims))
+    x, y = np.meshgrid(across, along)
+    unit = grid.attrs.get("units")
+    return _cloud(x, y, heights, _system_of(grid), {"unit": unit} if isinstance(unit, str) else {})
+
+
+def heights_of(grid: Any) -> Floats:
+    """Return the heights of a grid of xarray, with NaN where there is none."""
+    if grid.ndim != 2:
         raise InputError(
             f"a DataArray of the dimensions {', '.join(map(str, grid.dims))} is no grid of "
             "heights: choose one, as grid.isel(band=0)"
         )
-    across, along = (_positions(squeezed, name) for name in reversed(squeezed.dims))
-    x, y = np.meshgrid(across, along)
-    heights = _heights(squeezed.values)
+    heights = _heights(grid.values)
     fill = grid.attrs.get("_FillValue")
     if isinstance(fill, int | float | np.number):
         heights = np.where(heights == fill, np.nan, heights)
-    unit = grid.attrs.get("units")
-    return _cloud(x, y, heights, _system_of(grid), {"unit": unit} if isinstance(unit, str) else {})
+    return heights
 
 
 def _positions(grid: Any, name: Any) -> Floats:

@@ -21,7 +21,7 @@ from liftmesh.base.options import NonFinite, as_switch, counted
 from liftmesh.errors import DegenerateInputError, InputError, Option
 from liftmesh.planar.delaunay import check_options
 from liftmesh.planar.lifting import HullMesh
-from liftmesh.planar.tetrahedra import check_directions, verify_sphere
+from liftmesh.planar.space_verification import check_directions, verify_sphere
 from liftmesh.space.points import coordinates_of
 
 if TYPE_CHECKING:

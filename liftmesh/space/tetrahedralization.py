@@ -15,7 +15,7 @@ from liftmesh.base.frozen import FrozenResult, cached_property, check_copied
 from liftmesh.errors import InputError
 from liftmesh.optional import load
 from liftmesh.planar.alpha import AlphaMethods
-from liftmesh.planar.tetrahedra import verify_tetrahedra
+from liftmesh.planar.space_verification import verify_tetrahedra
 from liftmesh.space.interpolation import interpolated
 
 if TYPE_CHECKING:

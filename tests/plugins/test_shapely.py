@@ -199,6 +199,11 @@ class TestTables:
         cells = ours.voronoi_polygons(boxes)
         assert cells.index.tolist() == [7] * 5 + [5] * 5 + [3] * 5
         assert np.count_nonzero(cells.area > 0) == 12
+        missing = self.FRAME.copy()
+        missing.loc[[5, 1], "geometry"] = [None, shapely.Point()]
+        cells = ours.voronoi_polygons(missing)
+        assert cells["name"].tolist() == ["a", "b", "c", "d"]
+        assert cells.area.tolist() == [12.0, 0.0, 12.0, 0.0]
         nothing = ours.voronoi_polygons(self.FRAME[:1])
         assert nothing.geometry.is_empty.tolist() == [True]
 

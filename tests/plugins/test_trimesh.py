@@ -119,7 +119,9 @@ class TestTriangulatePolygon:
     def test_points_inside(self) -> None:
         inside = [(1, 1), (4, 3), (1, 1), (6, 3)]
         vertices, faces = liftmesh.triangulate_polygon(self.SHAPE, steiner=inside)
-        assert {(1.0, 1.0), (4.0, 3.0), (6.0, 3.0)} <= {*map(tuple, vertices[faces].reshape(-1, 2))}
+        assert vertices[:3].tolist() == [[1, 1], [4, 3], [6, 3]]
+        assert len(vertices) == 10
+        assert np.unique(faces).tolist() == [*range(10)]
         with pytest.raises(liftmesh.InputError, match=r"steiner: row 1, \(1\.0, 3\.0\), is out"):
             liftmesh.triangulate_polygon(self.SHAPE, steiner=[(1, 1), (1, 3)])
 
@@ -142,6 +144,7 @@ class TestTriangulatePolygon:
             ({"engine": "earcut"}, "engine is 'earcut': not liftmesh: call trimesh"),
             ({"triangle_args": "pY"}, "triangle_args is 'pY': none of p, q, a and D"),
             ({"quality": 30, "force_vertices": True}, "force_vertices allows no vertices"),
+            ({"steiner": [(1, 1)], "force_vertices": True}, "force_vertices allows no vertices"),
             ({"max_area": -1.0}, "max_area"),
         ],
     )

@@ -11,8 +11,8 @@
 
 namespace liftmesh {
 
-// _MEANINGS in planar/tetrahedra.py has the same names in the same order. A facet is an edge where
-// simplices are triangles on the sphere.
+// _MEANINGS in planar/space_verification.py has the same names in the same order. A facet is an
+// edge where simplices are triangles on the sphere.
 enum class SpaceFlaw : std::uint8_t {
     invalid_index,        // a corner that is not a row
     non_finite,           // a corner on a row that is not finite
