@@ -11,7 +11,7 @@ import pytest
 import liftmesh
 from liftmesh.disks import verification as disks
 from liftmesh.disks.verification import DiskViolations
-from liftmesh.planar import tetrahedra, violations
+from liftmesh.planar import space_verification, violations
 from liftmesh.planar.kinds import TriangulationKind
 from liftmesh.planar.violations import TriangleViolations
 from liftmesh.tiles import proof
@@ -57,7 +57,7 @@ ROOT = Path(liftmesh.__file__).parent
 KERNELS = {
     "flaws.hpp": violations.MEANINGS,
     "disks.hpp": disks.MEANINGS,
-    "simplices.hpp": tetrahedra._MEANINGS,
+    "simplices.hpp": space_verification._MEANINGS,
 }
 
 
@@ -75,6 +75,6 @@ def test_every_kind_of_flaw_is_documented() -> None:
     of_tiles = proof._MEANINGS
     documented = re.search(r"kind : str(.*?)count : int", liftmesh.Flaw.__doc__ or "", re.DOTALL)
     assert documented
-    of_space = {f"no_{several}" for _, several in tetrahedra._SIMPLICES.values()}
+    of_space = {f"no_{several}" for _, several in space_verification._SIMPLICES.values()}
     known = of_space.union(made, of_tiles, *KERNELS.values())
     assert {*re.findall(r'"(\w+)"', documented[1])} == known
