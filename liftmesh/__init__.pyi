@@ -41,6 +41,7 @@ from .io.format import Format as Format
 from .io.read import read as read, read_chunks as read_chunks
 from .io.registry import Adapter as Adapter, as_cloud as as_cloud
 from .io.write import WriteResult as WriteResult, write as write
+from .pages.page import Page as Page
 from .planar.alpha import AlphaComplex as AlphaComplex, AlphaShape as AlphaShape
 from .planar.anisotropic import (
     AnisotropicStars as AnisotropicStars,
@@ -104,5 +105,6 @@ from .tiles.globe import (
 )
 from .tiles.tiled import Tiled as Tiled, TiledSurface as TiledSurface, open_tiled as open_tiled
 from .tiles.tileset import TilesetResult as TilesetResult, write_tileset as write_tileset
+from .viewer.view import view as view
 
 __version__: str

@@ -26,7 +26,7 @@ COMMANDS = (
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "height",
     "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
     "voronoi", "constrain", "refine", "tetrahedralize", "hull", "alpha-shape",
-    "paper",
+    "view", "paper",
 )  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 VARIABLE = "_LIFTMESH_COMPLETE"
@@ -144,7 +144,8 @@ def _parameter(each: inspect.Parameter) -> click.Parameter:
         name += f"/--no-{name[2:]}" if each.default else ""
         return click.Option([each.name, name], is_flag=True, default=each.default, help=spec.text)
     shared |= {"metavar": spec.metavar or None, "multiple": is_list}
-    return click.Option([each.name, name], help=spec.text, **shared)
+    names = [each.name, name, *(["-o"] if each.name == "output" else [])]
+    return click.Option(names, help=spec.text, **shared)
 
 
 def _type_of_one(kind: Any) -> tuple[Any, bool]:

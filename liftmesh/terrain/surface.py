@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from numpy.typing import ArrayLike
 
+import liftmesh
 from liftmesh._typing import Floats, Progress, Rows
 from liftmesh.base.options import Extrapolation, Interpolation, Pinched, counted
 from liftmesh.io import write
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
     from liftmesh.base.cloud import Cloud
     from liftmesh.base.weights import Weights
     from liftmesh.io.write import WriteResult
+    from liftmesh.pages.page import Page
     from liftmesh.planar.certificate import Certificate
     from liftmesh.planar.refined import RefineResult
     from liftmesh.raster.raster import Raster
@@ -62,7 +64,6 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Surface(SurfaceData):
     """A triangulated cloud: one height at each position of a plane. Its arrays are read-only.
-
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
     """
 
@@ -82,6 +83,21 @@ class Surface(SurfaceData):
     def bounds(self) -> tuple[float, float, float, float]:
         """The smallest rectangle of all faces in the plane: xmin, ymin, xmax, ymax."""
         return bounds_of_faces(self)
+
+    def view(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Page:
+        """Make a page that shows the surface, in one file; save it if there is a path.
+
+        Returns a Page, which notebooks show.
+        In full: `liftmesh.view`.
+
+        Parameters
+        ----------
+        path, **options : where to save it; as for `liftmesh.view`
+        """
+        page = liftmesh.view(self, **options)
+        if path is not None:
+            page.save(path)
+        return page
 
     def replace(
         self,
@@ -313,8 +329,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
-        **options : ``bounds``; ``transform`` and ``shape``; ``quantity``, as "slope"; ``fill``;
-            ``interpolation``; ``light``; ``z_factor``; ``dtype``; ``threads``; ``minus``, a surface
+        **options : ``bounds``, ``quantity`` (as "slope"), ``fill``, ``minus``, and others in full
         """
         ways: Any = {"values": values, "gradients": gradients}
         return rasters.rasterize(self, resolution, **ways, **options)
@@ -338,8 +353,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
-        interval, contour_base, index_every : multiples in place of levels; every so many are index
-        smooth, threads : how far heights may be from the level, in smoother lines
+        interval, contour_base, index_every, smooth, threads : multiples; smoother lines within this
         """
         return contours.contour_lines(
             self,

@@ -1,0 +1,1 @@
+"""Pages that draw what they carry: one HTML file, with its data, its script and its controls."""
