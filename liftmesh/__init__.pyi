@@ -66,6 +66,7 @@ from .planar.refinement import refine as refine
 from .planar.regular import RegularTriangulation as RegularTriangulation, regular as regular
 from .planar.triangulation import Triangulation as Triangulation
 from .planar.verification import verify as verify
+from .plots.plot import plot as plot
 from .predicates import (
     incircle as incircle,
     insphere as insphere,

@@ -64,6 +64,7 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Surface(SurfaceData):
     """A triangulated cloud: one height at each position of a plane. Its arrays are read-only.
+
     In full: `liftmesh.terrain.surface_data.SurfaceData`.
     """
 
@@ -517,8 +518,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        max_edge, boundary_only : leave out faces with longer sides, or only from outside inwards
-        max_radius, polygon : leave out larger circles (alpha shape); centroids outside of a shape
+        max_edge, boundary_only, max_radius, polygon : leave out long sides, large circles, outsides
         """
         return boundary.trim(
             self,

@@ -424,7 +424,7 @@ def open_files() -> int:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("nameless", [True, False])
+@pytest.mark.parametrize("nameless", [True, pytest.param(False, marks=pytest.mark.campaign)])
 def test_a_signal_at_any_instruction_leaves_no_file_open(
     nameless: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -31,7 +31,7 @@ def far(tmp_path):
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_the_terrain_is_right_on_both_sides(tmp_path):
     words = ("--lower", tmp_path / "lower.ply", "--hull", tmp_path / "hull.ply")
     done = process("compare", TERRAIN, *words)

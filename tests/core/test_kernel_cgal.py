@@ -67,6 +67,7 @@ def test_same_triangles_as_cgal_after_a_shift(
     assert_same_triangles(actual, cgal_triangles(points, tmp_path), f"{family} + {shift}")
 
 
+@pytest.mark.campaign
 def test_same_triangles_as_cgal_at_a_quarter_of_a_million(tmp_path: Path) -> None:
     points = FAMILIES["uniform"](250_000, np.random.default_rng(31))
     actual = triangle_rows(points, liftmesh.delaunay(points).simplices)

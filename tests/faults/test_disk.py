@@ -60,7 +60,9 @@ def run(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["ply", "obj", "glb"])
+@pytest.mark.parametrize(
+    "kind", ["ply", *(pytest.param(each, marks=pytest.mark.campaign) for each in ("obj", "glb"))]
+)
 def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
     # The terrain's mesh takes megabytes in every format.
     target = tmp_path / f"mesh.{kind}"
@@ -76,9 +78,9 @@ def test_no_room_for_a_mesh(kind: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "words",
     [
-        "raster IN new.tif --resolution 0.01",
+        pytest.param("raster IN new.tif --resolution 0.01", marks=pytest.mark.campaign),
         "contour IN new.geojson --interval 0.1",
-        "contour IN new.gpkg --interval 0.1",
+        pytest.param("contour IN new.gpkg --interval 0.1", marks=pytest.mark.campaign),
         "solid IN new.3mf --thickness 1",
         "sample IN new.csv --at IN",
     ],
@@ -96,7 +98,7 @@ def test_no_room_for_what_a_surface_is_asked(words: str, tmp_path: Path) -> None
     assert {*tmp_path.iterdir()} == {surface, target}
 
 
-@pytest.mark.slow
+@pytest.mark.campaign
 def test_no_room_at_every_size_of_a_file(tmp_path: Path) -> None:
     program = """
         import signal, sys
@@ -185,7 +187,7 @@ def test_a_device_that_cannot_be_read(kind: str) -> None:
         ["triangulate", "data/jacksboro.ply", "-", "--output-format", "obj"],
         ["info", "data/hill.csv"],
         ["info", "data/hill.csv", "--json"],
-        ["compare", "data/hill.csv"],
+        pytest.param(["compare", "data/hill.csv"], marks=pytest.mark.campaign),
         ["--version"],
     ],
 )
@@ -287,7 +289,9 @@ def test_many_that_write_one_file_leave_one_whole_file(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", ["", "--cog --compress none"])
+@pytest.mark.parametrize(
+    "options", ["", pytest.param("--cog --compress none", marks=pytest.mark.campaign)]
+)
 def test_no_room_for_a_raster_of_tiles(options: str, tmp_path: Path) -> None:
     """What does not fit as GDAL closes the file is told to nobody: the file is read again."""
     rng = np.random.default_rng(6)

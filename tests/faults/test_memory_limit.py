@@ -139,7 +139,13 @@ CASES = {  # name, rows, and bytes of the last limit, in a process each
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("cases", CASES)
+@pytest.mark.parametrize(
+    "cases",
+    [
+        each if each in {"planar", "read"} else pytest.param(each, marks=pytest.mark.campaign)
+        for each in CASES
+    ],
+)
 def test_a_lack_of_memory_is_an_error_and_no_end(cases: str) -> None:
     for name, found in json.loads(output(SWEEP, 12, json.dumps(CASES[cases]))).items():
         outcomes, others, leaked = found
@@ -193,7 +199,13 @@ COMMAND_LINE = """
 @pytest.mark.parametrize(
     ("words", "imported", "most", "limits"),
     [
-        ("triangulate cloud.npy --overwrite mesh.ply", 0, 32 * MEGA, 8),
+        pytest.param(
+            "triangulate cloud.npy --overwrite mesh.ply",
+            0,
+            32 * MEGA,
+            8,
+            marks=pytest.mark.campaign,
+        ),
         ("triangulate cloud.npy --overwrite mesh.ply", 1, 4 * MEGA, 10),
         ("verify mesh.obj --overwrite --certificate mesh.json", 1, 8 * MEGA, 8),
     ],
@@ -259,9 +271,9 @@ SHAPES = """
     "words",
     [
         "sample cloud.npy out.csv --at pts.gpkg --interpolation sibson --overwrite",
-        "volume cloud.npy --within lot.geojson --json",
+        pytest.param("volume cloud.npy --within lot.geojson --json", marks=pytest.mark.campaign),
     ],
-    ids=lambda words: words.split()[0],
+    ids=["sample", "volume"],
 )
 def test_no_signal_ends_a_command_with_shapes(
     words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -77,6 +77,7 @@ def test_files_in_pieces_have_the_rows_of_the_whole(cloud: Cloud) -> None:
             check_chunks(way, cloud)
 
 
+@pytest.mark.campaign
 def test_a_plain_mesh_goes_through_every_pair() -> None:
     mesh = Cloud(
         np.array([[0, 0, 1], [4, 0, 2.5], [0, 3, 0.25], [4, 3, 8]]),

@@ -452,6 +452,7 @@ def test_blocks_of_dask_are_not_held(client: Client, tmp_path: Path) -> None:
     assert max(held) < 2_000_000
 
 
+@pytest.mark.campaign
 def test_tiles_fit_the_memory_of_a_worker(client: Client, tmp_path: Path) -> None:
     found = liftmesh.dask.delaunay(POINTS, tmp_path, client=client)
     assert found.manifest["tile_rows"] == 700_000

@@ -1,0 +1,248 @@
+"""`plot`: results drawn in axes of matplotlib, each kind in its own way."""
+
+from __future__ import annotations
+
+from functools import singledispatch
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liftmesh._typing import Floats, Rows
+from liftmesh.base.arrays import planar_bounds
+from liftmesh.base.options import refused
+from liftmesh.cells.clipped import ClippedCells
+from liftmesh.errors import InputError
+from liftmesh.io.registry import as_cloud
+from liftmesh.planar.certificate import Certificate
+from liftmesh.planar.triangulation import Triangulation
+from liftmesh.plots.drawing import (
+    ACCENT,
+    INK,
+    LINE,
+    colormap,
+    cut,
+    lines,
+    new_axes,
+    nice,
+    planar,
+    relief,
+)
+from liftmesh.raster.raster import Raster
+from liftmesh.terrain.contours import Contours
+from liftmesh.terrain.profile import Profile
+from liftmesh.terrain.surface import Surface
+from liftmesh.tiles.tiled_data import TiledSurfaceData
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+PIXELS = 1200  # of the longer side of a surface
+_LEVELS = 12  # contours, about so many
+
+
+def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
+    """Draw a result in axes of matplotlib.
+
+    A surface is drawn as shaded relief, by way of a raster of 1,200 pixels along its longer side,
+    so that a million triangles take seconds, with its contours; a raster as relief or as values;
+    contours with index lines; a profile as heights along its line; triangulations and cells by
+    their sides; a certificate by the places of its flaws.
+
+    Parameters
+    ----------
+    result : Surface, TiledSurface, Raster, Contours, Profile, Triangulation, Cells or Certificate
+        What is drawn; clouds are drawn as points, coloured by height.
+    ax : matplotlib.axes.Axes, optional
+        Where; by default the axes of a new figure, which no window shows: ``ax.figure.savefig``.
+    **style
+        Of surfaces and rasters ``cmap`` (the name of a colour map) and ``colorbar`` (default True);
+        of surfaces ``contours`` (an interval, False, or True, the default: a round one), ``edges``
+        (default False) and ``values`` (a name, in place of heights); of all others keywords of
+        matplotlib's lines.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, with units where a coordinate system says them.
+
+    Raises
+    ------
+    InputError
+        An option is none of this kind of result.
+    UnsupportedTypeError
+        The result is of no known type.
+    MissingDependencyError
+        matplotlib is not installed.
+
+    See Also
+    --------
+    view : A page to turn and zoom.
+    Surface.raster : The values that are drawn.
+
+    Examples
+    --------
+    >>> import liftmesh
+    >>> hill = liftmesh.triangulate([[0, 0, 0], [4, 0, 0], [0, 4, 0], [4, 4, 0], [2, 2, 8]])
+    >>> ax = liftmesh.plot(hill, contours=2)
+    >>> ax.get_xlim(), ax.get_xlabel()
+    ((np.float64(0.0), np.float64(4.0)), 'x')
+    """
+    return _plot(result, ax, **style)
+
+
+@singledispatch
+def _plot(result: Any, ax: Axes | None, **style: Any) -> Axes:
+    points = as_cloud(result).points
+    points = points[np.isfinite(points).all(axis=1)]
+    ax = new_axes(ax)
+    style = {"s": 2, "cmap": colormap(None), **style}
+    ax.scatter(points[:, 0], points[:, 1], c=points[:, 2], **style)
+    return planar(ax, _wide(planar_bounds(points[:, :2])), None)
+
+
+@_plot.register(Surface)
+def _(result: Surface, ax: Axes | None, **style: Any) -> Axes:
+    return _surface(result, result.bounds, ax, **style)
+
+
+@_plot.register(TiledSurfaceData)
+def _(result: TiledSurfaceData, ax: Axes | None, **style: Any) -> Axes:
+    return _surface(result, result.bounds, ax, **style)
+
+
+def _surface(
+    surface: Any,
+    bounds: tuple[float, ...],
+    ax: Axes | None,
+    *,
+    contours: float | bool = True,
+    edges: bool = False,
+    values: str | None = None,
+    **style: Any,
+) -> Axes:
+    left, low, right, high = bounds
+    step = max(right - left, high - low) / PIXELS
+    if not step > 0:
+        raise InputError("the surface has no face to plot")
+    of = {} if values is None else {"values": values}
+    heights = surface.raster(step, **of)
+    shades = surface.raster(step, quantity="hillshade").values / 255 if values is None else None
+    ax = _pixels(heights, shades, new_axes(ax), **style)
+    known = heights.values[np.isfinite(heights.values)]
+    interval = nice(float(np.ptp(known)) / _LEVELS) if contours is True else contours
+    if interval:
+        _contours(surface.contours(interval=interval, **of), ax)
+    if edges:
+        _sides(surface.triangulation.points, surface.faces, ax)
+    return planar(ax, bounds, surface.crs)
+
+
+@_plot.register(Raster)
+def _(result: Raster, ax: Axes | None, **style: Any) -> Axes:
+    a, _, c, _, e, f = result.transform
+    rows, columns = result.values.shape
+    x, y = sorted((c, c + a * columns)), sorted((f, f + e * rows))
+    return planar(
+        _pixels(result, None, new_axes(ax), **style), (x[0], y[0], x[1], y[1]), result.crs
+    )
+
+
+def _pixels(
+    raster: Raster, shades: Any, ax: Axes, *, cmap: str | None = None, colorbar: bool = True
+) -> Axes:
+    a, b, c, d, e, f = raster.transform
+    if b or d:
+        raise InputError("the raster is turned: only those with rows along x are drawn")
+    rows, columns = raster.values.shape
+    pixels, scale = relief(np.asarray(raster.values, float), shades, colormap(cmap))
+    extent = (c, c + a * columns, f + e * rows, f)
+    ax.imshow(pixels, extent=extent, origin="upper", interpolation="nearest")
+    if colorbar:
+        unit = f" ({raster.unit})" if raster.unit else ""
+        ax.figure.colorbar(scale, ax=ax, label=f"{raster.quantity}{unit}", shrink=0.8)
+    return ax
+
+
+@_plot.register(Contours)
+def _(result: Contours, ax: Axes | None, **style: Any) -> Axes:
+    ax = _contours(result, new_axes(ax), **style)
+    return planar(ax, _wide(planar_bounds(result.points)), result.crs)
+
+
+def _contours(contours: Contours, ax: Axes, **style: Any) -> Axes:
+    parts = cut(contours.points, contours.starts) if len(contours) else []
+    for is_index, width in ((False, 0.4), (True, 0.9)):
+        chosen = [
+            part for part, index in zip(parts, contours.is_index, strict=True) if index == is_index
+        ]
+        lines(ax, chosen, **{"colors": LINE, "linewidths": width, "alpha": 0.8, **style})
+    return ax
+
+
+@_plot.register(Profile)
+def _(result: Profile, ax: Axes | None, **style: Any) -> Axes:
+    ax = new_axes(ax)
+    pairs = np.column_stack([result.distances, result.points[:, 2]])
+    for number, part in enumerate(cut(pairs, result.starts)):
+        ax.plot(*part.T, **{"color": f"C{result.lines[number] % 10}", "lw": 1.2, **style})
+    ax.set_xlabel("distance" if result.stations is None else "offset")
+    ax.set_ylabel("height")
+    ax.grid(alpha=0.3)
+    return ax
+
+
+@_plot.register(Triangulation)
+def _(result: Triangulation, ax: Axes | None, **style: Any) -> Axes:
+    ax = _sides(result.points, result.simplices, new_axes(ax), **style)
+    forced = getattr(result, "constraints", None)
+    if forced is not None and len(forced):
+        lines(ax, result.points[forced], colors=ACCENT, linewidths=1.2)
+    return planar(ax, _wide(planar_bounds(result.points[np.unique(result.simplices)])), None)
+
+
+def _sides(points: Floats, faces: Rows, ax: Axes, **style: Any) -> Axes:
+    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    sides = np.unique(np.sort(pairs, axis=1), axis=0)
+    lines(ax, points[sides], **{"colors": INK, "linewidths": 0.4, "alpha": 0.7, **style})
+    return ax
+
+
+@_plot.register(ClippedCells)
+def _(result: ClippedCells, ax: Axes | None, **style: Any) -> Axes:
+    ax = new_axes(ax)
+    rings = [np.vstack([ring, ring[:1]]) for ring in cut(result.corners, result.ring_corners)]
+    lines(ax, rings, **{"colors": INK, "linewidths": 0.7, **style})
+    ax.plot(*result.points.T, ".", color=ACCENT, markersize=4)
+    return planar(ax, _wide(result.domain.bounds), result.crs)
+
+
+@_plot.register(Certificate)
+def _(result: Certificate, ax: Axes | None, **style: Any) -> Axes:
+    ax = new_axes(ax)
+    for number, flaw in enumerate(result.flaws):
+        places = np.array([point[:2] for each in flaw.first for point in each.points])
+        name = f"{flaw.count:,} {flaw.kind}"
+        ax.plot(
+            *places.reshape(-1, 2).T, "o", **{"color": f"C{number % 10}", "label": name, **style}
+        )
+    ax.set_title("; ".join(flaw.text for flaw in result.flaws) or "nothing wrong", wrap=True)
+    if result.flaws:
+        ax.legend()
+    ax.ticklabel_format(style="plain", useOffset=False)
+    ax.set_xlabel("x")
+    ax.set_ylabel("y")
+    return ax
+
+
+def _wide(bounds: Any) -> tuple[float, float, float, float]:
+    """Leave a margin around what is drawn up to its border."""
+    left, low, right, high = (float(each) for each in bounds)
+    margin = 0.03 * max(right - left, high - low) or 1.0
+    return left - margin, low - margin, right + margin, high + margin
+
+
+def check_picture(path: Any) -> None:
+    """Raise if the name of a file is none of a picture."""
+    suffix = str(path).rpartition(".")[2].lower()
+    if suffix not in {"png", "svg", "pdf"}:
+        raise refused("path", path, "give a name that ends with .png, .svg or .pdf")

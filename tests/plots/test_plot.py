@@ -1,0 +1,119 @@
+"""`plot`: what is in the axes, read back from the artists."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from commands import liftmesh as command
+from matplotlib.collections import LineCollection
+
+import liftmesh
+from liftmesh import InputError, UnsupportedTypeError
+
+HILL = np.array([[0, 0, 0], [40, 0, 0], [0, 20, 0], [40, 20, 0], [20, 10, 8.0]])
+RNG = np.random.default_rng(40)
+
+
+def segments(ax: Any) -> list[np.ndarray]:
+    return [
+        each for c in ax.collections if isinstance(c, LineCollection) for each in c.get_segments()
+    ]
+
+
+def test_a_surface_is_shaded_relief_with_contours_and_units() -> None:
+    cloud = liftmesh.Cloud(HILL + [500_000, 4_600_000, 0], crs="EPSG:25832")  # noqa: RUF005 - a sum
+    hill = liftmesh.triangulate(cloud)
+    ax = liftmesh.plot(hill, contours=2)
+    assert ax.get_xlabel() == "x (metre)"
+    (image,) = ax.images
+    assert image.get_extent() == pytest.approx([500_000, 500_040, 4_600_000, 4_600_020], abs=0.1)
+    pixels = image.get_array()
+    assert pixels.shape[:2] == (600, 1200)
+    assert np.ptp(pixels[:, 600, 0]) > 0.2
+    lines = hill.contours(interval=2)
+    assert len(segments(ax)) == len(lines)
+    assert {len(each) for each in segments(ax)} == {*np.diff(lines.starts).tolist()}
+    texts = [each.get_text() for each in ax.texts]
+    assert texts == ["N"]
+    assert len(ax.figure.axes) == 2  # with the bar of colours
+
+
+def test_options_of_surfaces() -> None:
+    hill = liftmesh.triangulate(HILL).with_attributes(age=np.arange(5.0))
+    ax = liftmesh.plot(
+        hill, contours=False, edges=True, values="age", colorbar=False, cmap="viridis"
+    )
+    assert len(segments(ax)) == 8
+    assert len(ax.figure.axes) == 1
+    with pytest.raises(TypeError, match="wrong"):
+        liftmesh.plot(hill, wrong=1)
+
+
+def test_others_are_drawn_in_given_axes() -> None:
+    from matplotlib.figure import Figure
+
+    hill = liftmesh.triangulate(HILL)
+    tri = hill.triangulation
+    axes = Figure().subplots(2, 4).ravel()
+    cells = liftmesh.voronoi(HILL[:, :2], domain=(0, 0, 40, 20))
+    flawed = liftmesh.verify(tri.points, tri.simplices[1:])
+    shown = [tri, hill.contours(interval=2), hill.profile([[0, 5], [40, 5]]), cells, flawed,
+             hill.raster(1, quantity="slope"), HILL, tri.verify()]  # fmt: skip
+    drawn = [liftmesh.plot(each, ax) for each, ax in zip(shown, axes, strict=True)]
+    assert drawn == [*axes]
+    assert len(segments(axes[0])) == len(tri.edges)
+    (profile,) = axes[2].lines
+    assert profile.get_ydata().tolist() == hill.profile([[0, 5], [40, 5]]).points[:, 2].tolist()
+    assert len(segments(axes[3])) == 5
+    assert axes[4].get_legend() is not None
+    assert axes[5].images[0].get_array().shape == (20, 40, 4)
+    assert len(axes[6].collections[0].get_offsets()) == 5
+    assert axes[7].get_title() == "nothing wrong"
+
+
+def test_constraints_stand_out() -> None:
+    constrained = liftmesh.constrained_delaunay(HILL[:, :2], edges=[[0, 4]])
+    first, second = (each for each in liftmesh.plot(constrained).collections)
+    assert len(second.get_segments()) == 1
+    assert len(first.get_segments()) == 8
+
+
+def test_what_cannot_be_drawn_is_told() -> None:
+    turned = liftmesh.Raster(np.ones((2, 2)), (1, 0.5, 0, 0, 1, 0))
+    with pytest.raises(InputError, match="turned"):
+        liftmesh.plot(turned)
+    with pytest.raises(UnsupportedTypeError):
+        liftmesh.plot(object())
+
+
+@pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
+def test_the_command_writes_a_picture(suffix: str, tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "a.ply", liftmesh.triangulate(HILL))
+    name = f"map.{suffix}"
+    done = command("plot", "a.ply", name, "--dpi", "40", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    data = (tmp_path / name).read_bytes()
+    assert json.loads(done.stdout) == {"path": name, "bytes": len(data)}
+    assert data.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[suffix])
+
+
+def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "a.ply", liftmesh.triangulate(HILL))
+    refused = command("plot", "a.ply", "map.bmp", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert ".png, .svg or .pdf" in refused.stderr
+    assert not (tmp_path / "map.bmp").exists()
+
+
+def test_a_surface_in_tiles_is_drawn_as_in_memory(tmp_path: Path) -> None:
+    rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
+    tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
+    ours, other = (
+        liftmesh.plot(each, contours=0.5) for each in (tiled, liftmesh.triangulate(rows))
+    )
+    assert np.array_equal(ours.images[0].get_array(), other.images[0].get_array())
+    assert len(segments(ours)) == len(segments(other))
