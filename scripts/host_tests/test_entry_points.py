@@ -50,7 +50,7 @@ def test_the_accessor_is_there(tmp_path: Path) -> None:
 
 
 def test_readers_and_writers_are_there(tmp_path: Path) -> None:
-    code = "mesh = pyvista.PolyData({}).liftmesh.terrain()\n".format(POINTS.tolist())
+    code = f"mesh = pyvista.PolyData({POINTS.tolist()}).liftmesh.terrain()\n"
     for suffix in (each.name for each in entry_points(group="pyvista.writers")):
         if each := entry_points(group="pyvista.writers", name=suffix):
             assert each[suffix].value.startswith("liftmesh.")

@@ -16,7 +16,9 @@ def test_examples(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
     page = (ROOT / "PLUGINS.md").read_text("utf-8")
     _, _, rest = page.partition("\n## PyVista\n")
-    parts = re.findall(r"^```pycon\n(.*?)^```$", rest.partition("\n## ")[0], re.MULTILINE | re.DOTALL)
+    parts = re.findall(
+        r"^```pycon\n(.*?)^```$", rest.partition("\n## ")[0], re.MULTILINE | re.DOTALL
+    )
     examples = doctest.DocTestParser().get_doctest("\n".join(parts), {}, "PyVista", None, 0)
     assert len(examples.examples) > 15
     told: list[str] = []
