@@ -246,6 +246,15 @@ class TestDelaunay3d:
         assert [*ours.point_data] == ["class", "shift"]
         assert ours.liftmesh.verify().canonical
 
+    def test_lattices_and_their_outer_surface(self) -> None:
+        """Tetrahedra on grids are flat or overlap elsewhere; pyvista#632 asks for the surface."""
+        grid = pyvista.ImageData(dimensions=(6, 6, 6)).liftmesh.delaunay_3d()
+        assert grid.compute_cell_sizes()["Volume"].min() > 0
+        assert grid.volume == pytest.approx(125)
+        surface = grid.extract_surface(algorithm=None)
+        assert (surface.n_open_edges, surface.is_manifold) == (0, True)
+        assert surface.volume == pytest.approx(125)
+
     @pytest.mark.parametrize("alpha", [0.1, 0.15, 0.3])
     def test_alpha(self, alpha: float) -> None:
         dataset = pyvista.PolyData(RNG.random((200, 3)))
