@@ -223,6 +223,15 @@ def solid_alpha(
     radii: NDArray[np.float64],
     components: int,
 ) -> float: ...
+def proximity_graph(
+    rows: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    kind: str,
+) -> NDArray[np.int32]: ...
+def lengths(
+    rows: NDArray[np.floating[Any]], edges: NDArray[np.int32], found: NDArray[np.float64]
+) -> None: ...
 def spherical_delaunay(
     rows: NDArray[np.float64],
     skip_non_finite: bool,

@@ -34,6 +34,12 @@ EXACT = ("lattice", "tilted lattice", "mixed exponents")
 TERRAIN = ("random heights", "towers")
 METRIC = ((2.0, 0.5), (0.5, 1.25))
 POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
+GRAPHS = {
+    "gabriel": (),
+    "relative_neighborhood": ("circle and centre",),
+    "minimum_spanning_tree": ("lattice",),
+    "sphere_of_influence": ("two scales",),
+}
 ALPHA = ("circumradii", "alpha_complex", "alpha_shape", "optimal_alpha")
 PROPERTIES = (
     "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
@@ -342,6 +348,10 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     for name in ALPHA:
         call = operator.methodcaller(name)
         yield f"Triangulation.{name}", PLANAR, on_triangulation(call), ("lattice",)
+    yield "Triangulation.graph", PLANAR, on_triangulation(Triangulation.graph), ()
+    for kind, counted in GRAPHS.items():
+        near = on_triangulation(lambda t, kind=kind: t.graph(kind, "binary"))
+        yield f"Triangulation.graph {kind}", PLANAR, near, counted
     yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT

@@ -134,6 +134,7 @@ NB_MODULE(_kernel, m) {
     bindings::bind_apollonius(m);
     bindings::bind_dynamic(m);
     bindings::bind_lifted(m);
+    bindings::bind_proximity(m);
     bindings::bind_surface(m);
     bindings::bind_tiles(m);
     bindings::bind_verify(m);
