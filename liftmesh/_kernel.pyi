@@ -54,6 +54,27 @@ def delaunay(
     progress: Callable[[float], None] | None,
     folder: str | None = None,
 ) -> Outcome: ...
+def delaunay_many(
+    rows: NDArray[np.floating[Any]],
+    offsets: NDArray[np.int64],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> (
+    tuple[int]
+    | tuple[
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int64],
+    ]
+): ...
 def constrained(
     rows: NDArray[np.floating[Any]],
     edges: NDArray[np.int32],

@@ -160,6 +160,11 @@ def _regular(points: np.ndarray, rng: Generator, **options: Any) -> Action:
     return lambda progress: liftmesh.regular(planar, weights=weights, **options, progress=progress)
 
 
+def _many(points: np.ndarray, _: Generator) -> Action:
+    planar, starts = points[:, :2], np.append(np.arange(0, len(points), 40), len(points))
+    return lambda progress: liftmesh.delaunay_many(planar, starts, progress=progress)
+
+
 def _graph(points: np.ndarray, _: Generator) -> Action:
     found = liftmesh.delaunay(points[:, :2])
     return lambda _: [
@@ -309,6 +314,7 @@ CALLS: dict[str, Call] = {
     "anisotropic stars": _stars,
     "find_simplex": _find_simplex,
     "graph": _graph,
+    "many sets": _many,
     "tetrahedralize, 1 thread": partial(_tetrahedralize, threads=1),
     "tetrahedralize": _tetrahedralize,
     "verify tetrahedra": _verify_tetrahedra,

@@ -63,6 +63,11 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         TRIANGULATION.graph,
         {"kind": "gabriel", "coincident": "clique"},
     ),
+    "delaunay_many": (
+        liftmesh.delaunay_many,
+        liftmesh.delaunay_many,
+        {"points": PLANAR, "offsets": [0, 5, 10]},
+    ),
     "histogram": (
         liftmesh.refine(TRIANGULATION).histogram,
         liftmesh.RefineResult.histogram,

@@ -348,10 +348,6 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     for name in ALPHA:
         call = operator.methodcaller(name)
         yield f"Triangulation.{name}", PLANAR, on_triangulation(call), ("lattice",)
-    yield "Triangulation.graph", PLANAR, on_triangulation(Triangulation.graph), ()
-    for kind, counted in GRAPHS.items():
-        near = on_triangulation(lambda t, kind=kind: t.graph(kind, "binary"))
-        yield f"Triangulation.graph {kind}", PLANAR, near, counted
     yield "lift", PLANAR, on_points(liftmesh.lift), PLAIN
     yield "orient2d", PLANAR, predicate(liftmesh.orient2d, 3), EXACT
     yield "incircle", PLANAR, predicate(liftmesh.incircle, 4), EXACT
@@ -360,6 +356,21 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "LowerHull.to_trimesh", PLANAR, on_hull(lambda hull: hull.to_trimesh()), PLAIN
     yield "LowerHull.to_open3d", PLANAR, on_hull(lambda hull: hull.to_open3d()), ()
     yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
+
+
+def of_few(points: Points) -> Work:
+    """Prepare the triangulation of sets of some 60 rows."""
+    starts = np.append(np.arange(0, len(points), 60), len(points))
+    return Work(lambda: liftmesh.delaunay_many(points, starts, threads=1), len(points))
+
+
+def graphs_and_sets() -> Iterator[tuple[Any, ...]]:
+    """The same of graphs of near points, and of many sets."""
+    yield "delaunay_many", PLANAR, of_few, ("uniform",)
+    yield "Triangulation.graph", PLANAR, on_triangulation(Triangulation.graph), ()
+    for kind, counted in GRAPHS.items():
+        near = on_triangulation(lambda t, kind=kind: t.graph(kind, "binary"))
+        yield f"Triangulation.graph {kind}", PLANAR, near, counted
 
 
 on_globe = on(liftmesh.spherical_delaunay)
@@ -503,6 +514,7 @@ def scipys_in_space() -> Iterator[tuple[Any, ...]]:
 
 FUNCTIONS = (
     *planar_functions(),
+    *graphs_and_sets(),
     *tiled_functions(),
     *spatial_functions(),
     *solid_functions(),
