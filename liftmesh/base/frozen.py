@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
-from liftmesh._typing import Rows
+from liftmesh._typing import Integers, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.errors import InputError
 
@@ -126,7 +126,7 @@ def check_adjacent(simplices: Rows, neighbors: Rows) -> None:
             )
 
 
-def check_starts(starts: Rows, groups: int, items: int) -> None:
+def check_starts(starts: Rows | Integers, groups: int, items: int) -> None:
     """Refuse a damaged pickle whose starts do not divide the items into so many groups."""
     is_whole = starts.shape == (groups + 1,) and starts[0] == 0 and starts[-1] == items
     if not is_whole or (starts[1:] < starts[:-1]).any():
