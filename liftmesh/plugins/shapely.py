@@ -30,8 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import counted
+from liftmesh.base.options import as_distance, counted
 from liftmesh.cells.clipped import rows_of_corners
 from liftmesh.cells.domain import following_corners
 from liftmesh.cells.voronoi import voronoi
@@ -40,7 +39,7 @@ from liftmesh.io.objects.plain import is_of
 from liftmesh.optional import load
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.thinning import thin
+from liftmesh.terrain.thinning import rows_apart
 
 if TYPE_CHECKING:
     import shapely
@@ -224,7 +223,7 @@ def _checked(shape: Any) -> Any:
 
 def _triangles(shape: Any, tolerance: float, only_edges: bool) -> Any:
     coordinates = _coordinates(shape)
-    coordinates = coordinates[_kept(coordinates[:, :2], tolerance)]
+    coordinates = coordinates[rows_apart(coordinates[:, :2], as_distance("tolerance", tolerance))]
     planar = coordinates[:, :2]
     try:
         tri = delaunay(planar)
@@ -257,7 +256,7 @@ def _along(planar: Floats) -> Array:
 
 def _cells(shape: Any, tolerance: float, extend_to: Any, only_edges: bool, ordered: bool) -> Any:
     coordinates = _coordinates(shape)[:, :2]
-    kept = _kept(coordinates, tolerance)
+    kept = rows_apart(coordinates, as_distance("tolerance", tolerance))
     points = coordinates[kept]
     if len(np.unique(points, axis=0)) < 2:
         return shapely.MultiLineString() if only_edges else shapely.GeometryCollection()
@@ -342,12 +341,3 @@ def _coordinates(shape: Any) -> Floats:
     """Return the coordinates of a geometry, with heights if it has any."""
     coordinates: Floats = shapely.get_coordinates(shape, include_z=bool(shapely.has_z(shape)))
     return coordinates
-
-
-def _kept(planar: Floats, tolerance: float) -> Array:
-    """Choose points that are a distance apart."""
-    rows = np.arange(len(planar))
-    if not tolerance:
-        return rows
-    cloud = Cloud(np.column_stack([planar, np.zeros(len(planar))]), attributes={"row": rows})
-    return thin(cloud, min_distance=tolerance).attributes["row"]
