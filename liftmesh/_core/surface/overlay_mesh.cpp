@@ -5,7 +5,7 @@
 #include "predicates/crossings.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/patient_sort.hpp"
-#include "surface/pieces.hpp"
+#include "surface/corner_names.hpp"
 
 namespace liftmesh {
 
@@ -44,22 +44,20 @@ class Overlaid {
 
     // False if the interrupt came first, or the result is not sound.
     bool run() {
-        return advanced(name_corners(), 2) && advanced(place_rows(), 3) &&
-               advanced(triangulate(), 1) && link() && name_rows();
+        return advanced(name(), 2) && advanced(place_rows(), 3) && advanced(triangulate(), 1) &&
+               link() && name_rows();
     }
 
  private:
-    // Two sides, from the lesser end of each.
-    struct Crossing {
-        std::array<std::int32_t, 4> ends;
-        const SurfaceCorner& end(const std::array<LocalSurface, 2>& surfaces, std::size_t i) const {
-            return surfaces[i / 2].corner(ends[i]);
-        }
-    };
-
     bool advanced(bool is_done, std::size_t tenths) {
         pool_.interrupt().advance(tenths * surfaces_[0].count());
         return is_done;
+    }
+
+    bool name() {
+        if (!name_corners(surfaces_, pieces_, names_, pool_, found_.is_sound)) return false;
+        found_.crossings = names_.count() - vertices_;
+        return true;
     }
 
     bool unsound() {
@@ -67,156 +65,23 @@ class Overlaid {
         return false;
     }
 
-    // Calls work(i, block) for blocks of some length, on any thread. False if the interrupt came
-    // first, or where it is false: then the result is not sound.
     template <class Work>
     bool in_all(std::size_t count, std::size_t length, Work work) {
-        std::atomic<bool> is_sound = true;
-        const bool done = in_blocks(count, length, pool_,
-                                    [&](std::size_t i, std::size_t last, std::size_t block) {
-                                        for (; i < last; ++i)
-                                            if (!work(i, block)) {
-                                                is_sound = false;
-                                                return;
-                                            }
-                                    });
-        return is_sound ? done : unsound();
+        return hold_in_blocks(count, length, pool_, found_.is_sound, work);
     }
     template <class Work>
     bool in_pieces(Work work) {
-        return in_all(pieces_.count, block_length, [&](std::size_t i, std::size_t block) {
-            return work(pieces_.pieces[i], block);
-        });
-    }
-
-    std::int32_t face_of(const OverlayPiece& piece, std::size_t surface) const {
-        return surface == 0 ? piece.face : piece.other;
-    }
-
-    // Whether pieces of one face of a surface come before those of another one.
-    bool is_before(std::size_t surface, std::int32_t one, std::int32_t two) const {
-        return surface == 0 ? pieces_.before(one, two) : one < two;
-    }
-
-    // Which corner of a piece is the crossing of the same sides as in another one; `count` if none.
-    std::size_t crossing_in(const OverlayPiece& piece, const std::array<std::int32_t, 2>& from,
-                            const std::array<std::size_t, 2>& sides) const {
-        std::array<std::size_t, 2> own = sides;
-        for (std::size_t f : {0, 1}) {
-            const std::int32_t face = face_of(piece, f);
-            if (face == from[f]) continue;
-            own[f] = 0;
-            while (own[f] < 3 && surfaces_[f].neighbor(face, own[f]) != from[f]) ++own[f];
-            if (own[f] == 3) return piece.count;
-        }
-        const PieceCorner sought = PieceCorner::crossing(own[0], own[1]);
-        for (std::size_t i = 0; i < piece.count; ++i)
-            if (piece.corners[i].same_place(sought)) return i;
-        return piece.count;
-    }
-
-    // A number for each corner: vertices of the first surface, then of the second, then crossings
-    // in the order of their pieces: a crossing has the piece of the earlier of both faces at each
-    // side.
-    bool name_corners() {
-        if (pieces_.corners >= most_numbers) return unsound();
-        names_ = allocate<std::int32_t>(pieces_.corners);
-        owners_.assign(vertices_, Pieces::none);
-        crossings_.resize(blocks(pieces_.count, block_length));
-        const bool done = in_pieces([this](const OverlayPiece& piece, std::size_t block) {
-            return name_corners_of(piece, crossings_[block]);
-        });
-        if (!done) return false;
-        names_before_ = {vertices_};
-        for (const std::vector<Crossing>& each : crossings_)
-            names_before_.push_back(names_before_.back() + each.size());
-        found_.crossings = names_before_.back() - vertices_;
-        if (names_before_.back() >= most_numbers) return unsound();
-        const auto finish = [this](const OverlayPiece& piece, std::size_t block) {
-            const auto before = static_cast<std::int32_t>(names_before_[block]);
-            for (std::size_t i = 0; i < piece.count; ++i) {
-                std::int32_t& name = names_[piece.first + i];
-                if (piece.corners[i].is_crossing() && name >= 0) name += before;
-            }
-            return true;
-        };
-        const auto look_up = [this](const OverlayPiece& piece, std::size_t) {
-            for (std::size_t i = 0; i < piece.count; ++i) {
-                std::int32_t& name = names_[piece.first + i];
-                if (name < 0 && (name = names_[static_cast<std::size_t>(~name)]) < 0) return false;
-            }
-            return true;
-        };
-        return in_pieces(finish) && in_pieces(look_up);
-    }
-
-    // Crossings are numbers in their block, or where else they have a number: its complement.
-    bool name_corners_of(const OverlayPiece& piece, std::vector<Crossing>& crossings) {
-        for (std::size_t i = 0; i < piece.count; ++i) {
-            const PieceCorner corner = piece.corners[i];
-            if (corner.is_crossing()) {
-                if (!name_crossing(piece, i, crossings)) return false;
-                continue;
-            }
-            const std::int32_t vertex =
-                surfaces_[corner.face()].vertex(face_of(piece, corner.face()), corner.k());
-            const std::size_t name = static_cast<std::size_t>(vertex) + corner.face() * first_;
-            names_[piece.first + i] = static_cast<std::int32_t>(name);
-            own_vertex(name, piece);
-        }
-        return true;
-    }
-
-    // The first piece that has a vertex is its owner.
-    void own_vertex(std::size_t name, const OverlayPiece& piece) {
-        const auto number = static_cast<std::uint32_t>(&piece - pieces_.pieces.get());
-        const std::atomic_ref<std::uint32_t> owner(owners_[name]);
-        std::uint32_t held = owner.load(std::memory_order_relaxed);
-        while (number < held &&
-               !owner.compare_exchange_weak(held, number, std::memory_order_relaxed)) {
-        }
-    }
-
-    bool name_crossing(const OverlayPiece& piece, std::size_t i, std::vector<Crossing>& crossings) {
-        const PieceCorner corner = piece.corners[i];
-        const std::array<std::size_t, 2> sides{corner.side(0), corner.side(1)};
-        const std::array<std::int32_t, 2> from{piece.face, piece.other};
-        std::array<std::int32_t, 2> owner = from;
-        for (std::size_t f : {0, 1}) {
-            const std::int32_t beyond = surfaces_[f].shown_neighbor(from[f], sides[f]);
-            if (beyond >= 0 && is_before(f, beyond, from[f])) owner[f] = beyond;
-        }
-        std::int32_t& name = names_[piece.first + i];
-        if (owner == from) {
-            name = static_cast<std::int32_t>(crossings.size());
-            const auto [p, q] = ends_of(piece, 0, sides[0]);
-            const auto [r, t] = ends_of(piece, 1, sides[1]);
-            crossings.push_back({p, q, r, t});
-            return true;
-        }
-        const OverlayPiece* const known = pieces_.find(owner[0], owner[1]);
-        if (!known) return false;
-        const std::size_t place = crossing_in(*known, from, sides);
-        name = ~static_cast<std::int32_t>(known->first + place);
-        return place < known->count;
-    }
-
-    // The lesser and the greater end of a side.
-    std::pair<std::int32_t, std::int32_t> ends_of(const OverlayPiece& piece, std::size_t surface,
-                                                  std::size_t side) const {
-        const LocalSurface& of = surfaces_[surface];
-        const std::int32_t face = face_of(piece, surface), tail = of.vertex(face, tail_of(side)),
-                           head = of.vertex(face, head_of(side));
-        if (before_xy(of.corner(head).at, of.corner(tail).at)) return {head, tail};
-        return {tail, head};
+        return hold_in_pieces(pieces_, pool_, found_.is_sound, work);
     }
 
     bool place_rows() {
-        const std::size_t names = names_before_.back();
+        const std::size_t names = names_.count();
         places_ = allocate<Point>(names);
         rises_ = allocate<double>(names);
         std::vector<std::uint32_t> used;
-        const auto is_used = [this](std::size_t name) { return owners_[name] != Pieces::none; };
+        const auto is_used = [this](std::size_t name) {
+            return names_.owners[name] != Pieces::none;
+        };
         if (!select(vertices_, pool_, is_used, used)) return false;
         found_.rows = used.size() + found_.crossings;
         const Buffer<Site> sites = allocate<Site>(found_.rows);
@@ -229,9 +94,9 @@ class Overlaid {
             return set(i, used[i]);
         };
         const auto place_block = [&](std::size_t block, std::size_t) {
-            std::size_t name = names_before_[block], i = used.size() + name - vertices_;
+            std::size_t name = names_.before[block], i = used.size() + name - vertices_;
             bool is_sound = true;
-            for (const Crossing& each : crossings_[block]) {
+            for (const SideCrossing& each : names_.crossings[block]) {
                 places_[name] = place_of(each);
                 rises_[name] = rise_at(each, places_[name]);
                 is_sound = set(i++, name++) && is_sound;
@@ -241,11 +106,11 @@ class Overlaid {
         const auto is_less = [](const Site& a, const Site& b) {
             return before_xy(a.point, b.point);
         };
-        if (!in_all(used.size(), block_length, place_used) ||
-            !in_all(crossings_.size(), 1, place_block))
+        if (!in_all(used.size(), block_of_pieces, place_used) ||
+            !in_all(names_.crossings.size(), 1, place_block))
             return false;
         found_.displacement = displacement_;
-        crossings_.clear();
+        names_.crossings.clear();
         return patient_sort(std::span(sites.get(), found_.rows), is_less, pool_) &&
                number_rows(sites.get());
     }
@@ -253,8 +118,8 @@ class Overlaid {
     bool number_rows(const Site* sites) {
         found_.points = allocate<Point>(found_.rows);
         found_.rises = allocate<double>(found_.rows);
-        rows_ = allocate<std::int32_t>(names_before_.back());
-        std::vector<Range> ranges(blocks(found_.rows, block_length));
+        rows_ = allocate<std::int32_t>(names_.count());
+        std::vector<Range> ranges(blocks(found_.rows, block_of_pieces));
         const auto number = [&](std::size_t row, Range& range) {
             const auto [place, name] = sites[row];
             if (row > 0 && place == sites[row - 1].point) return false;
@@ -265,8 +130,8 @@ class Overlaid {
             return true;
         };
         const auto number_block = [&](std::size_t block, std::size_t) {
-            std::size_t row = block * block_length;
-            const std::size_t last = std::min(row + block_length, found_.rows);
+            std::size_t row = block * block_of_pieces;
+            const std::size_t last = std::min(row + block_of_pieces, found_.rows);
             Range range;
             while (row < last && number(row, range)) ++row;
             ranges[block] = range;
@@ -282,13 +147,13 @@ class Overlaid {
 
     // Where a vertex is over the other surface, as its owner has it.
     void place_vertex(std::size_t name) {
-        const OverlayPiece& piece = pieces_.pieces[owners_[name]];
+        const OverlayPiece& piece = pieces_.pieces[names_.owners[name]];
         const std::size_t of = name < first_ ? 0 : 1;
         const auto vertex = static_cast<std::int32_t>(name - of * first_);
         const Face own = surfaces_[0].face(piece.face), other = surfaces_[1].face(piece.other);
         const FacePair pair(own, other, nearness_);
         std::size_t k = 0;
-        while (k < 2 && surfaces_[of].vertex(face_of(piece, of), k) != vertex) ++k;
+        while (k < 2 && surfaces_[of].vertex(piece.face_of(of), k) != vertex) ++k;
         const CornerOver over = corner_over(pair, of, k);
         const double height = pair.face(of).corners[k].height;
         places_[name] = over.at;
@@ -296,17 +161,21 @@ class Overlaid {
         add_displacement(over.displacement);
     }
 
-    double rise_at(const Crossing& crossing, Point place) const {
+    const SurfaceCorner& end_of(const SideCrossing& crossing, std::size_t i) const {
+        return surfaces_[i / 2].corner(crossing[i]);
+    }
+
+    double rise_at(const SideCrossing& crossing, Point place) const {
         const auto height = [&](std::size_t i) {
-            return height_along(crossing.end(surfaces_, i), crossing.end(surfaces_, i + 1), place);
+            return height_along(end_of(crossing, i), end_of(crossing, i + 1), place);
         };
         return height(0) - height(2);
     }
 
     // From the lesser of both sides, so that it is the same where the surfaces are exchanged.
-    Point place_of(const Crossing& crossing) {
+    Point place_of(const SideCrossing& crossing) {
         std::array<Point, 4> ends;
-        for (std::size_t i = 0; i < 4; ++i) ends[i] = crossing.end(surfaces_, i).at;
+        for (std::size_t i = 0; i < 4; ++i) ends[i] = end_of(crossing, i).at;
         const std::size_t later = ends[0] == ends[2] ? 1 : 0;
         if (before_xy(ends[2 + later], ends[later])) {
             std::swap(ends[0], ends[2]);
@@ -342,7 +211,7 @@ class Overlaid {
         sides_ = allocate<OverlaySide>(pieces_.corners);
         return in_pieces([this](const OverlayPiece& piece, std::size_t) {
             const std::size_t n = piece.count;
-            const std::int32_t* const rows = names_.get() + piece.first;
+            const std::int32_t* const rows = names_.of_corners.get() + piece.first;
             for (std::size_t i = 0; i < n; ++i)
                 if (orient2d(at(rows[i]), at(rows[(i + 1) % n]), at(rows[(i + 2) % n])) <= 0)
                     return false;
@@ -359,7 +228,7 @@ class Overlaid {
     // What is between two corners of a piece, seen from the chord: the Delaunay triangle at that,
     // and what is beyond it. Returns where the chord is.
     OverlaySide divide(const OverlayPiece& piece, std::size_t i, std::size_t j, std::size_t& next) {
-        const std::int32_t* const rows = names_.get() + piece.first;
+        const std::int32_t* const rows = names_.of_corners.get() + piece.first;
         std::size_t apex = i + 1;
         for (std::size_t m = i + 2; m < j; ++m)
             if (is_inside(rows[i], rows[apex], rows[j], rows[m])) apex = m;
@@ -397,10 +266,11 @@ class Overlaid {
 
     // False where a side has not been linked.
     bool name_rows() {
-        return in_all(3 * found_.triangles, 3 * block_length, [this](std::size_t i, std::size_t) {
-            found_.simplices[i] = rows_[static_cast<std::size_t>(found_.simplices[i])];
-            return found_.neighbors[i] != unlinked;
-        });
+        return in_all(
+            3 * found_.triangles, 3 * block_of_pieces, [this](std::size_t i, std::size_t) {
+                found_.simplices[i] = rows_[static_cast<std::size_t>(found_.simplices[i])];
+                return found_.neighbors[i] != unlinked;
+            });
     }
 
     // The triangles on both sides of a side of a piece.
@@ -418,12 +288,13 @@ class Overlaid {
             return true;
         }
         const bool is_same = beyond[0] == piece.face;
-        if (is_before(is_same, beyond[is_same], face_of(piece, is_same))) return true;
+        if (pieces_.is_before(is_same, beyond[is_same], piece.face_of(is_same))) return true;
         const OverlayPiece* const next = pieces_.find(beyond[0], beyond[1]);
         if (!next) return false;
         const std::size_t n = piece.count, m = next->count;
-        const std::int32_t tail = names_[piece.first + i], head = names_[piece.first + (i + 1) % n];
-        const std::int32_t* const rows = names_.get() + next->first;
+        const std::int32_t tail = names_.of_corners[piece.first + i],
+                           head = names_.of_corners[piece.first + (i + 1) % n];
+        const std::int32_t* const rows = names_.of_corners.get() + next->first;
         for (std::size_t j = 0; j < m; ++j) {
             if (rows[j] != head || rows[j + 1 == m ? 0 : j + 1] != tail) continue;
             const OverlaySide other = sides_[next->first + j];
@@ -452,22 +323,16 @@ class Overlaid {
     }
     Point at(std::int32_t name) const { return places_[static_cast<std::size_t>(name)]; }
 
-    static constexpr std::size_t most_numbers = 0x7fffffff;
     static constexpr std::int32_t unlinked = -2;
-
-    static constexpr std::size_t block_length = std::size_t{1} << 13;
 
     const std::array<LocalSurface, 2>& surfaces_;
     const Pieces& pieces_;
     Nearness nearness_;
     OverlayMesh& found_;
     ThreadPool& pool_;
-    std::size_t first_, vertices_;                  // how many of the first surface, and of both
-    Buffer<std::int32_t> names_;                    // of the corners of all pieces
-    std::vector<std::uint32_t> owners_;             // of vertices
-    std::vector<std::vector<Crossing>> crossings_;  // of each block of pieces
-    std::vector<std::size_t> names_before_;         // before those of each block, and of all
-    Buffer<Point> places_;                          // of each name
+    std::size_t first_, vertices_;  // how many of the first surface, and of both
+    CornerNames names_;
+    Buffer<Point> places_;  // of each name
     Buffer<double> rises_;
     std::atomic<double> displacement_ = 0;
     Buffer<std::int32_t> rows_;

@@ -52,6 +52,8 @@ struct OverlayPiece {
     std::uint32_t first;                    // how many corners there are before
     std::array<PieceCorner, most> corners;  // counter-clockwise
     std::uint8_t count;
+
+    std::int32_t face_of(std::size_t surface) const { return surface == 0 ? face : other; }
 };
 
 // Of faces that overlap. False if their turns contradict each other, as of faces without area.
@@ -85,8 +87,9 @@ struct Pieces {
         return nullptr;
     }
 
-    // Whether the pieces of one first face are before those of another one.
-    bool before(std::int32_t one, std::int32_t two) const {
+    // Whether pieces of one face of a surface come before those of another one.
+    bool is_before(std::size_t surface, std::int32_t one, std::int32_t two) const {
+        if (surface == 1) return one < two;
         return starts[static_cast<std::size_t>(one)] < starts[static_cast<std::size_t>(two)];
     }
 };
