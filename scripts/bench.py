@@ -28,6 +28,7 @@ BENCHMARKS = {
     "verify": "verify beside the triangulation of the same points",
     "surface": "heights, rasters and contours beside SciPy, matplotlib, CGAL, PDAL and GDAL",
     "simplify": "rasters in few triangles, beside pydelatin",
+    "plugins": "plugins beside PyVista, shapely, matplotlib and mapbox_earcut",
     "text": "numbers as text, read and written, beside polars",
     "stl": "binary STL, read and written, beside trimesh",
     "ground": "errors of ground filters on scenes whose ground is known",

@@ -338,7 +338,7 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
     pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
-    along = np.equal(*(is_after(*points[each.T]) for each in pairs))
+    along = np.equal(*(is_after(*points.take(each.T, axis=0)) for each in pairs))
     steps = np.where(along, 1, -1) * given.winding[origin].T
     windings = [np.bincount(piece, each, minlength=count).astype(np.int32) for each in steps]
     return bounds, np.stack(windings, axis=1)

@@ -283,7 +283,7 @@ def _as_rows(points: Reals, lines: Sequence[Line]) -> tuple[list[Rows], Floats]:
 
 def match_rows(points: Floats, corners: Floats) -> tuple[Integers, Indices]:
     """Return the row at each position: the first there, or a new one; and whose those are."""
-    x = distinct(corners[:, 0])
+    x = distinct(corners[:, 0]) if len(points) else points[:, 0]
     place = np.minimum(np.searchsorted(x, points[:, 0]), len(x) - 1)
     near = np.flatnonzero(x[place] == points[:, 0]) if len(x) else np.empty(0, dtype=np.intp)
     both = np.concatenate([points[near], corners]) + 0.0  # no -0.0

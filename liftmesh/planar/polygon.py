@@ -122,6 +122,8 @@ def _read(
 
 def _check_inside(points: Floats, tri: Any) -> None:
     """Raise for points that no triangle has."""
+    if not len(points):
+        return
     is_outside = np.ones(len(points), dtype=np.bool_)
     used = np.unique(tri.simplices)
     is_outside[used[used < len(points)]] = False

@@ -223,7 +223,8 @@ def _checked(shape: Any) -> Any:
 
 def _triangles(shape: Any, tolerance: float, only_edges: bool) -> Any:
     coordinates = _coordinates(shape)
-    coordinates = coordinates[rows_apart(coordinates[:, :2], as_distance("tolerance", tolerance))]
+    if distance := as_distance("tolerance", tolerance):
+        coordinates = coordinates[rows_apart(coordinates[:, :2], distance)]
     planar = coordinates[:, :2]
     try:
         tri = delaunay(planar)
@@ -236,16 +237,18 @@ def _triangles(shape: Any, tolerance: float, only_edges: bool) -> Any:
 
 def _made_of(coordinates: Floats, ends: Array) -> Any:
     """Make a collection of triangles, or the lines of edges; at once, as well-known binary."""
-    width, is_flat = ends.shape[1], coordinates.shape[1] == 2
-    many, one = (5, 2) if width == 2 else (7, 3)
-    corners = coordinates[ends if width == 2 else ends[:, [0, 1, 2, 0]]]
-    rings: list[tuple[str, str]] = [("rings", "<u4")] if width == 3 else []
-    kind = [("order", "u1"), ("type", "<u4"), *rings, ("count", "<u4")]
-    parts = np.ones(len(ends), dtype=[*kind, ("corners", "<f8", corners.shape[1:])])
-    parts["type"] = one if is_flat else one | _WITH_HEIGHTS
-    parts["count"], parts["corners"] = corners.shape[1], corners
-    head = np.array([many if is_flat else many | _WITH_HEIGHTS, len(ends)], dtype="<u4")
-    return shapely.from_wkb(b"\x01" + head.tobytes() + parts.tobytes())
+    is_lines = ends.shape[1] == 2
+    many, one, rings = (5, 2, ()) if is_lines else (7, 3, (1,))
+    around = ends if is_lines else ends.take([0, 1, 2, 0], axis=1)
+    space = _WITH_HEIGHTS if coordinates.shape[1] == 3 else 0
+    width = around.shape[1] * coordinates.shape[1]
+    corners = coordinates.take(around, axis=0).astype("<f8", copy=False).reshape(-1, width)
+    head = np.array([one | space, *rings, around.shape[1]], dtype="<u4").view(np.uint8)
+    start = 1 + len(head)
+    parts = np.ones((len(ends), start + 8 * width), dtype=np.uint8)
+    parts[:, 1:start], parts[:, start:] = head, corners.view(np.uint8)
+    whole = np.array([many | space, len(ends)], dtype="<u4")
+    return shapely.from_wkb(b"\x01" + whole.tobytes() + parts.tobytes())
 
 
 def _along(planar: Floats) -> Array:
