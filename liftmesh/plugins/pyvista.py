@@ -282,6 +282,9 @@ class DatasetAccessor:
         >>> pyvista.PolyData(ring.points).liftmesh.delaunay_2d().n_cells
         28
         """
+        if as_switch("inplace", inplace) and not isinstance(self._dataset, host.PolyData):
+            kind = type(self._dataset).__name__
+            raise InputError(f"a {kind} cannot become a PolyData: leave out {Option('inplace')}")
         planar = self._planar(plane)
         tol = as_distance("tol", tol) * self._dataset.length
         radius = as_distance("alpha", alpha)
@@ -650,10 +653,6 @@ class DatasetAccessor:
         return _limits_of(source)
 
     def _result(self, faces: Rows, inplace: bool) -> host.PolyData:
-        is_polydata = isinstance(self._dataset, host.PolyData)
-        if as_switch("inplace", inplace) and not is_polydata:
-            kind = type(self._dataset).__name__
-            raise InputError(f"a {kind} cannot become a PolyData: leave out {Option('inplace')}")
         mesh = host.PolyData(np.array(self._dataset.points))
         mesh.verts = np.empty(0, dtype=np.int64)
         mesh.regular_faces = faces.astype(np.int64)

@@ -18,6 +18,7 @@ from hypothesis import HealthCheck, assume, given, settings
 
 import liftmesh
 from liftmesh import Cloud, InputError
+from liftmesh.plugins.pyvista import wrap
 
 RNG = np.random.default_rng(39)
 SCATTERED = np.column_stack([RNG.random((400, 2)) * 9, RNG.random(400)])
@@ -373,7 +374,7 @@ class TestObjects:
         cloud = replace(cloud, attributes=held, metadata={})
         assume(len(cloud))  # PyVista has no arrays without values
         try:
-            made = liftmesh.plugins.pyvista.wrap(cloud)
+            made = wrap(cloud)
         except InputError as error:
             if "PyVista" not in str(error):
                 raise
@@ -381,9 +382,19 @@ class TestObjects:
         lost = losses(cloud, liftmesh.as_cloud(made))
         assert lost <= {f"type of {name}" for name in held} | {DEEP, ROUNDED}
 
+    def test_normals_that_are_none(self) -> None:
+        dataset = pyvista.PolyData(SQUARE)
+        dataset["Normals"], dataset["RGB"] = np.arange(4), np.zeros((4, 3))
+        cloud = liftmesh.as_cloud(dataset)
+        assert (cloud.normals, cloud.colors, [*cloud.attributes]) == (
+            None,
+            None,
+            ["Normals", "RGB"],
+        )
+
     def test_no_points(self) -> None:
         cloud = Cloud(np.empty((0, 3)), normals=np.empty((0, 3)), attributes={"a": np.empty(0)})
-        assert liftmesh.plugins.pyvista.wrap(cloud).n_points == 0
+        assert wrap(cloud).n_points == 0
 
     def test_other_cells(self) -> None:
         quads = pyvista.Plane(i_resolution=3, j_resolution=2)
@@ -397,15 +408,18 @@ class TestObjects:
 
     def test_values_that_pyvista_does_not_hold(self) -> None:
         for values in (np.zeros(4, "M8[D]"), np.zeros(4, "c16")):
-            with pytest.raises(InputError, match=r"'day' are of .* of which PyVista holds ASCII"):
-                liftmesh.plugins.pyvista.wrap(Cloud(SQUARE, attributes={"day": values}))
+            with pytest.raises(InputError, match=r"'day' are of .* which PyVista holds"):
+                wrap(Cloud(SQUARE, attributes={"day": values}))
+        for name in ("", "a\0b", "\ud800"):
+            with pytest.raises(InputError, match="as none can be in PyVista: rename them"):
+                wrap(Cloud(SQUARE, attributes={name: np.zeros(4)}))
         for name in ("Normals", "RGB"):
             cloud = Cloud(
                 SQUARE, attributes={name: np.zeros(4)}, normals=SQUARE,
                 colors=np.zeros((4, 3), np.uint8),
             )  # fmt: skip
             with pytest.raises(InputError, match=f"named '{name}', as PyVista's own: rename it"):
-                liftmesh.plugins.pyvista.wrap(cloud)
+                wrap(cloud)
 
 
 class TestFiles:

@@ -8,6 +8,7 @@ and edges, and the triangles of an `UnstructuredGrid`; other polygons are divide
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 _SHADES = ("RGBA", "RGB")
 _NORMALS, _SYSTEM = "Normals", "crs"
 _TRIANGLE = 5  # of VTK's kinds of cells
-_OLDEST = (0, 48)  # has accessors, readers and writers of others
+_OLDEST = [0, 48]  # has accessors, readers and writers of others
 
 
 def to_cloud(source: Any) -> Cloud:
@@ -102,7 +103,7 @@ def to_pyvista(cloud: Cloud) -> pyvista.PolyData:
 def library() -> Any:
     """Import PyVista, or say what to install."""
     host = load("pyvista", extra="pyvista")
-    if tuple(map(int, host.__version__.split(".")[:2])) < _OLDEST:
+    if [*map(int, re.findall(r"\d+", host.__version__)[:2])] < _OLDEST:
         raise MissingDependencyError(
             f"PyVista {host.__version__} is older than 0.48: pip install -U 'liftmesh[pyvista]'"
         )
@@ -155,8 +156,8 @@ def _named(cloud: Cloud) -> dict[str, Array]:
     for name, values in cloud.attributes.items():
         if values.dtype.kind not in "biufU" or not _is_ascii(values):
             raise InputError(
-                f"the values {name!r} are of {values.dtype}, of which PyVista holds ASCII at most: "
-                "leave them out, or give numbers"
+                f"the values {name!r} are of {values.dtype}: leave them out, or give numbers or "
+                "texts in ASCII, which PyVista holds"
             )
         if (
             not name
