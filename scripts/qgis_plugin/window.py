@@ -8,6 +8,7 @@ import traceback
 from pathlib import Path
 
 import processing
+import pyplugin_installer
 from processing.gui.ProcessingToolbox import ProcessingToolbox
 from qgis.core import Qgis, QgsApplication, QgsProcessingFeedback, QgsProject, QgsVectorLayer
 from qgis.PyQt.QtCore import Qt, QTimer
@@ -26,7 +27,8 @@ class Impatient(QgsProcessingFeedback):
 
 
 def show() -> dict[str, object]:
-    """Run algorithms, show their results and the toolbox."""
+    """Install the plugin, run algorithms, show their results and the toolbox."""
+    pyplugin_installer.instance().installFromZipFile(os.environ["ZIP"])
     points = QgsVectorLayer(str(LAYERS / "points.gpkg"), "points")
     cancelled = processing.run(
         "liftmesh:tin", {"INPUT": points, "OUTPUT": "memory:"}, feedback=Impatient()
