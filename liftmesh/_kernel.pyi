@@ -129,6 +129,8 @@ def canonical_order(
     neighbors: NDArray[np.int32],
     bits: NDArray[np.uint8] | None,
     rows: int,
+    threads: int,
+    shared: bool,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
@@ -596,6 +598,8 @@ class Relief:
         other: Relief,
         face: int,
         touching: int,
+        threads: int,
+        shared: bool,
         progress: Callable[[float], None] | None,
     ) -> (
         tuple[

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The plugin for QGIS, in the QGIS of Debian: installs that, makes the zip, and runs every algorithm by qgis_process;
 # their results are compared with those of shapely, SciPy and Rasterio. Then QGIS itself is opened on a screen in memory,
-# and its picture is left in out/qgis.png. Arguments: a folder with points.gpkg, dem.tif of one's own, or nothing.
+# and its picture is left in out/qgis.png.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh
@@ -14,4 +14,4 @@ for name in "${packages[@]}"; do
     break
 done
 make_test_environment
-.venv-test/bin/python scripts/qgis_plugin "$@"
+.venv-test/bin/python scripts/qgis_plugin

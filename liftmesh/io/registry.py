@@ -41,7 +41,7 @@ Entry = TypeVar("Entry")
 
 FORMAT_GROUP = "liftmesh.formats"
 ADAPTER_GROUP = "liftmesh.adapters"
-_OF_MESHIO = frozenset({"vtk", "xdmf", "med", "mesh", "inp", "bdf", "exo", "cgns"})
+_OF_MESHIO = frozenset({"vtk", "med", "mesh", "inp", "bdf", "exo", "cgns"})
 _OF_GEOPANDAS = frozenset({"fgb", "gml", "kml", "geojsonl", "parquet"})
 
 

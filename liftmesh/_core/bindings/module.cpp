@@ -136,7 +136,8 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 // points.
 nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples& simplices,
                           const Triples& neighbors,
-                          const std::optional<Array<const std::uint8_t>>& bits, std::size_t rows) {
+                          const std::optional<Array<const std::uint8_t>>& bits, std::size_t rows,
+                          unsigned threads, bool shared) {
     const std::size_t count = simplices.shape(0);
     const liftmesh::Triangles given{simplices.data(), neighbors.data(),
                                     bits ? bits->data() : nullptr, count};
@@ -146,8 +147,9 @@ nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples
         if (points &&
             !liftmesh::rank_rows(read(*points), simplices.data(), count, ranks, interrupt))
             return false;
+        liftmesh::ThreadPool pool(liftmesh::Threads{threads, shared}.for_rows(count), interrupt);
         return liftmesh::order_triangles(given, points ? ranks.data() : nullptr, rows, ordered,
-                                         interrupt);
+                                         pool);
     });
     return nb::make_tuple(adopt(std::move(ordered.simplices), count, 3),
                           adopt(std::move(ordered.neighbors), count, 3),
@@ -156,7 +158,7 @@ nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples
 
 void bind_planar(nb::module_& m) {
     m.def("canonical_order", &canonical_order, "points"_a.none(), "simplices"_a, "neighbors"_a,
-          "bits"_a.none(), "rows"_a);
+          "bits"_a.none(), "rows"_a, "threads"_a, "shared"_a);
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "folder"_a.none() = nb::none());
     m.def("delaunay_many", &delaunay_many, "rows"_a, "offsets"_a, "skip_non_finite"_a, "threads"_a,

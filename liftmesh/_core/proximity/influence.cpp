@@ -78,19 +78,19 @@ bool find_influence(const Sides& sides, std::size_t rows, Interrupt& interrupt, 
                     std::vector<double>(rows)};
     if (!find_nearest(sides, interrupt, circles.nearest)) return false;
     std::vector<Row> vertices;
-    for (Row row = 0; row < rows; ++row) {
+    const bool done = for_each_in_blocks(rows, interrupt, [&](std::size_t row) {
         const Row other = circles.nearest[row];
-        if (other == none) continue;
+        if (other == none) return;
         circles.centres[row] = sides.place(static_cast<std::int32_t>(row));
         // Another thread may have put there what has no order.
-        if (!is_finite(circles.centres[row])) continue;
-        vertices.push_back(row);
+        if (!is_finite(circles.centres[row])) return;
+        vertices.push_back(static_cast<Row>(row));
         circles.radii[row] =
             distance(circles.centres[row], sides.place(static_cast<std::int32_t>(other)));
-    }
+    });
     Patience patience(interrupt);
     KdTree tree(circles.centres, vertices, &patience);
-    if (interrupt.requested()) return false;
+    if (!done || interrupt.requested()) return false;
     tree.set_reaches(circles.radii);
     // Along the tree, as neighbours meet the same boxes.
     return for_each_in_blocks(vertices.size(), interrupt, [&](std::size_t i) {
