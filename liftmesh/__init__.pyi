@@ -60,6 +60,7 @@ from .planar.lifting import (
     lift as lift,
     project as project,
 )
+from .planar.many import Triangulations as Triangulations, delaunay_many as delaunay_many
 from .planar.polygon import triangulate_polygon as triangulate_polygon
 from .planar.refined import RefineResult as RefineResult
 from .planar.refinement import refine as refine

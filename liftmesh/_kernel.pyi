@@ -54,6 +54,27 @@ def delaunay(
     progress: Callable[[float], None] | None,
     folder: str | None = None,
 ) -> Outcome: ...
+def delaunay_many(
+    rows: NDArray[np.floating[Any]],
+    offsets: NDArray[np.int64],
+    skip_non_finite: bool,
+    threads: int,
+    shared: bool,
+    progress: Callable[[float], None] | None,
+) -> (
+    tuple[int]
+    | tuple[
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int64],
+        NDArray[np.int32],
+        NDArray[np.int64],
+    ]
+): ...
 def constrained(
     rows: NDArray[np.floating[Any]],
     edges: NDArray[np.int32],
@@ -108,6 +129,8 @@ def canonical_order(
     neighbors: NDArray[np.int32],
     bits: NDArray[np.uint8] | None,
     rows: int,
+    threads: int,
+    shared: bool,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.uint8]]: ...
 def gift_wrap(
     rows: NDArray[np.floating[Any]],
@@ -223,6 +246,15 @@ def solid_alpha(
     radii: NDArray[np.float64],
     components: int,
 ) -> float: ...
+def proximity_graph(
+    rows: NDArray[np.floating[Any]],
+    simplices: NDArray[np.int32],
+    neighbors: NDArray[np.int32],
+    kind: str,
+) -> NDArray[np.int32]: ...
+def lengths(
+    rows: NDArray[np.floating[Any]], edges: NDArray[np.int32], found: NDArray[np.float64]
+) -> None: ...
 def spherical_delaunay(
     rows: NDArray[np.float64],
     skip_non_finite: bool,
@@ -566,6 +598,8 @@ class Relief:
         other: Relief,
         face: int,
         touching: int,
+        threads: int,
+        shared: bool,
         progress: Callable[[float], None] | None,
     ) -> (
         tuple[

@@ -160,6 +160,18 @@ def _regular(points: np.ndarray, rng: Generator, **options: Any) -> Action:
     return lambda progress: liftmesh.regular(planar, weights=weights, **options, progress=progress)
 
 
+def _many(points: np.ndarray, _: Generator) -> Action:
+    planar, starts = points[:, :2], np.append(np.arange(0, len(points), 40), len(points))
+    return lambda progress: liftmesh.delaunay_many(planar, starts, progress=progress)
+
+
+def _graph(points: np.ndarray, _: Generator) -> Action:
+    found = liftmesh.delaunay(points[:, :2])
+    return lambda _: [
+        found.graph(kind) for kind in ("minimum_spanning_tree", "sphere_of_influence")
+    ]
+
+
 def _triangulate(points: np.ndarray, _: Generator) -> Action:
     several = points.copy()
     some = len(points) // 5  # have the position of another, and another height
@@ -301,6 +313,8 @@ CALLS: dict[str, Call] = {
     "cell sides of disks": partial(_disks, ask=_cell_sides),
     "anisotropic stars": _stars,
     "find_simplex": _find_simplex,
+    "graph": _graph,
+    "many sets": _many,
     "tetrahedralize, 1 thread": partial(_tetrahedralize, threads=1),
     "tetrahedralize": _tetrahedralize,
     "verify tetrahedra": _verify_tetrahedra,

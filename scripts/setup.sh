@@ -204,6 +204,12 @@ pip_install() {
     "$1/bin/python" -m pip install --disable-pip-version-check --no-input "${@:2}"
 }
 
+# build_wheel FOLDER: builds the wheel of liftmesh into a folder, with the environment of the tests.
+build_wheel() {
+    run_quietly "Building the wheel" .venv-test/bin/python -m pip wheel --disable-pip-version-check \
+        --no-build-isolation --no-deps --wheel-dir "$1" .
+}
+
 # build_beside FOLDER REQUIREMENT...: builds liftmesh while the dependencies of the tests are downloaded and unpacked,
 # which takes one processor at most.
 build_beside() {

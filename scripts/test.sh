@@ -23,8 +23,7 @@ wheel() (
     local terrain=$PWD/data/jacksboro.ply checker=$PWD/scripts/check_wheel.py python=$PWD/.venv-test/bin/python
     outside=$(mktemp -d)
     trap 'rm -rf "$outside"' EXIT
-    run_quietly "Building the wheel" \
-        "$python" -m pip wheel --disable-pip-version-check --no-build-isolation --no-deps --wheel-dir "$outside" .
+    build_wheel "$outside"
     cd "$outside"
     run_quietly "Making an environment outside the repository" "$python" -m venv environment
     run_quietly "Installing the wheel there" \

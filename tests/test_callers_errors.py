@@ -58,6 +58,16 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         liftmesh.refine,
         {"domain": TRIANGULATION, "max_area": 1.0, "size": 1.0, "max_points": 99},
     ),
+    "graph": (
+        TRIANGULATION.graph,
+        TRIANGULATION.graph,
+        {"kind": "gabriel", "coincident": "clique"},
+    ),
+    "delaunay_many": (
+        liftmesh.delaunay_many,
+        liftmesh.delaunay_many,
+        {"points": PLANAR, "offsets": [0, 5, 10]},
+    ),
     "histogram": (
         liftmesh.refine(TRIANGULATION).histogram,
         liftmesh.RefineResult.histogram,
@@ -316,7 +326,7 @@ def test_whatever_the_caller_gives_no_error_comes_from_inside(
     monkeypatch.chdir(tmp_path)  # words are names of files
     call, _, given = CALLS[name]
     for make in ODD.values():
-        if parameter in {"progress", "size"} and callable(make()):
+        if (parameter in {"progress", "size"} or name == "graph") and callable(make()):
             continue  # whose own errors are the caller's
         streams = {key: io.BytesIO(v) if isinstance(v, bytes) else v for key, v in given.items()}
         said = complaint(partial(call, **{**streams, parameter: make()}))

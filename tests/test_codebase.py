@@ -180,6 +180,7 @@ KERNEL_ROOMS = {  # the kernel's rooms, and those that each may include
     "refinement": {"base", "predicates", "sorting", "delaunay", "constrained", "dynamic"},
     "simplification": {"base", "predicates", "sorting", "delaunay", "dynamic"},
     "paper": {"base", "predicates"},
+    "proximity": {"base", "predicates", "parallel", "sorting", "delaunay"},
     "hull": {"base", "predicates", "parallel", "sorting", "delaunay", "paper"},
     "cells": {"base", "predicates", "parallel"},
     "sphere": {"base", "predicates", "parallel", "sorting"},

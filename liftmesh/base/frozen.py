@@ -6,20 +6,20 @@ through its constructor, which makes them read-only again.
 Properties that are computed when first asked for have no lock here. In Python 3.10 and 3.11
 `functools.cached_property` holds one for all instances of a class: two threads cannot compute a
 property of two triangulations at a time, and a process that is forked meanwhile finds it held for
-ever. From 3.12 on there is none, and `cached_property` is that of `functools`.
+ever. From 3.12 on it has none, but of threads that compute one value at once the last one replaces
+it, which the compiled code of SciPy's interpolators may be reading.
 """
 
 from __future__ import annotations
 
 import functools
-import sys
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 import numpy as np
 
-from liftmesh._typing import Rows
+from liftmesh._typing import Integers, Rows
 from liftmesh.base.arrays import read_only
 from liftmesh.errors import InputError
 
@@ -126,7 +126,7 @@ def check_adjacent(simplices: Rows, neighbors: Rows) -> None:
             )
 
 
-def check_starts(starts: Rows, groups: int, items: int) -> None:
+def check_starts(starts: Rows | Integers, groups: int, items: int) -> None:
     """Refuse a damaged pickle whose starts do not divide the items into so many groups."""
     is_whole = starts.shape == (groups + 1,) and starts[0] == 0 and starts[-1] == items
     if not is_whole or (starts[1:] < starts[:-1]).any():
@@ -138,19 +138,18 @@ def check_starts(starts: Rows, groups: int, items: int) -> None:
 
 __all__ = ["cached_property"]
 
-if TYPE_CHECKING or sys.version_info >= (3, 12):
+if TYPE_CHECKING:
     from functools import cached_property
 else:
     T = TypeVar("T")
 
     class cached_property(functools.cached_property[T]):  # noqa: N801 - as the one it stands for
-        """`functools.cached_property` without its lock."""
+        """`functools.cached_property` without a lock, whose value stays once it is there."""
 
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
             if instance is None:
                 return self
-            name: Any = self.attrname
             computed = instance.__dict__
-            if name not in computed:
-                computed[name] = self.func(instance)
-            return computed[name]
+            if self.attrname in computed:
+                return computed[self.attrname]
+            return computed.setdefault(self.attrname, self.func(instance))

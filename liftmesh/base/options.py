@@ -43,6 +43,15 @@ Interpolation: TypeAlias = Literal["linear", "nearest", "laplace", "sibson", "c1
 Extrapolation: TypeAlias = Literal["nearest", "hull"]
 Pinched: TypeAlias = Literal["error", "trim"]
 OwnFaces: TypeAlias = Literal["own"]
+GraphKind: TypeAlias = Literal[
+    "delaunay",
+    "gabriel",
+    "relative_neighborhood",
+    "minimum_spanning_tree",
+    "sphere_of_influence",
+]
+GraphWeights: TypeAlias = Literal["length", "binary"]
+Coincident: TypeAlias = Literal["first", "clique"]
 RasterQuantity: TypeAlias = Literal["height", "slope", "aspect", "hillshade", "longest-edge"]
 ClassChoice: TypeAlias = int | Iterable[int] | Literal["ground", "all"] | None
 Returns: TypeAlias = Literal["first", "last", "only"]

@@ -39,7 +39,7 @@ def run(
     before, after = surfaces.read(source, reading), surfaces.read(other, reading)
     surfaces.check_grounds({source: before, other: after})
     with terminal.share_bar("laying the surfaces over each other", 0) as progress:
-        change = liftmesh.difference(after, before, progress=progress)
+        change = liftmesh.difference(after, before, threads=reading.threads, progress=progress)
     written = target.write(change)
     rows_of = {**notes.provenance(before), "after": notes.provenance(after)}
     volumes, heights = change.volume(), change.frame.heights(change.vertices)

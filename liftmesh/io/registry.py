@@ -41,7 +41,7 @@ Entry = TypeVar("Entry")
 
 FORMAT_GROUP = "liftmesh.formats"
 ADAPTER_GROUP = "liftmesh.adapters"
-_OF_MESHIO = frozenset({"vtk", "xdmf", "med", "mesh", "inp", "bdf", "exo", "cgns"})
+_OF_MESHIO = frozenset({"vtk", "med", "mesh", "inp", "bdf", "exo", "cgns"})
 _OF_GEOPANDAS = frozenset({"fgb", "gml", "kml", "geojsonl", "parquet"})
 
 
@@ -106,6 +106,7 @@ ADAPTERS = (
         is_of("open3d", {"PointCloud", "TriangleMesh", "Tensor"}),
         _objects("open3d", "to_cloud"),
     ),
+    Adapter("pyvista", is_of("pyvista", {"DataSet"}), _objects("pyvista", "to_cloud")),
 )
 
 # Tried after the adapters of other packages.
@@ -172,9 +173,9 @@ def as_cloud(source: Any, **options: Unpack[ObjectOptions]) -> Cloud:
         by their names like those of a CSV file; a GeoDataFrame or GeoSeries of points; a grid: a
         `Raster`, a DataArray of xarray, or an array with ``transform``; a ``trimesh.PointCloud``,
         ``trimesh.Trimesh`` or ``trimesh.Scene``; an Open3D point cloud or mesh, legacy or tensor
-        based, or a tensor; an object that an installed adapter accepts; an object with a method
-        ``to_cloud()``, such as a `Surface`; or an object with ``vertices``, ``faces`` and
-        optionally ``colors``, ``normals`` and ``attributes``.
+        based, or a tensor; a dataset of PyVista; an object that an installed adapter accepts; an
+        object with a method ``to_cloud()``, such as a `Surface`; or an object with ``vertices``,
+        ``faces`` and optionally ``colors``, ``normals`` and ``attributes``.
     **options
         For tables and arrays: ``columns``, ``flat`` and ``nodata``, as for `read`. For an array of
         heights (rows, columns) ``transform``: a, b, c, d, e and f as those of a `Raster`, or of

@@ -377,15 +377,19 @@ def _as_computed(found: AlphaMethods) -> tuple[Rows, Rows]:
 
 
 def _arrays(found: AlphaMethods) -> tuple[Floats, Rows, Rows]:
-    """Return the arrays of a triangulation that is Delaunay by its points alone."""
+    return in_space(found.points), *empty_circles(found, "alpha shapes need")
+
+
+def empty_circles(found: AlphaMethods, need: str) -> tuple[Rows, Rows]:
+    """Return simplices and neighbours of a triangulation that is Delaunay by its points alone."""
     other = getattr(found, "metric", None) is not None or getattr(found, "furthest_site", False)
     if other or not found._has_empty_circles:  # noqa: SLF001 - of this class
         raise InputError(
-            "alpha shapes need triangles with empty circles, which constraints, weights, metrics "
+            f"{need} triangles with empty circles, which constraints, weights, metrics "
             "and farthest points do not leave: triangulate the points alone, with liftmesh.delaunay"
         )
     simplices, neighbors = map(np.ascontiguousarray, _as_computed(found))
-    return in_space(found.points), simplices, neighbors
+    return simplices, neighbors
 
 
 def alpha_complex(found: AlphaMethods, alpha: float = np.inf) -> AlphaComplex:

@@ -193,7 +193,7 @@ def constrained_delaunay(  # noqa: PLR0913 - options are keywords
         split.built = build(planar, given.edges, progress)
     else:  # pragma: no cover - mypy refuses
         exhausted(crossing)
-    solved = _solved(rows, split, given, order, progress)
+    solved = _solved(rows, split, given, order, threads, progress)
     keep = _kept(solved, given, carve, seeds)
     solution, bits, left = _left_first(solved, keep)
     return ConstrainedTriangulation(*solution[:6], bits, _pieces(solved, split, given), left)
@@ -217,7 +217,12 @@ class _Solved(NamedTuple):
 
 
 def _solved(
-    rows: Array, split: Split, given: Constraints, order: RowOrder, progress: Progress | None
+    rows: Array,
+    split: Split,
+    given: Constraints,
+    order: RowOrder,
+    threads: int | None,
+    progress: Progress | None,
 ) -> _Solved:
     """Convert the outcome of a run of the kernel."""
     outcome, bits, pieces, indptr, members, _, unplaced, crossings = split.built
@@ -231,7 +236,12 @@ def _solved(
     solution = solution_of(outcome, rows, split.points, "engine", progress)
     if order == "canonical":
         simplices, neighbors, bits = _kernel.canonical_order(
-            split.points, solution.simplices, solution.neighbors, bits, len(split.points)
+            split.points,
+            solution.simplices,
+            solution.neighbors,
+            bits,
+            len(split.points),
+            *as_threads(threads, len(bits)),
         )
         solution = solution._replace(simplices=simplices, neighbors=neighbors)
     return _Solved(solution, bits, pieces, indptr, members, split.edges, split.origins)
@@ -328,7 +338,7 @@ def _roles(solved: _Solved, given: Constraints) -> tuple[Bits, Rows]:
     piece, origin = piece[of_polygon], origin[of_polygon]
     points = solved.solution.points
     pairs = solved.pieces[piece], solved.parts[solved.members[of_polygon]]
-    along = np.equal(*(is_after(*points[each.T]) for each in pairs))
+    along = np.equal(*(is_after(*points.take(each.T, axis=0)) for each in pairs))
     steps = np.where(along, 1, -1) * given.winding[origin].T
     windings = [np.bincount(piece, each, minlength=count).astype(np.int32) for each in steps]
     return bounds, np.stack(windings, axis=1)

@@ -283,7 +283,7 @@ def _as_rows(points: Reals, lines: Sequence[Line]) -> tuple[list[Rows], Floats]:
 
 def match_rows(points: Floats, corners: Floats) -> tuple[Integers, Indices]:
     """Return the row at each position: the first there, or a new one; and whose those are."""
-    x = distinct(corners[:, 0])
+    x = distinct(corners[:, 0]) if len(points) else points[:, 0]
     place = np.minimum(np.searchsorted(x, points[:, 0]), len(x) - 1)
     near = np.flatnonzero(x[place] == points[:, 0]) if len(x) else np.empty(0, dtype=np.intp)
     both = np.concatenate([points[near], corners]) + 0.0  # no -0.0
@@ -335,10 +335,10 @@ def _windings(
     starts = np.concatenate([[0], np.cumsum([len(each) for each in rings])])
     is_hole = np.array([k > 0 for area in areas for k in range(len(area))])
     kinds = np.stack([~is_hole, is_hole], axis=1)
-    return np.where(kinds, _turns(corners, starts)[:, None], np.int32(0))
+    return np.where(kinds, turns(corners, starts)[:, None], np.int32(0))
 
 
-def _turns(corners: Floats, starts: Integers) -> Rows:
+def turns(corners: Floats, starts: Integers) -> Rows:
     """Return -1 for rings that turn clockwise, 1 for others, also for loops that cancel out."""
     count = np.diff(starts)
     of_ring = np.repeat(np.arange(len(count)), count)

@@ -125,6 +125,8 @@ def delaunay(  # noqa: PLR0913 - options are keywords
 
     See Also
     --------
+    delaunay_many : Thousands of small sets in one call.
+    Triangulation.graph : Gabriel graphs, relative neighbours, minimum spanning trees.
     regular : Triangulations of weighted points.
     DynamicTriangulation : Points that come and go.
     liftmesh.scipy.Delaunay : The same as SciPy's class.
@@ -211,7 +213,7 @@ def solve(  # noqa: PLR0913 - as above
         if apex is not _MEDIAN:
             given_apex(apex)  # unused by divide and conquer, but an invalid one is an error
         outcome = _kernel.delaunay(*run, folder) if form is None else _by_metric(form, run)
-    solution = solution_of(outcome, rows, planar, order, progress)
+    solution = solution_of(outcome, rows, planar, order, progress, threads)
     if counters is None and form is None:
         return solution
     return solution._replace(counters=counters, metric=form)
@@ -252,6 +254,7 @@ def solution_of(
     planar: Array,
     order: RowOrder,
     progress: Progress | None,
+    threads: int | None = None,
 ) -> Solution:
     """Convert the outcome of a run of the kernel."""
     status, row, distinct, simplices, neighbors, hull, duplicates, skipped = outcome
@@ -261,7 +264,12 @@ def solution_of(
         raise _degenerate(rows, distinct, hull, len(skipped))
     if order == "canonical":
         simplices, neighbors, _ = _kernel.canonical_order(
-            planar, simplices, neighbors, None, len(planar)
+            planar,
+            simplices,
+            neighbors,
+            None,
+            len(planar),
+            *as_threads(threads, len(simplices)),
         )
     if progress is not None:
         progress(1.0)

@@ -102,8 +102,10 @@ def triangulate_polygon(
             tri, min_angle=quality, max_area=max_area, conforming=conforming
         ).triangulation
         points, triangles = refined.points, refined.simplices
-    used = used_rows(len(points), triangles)  # not those of repeated points
-    return points[used], np.searchsorted(used, triangles)
+    used = used_rows(len(points), triangles)
+    if len(used) == len(points):
+        return np.array(points), triangles.astype(np.int64)
+    return points[used], np.searchsorted(used, triangles)  # without repeated points
 
 
 def _read(
@@ -122,6 +124,8 @@ def _read(
 
 def _check_inside(points: Floats, tri: Any) -> None:
     """Raise for points that no triangle has."""
+    if not len(points):
+        return
     is_outside = np.ones(len(points), dtype=np.bool_)
     used = np.unique(tri.simplices)
     is_outside[used[used < len(points)]] = False

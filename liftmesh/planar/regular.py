@@ -152,7 +152,7 @@ def solve(
         *as_threads(threads, len(rows)),
         progress,
     )
-    solution = solution_of(outcome, rows, planar, order, progress)
+    solution = solution_of(outcome, rows, planar, order, progress, threads)
     return solution._replace(hidden=hidden, weights=values)
 
 

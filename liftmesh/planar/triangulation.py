@@ -11,7 +11,7 @@ from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Progress, Reals, Rows
 from liftmesh.base.arrays import as_pairs, read_only
 from liftmesh.base.frozen import cached_property, check_copied
-from liftmesh.base.options import NonFinite, as_threads
+from liftmesh.base.options import Coincident, GraphKind, GraphWeights, NonFinite, as_threads
 from liftmesh.errors import InputError
 from liftmesh.planar.alpha import AlphaMethods
 from liftmesh.planar.kinds import options_of
@@ -19,6 +19,9 @@ from liftmesh.planar.lifting import Counters, Heights, LowerHull, resolve_apex
 from liftmesh.predicates import orient2d
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import scipy.sparse
     import scipy.spatial
 
     from liftmesh.planar.certificate import Certificate
@@ -460,6 +463,27 @@ class Triangulation(AlphaMethods):
             progress=progress,
             **options_of(self),
         )
+
+    def graph(
+        self,
+        kind: GraphKind = "delaunay",
+        weights: GraphWeights | Callable[[Floats], ArrayLike] = "length",
+        *,
+        coincident: Coincident = "first",
+    ) -> scipy.sparse.csr_array:
+        """Make a graph of rows that are near each other, as a sparse matrix.
+
+        In full: `liftmesh.planar.graph.graph`.
+
+        Parameters
+        ----------
+        kind : {"delaunay", "gabriel", "relative_neighborhood", ...}, default "delaunay"
+        weights : {"length", "binary"} or callable, default "length"
+        coincident : {"first", "clique"}, default "first"
+        """
+        from liftmesh.planar.graph import graph  # noqa: PLC0415 - sparse matrices are not small
+
+        return graph(self, kind, weights, coincident=coincident)
 
     def to_scipy(self) -> scipy.spatial.Delaunay:
         """Convert to ``scipy.spatial.Delaunay``, for code that requires this class.

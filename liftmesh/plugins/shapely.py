@@ -30,8 +30,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
-from liftmesh.base.cloud import Cloud
-from liftmesh.base.options import counted
+from liftmesh.base.options import as_distance, counted
 from liftmesh.cells.clipped import rows_of_corners
 from liftmesh.cells.domain import following_corners
 from liftmesh.cells.voronoi import voronoi
@@ -40,7 +39,7 @@ from liftmesh.io.objects.plain import is_of
 from liftmesh.optional import load
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.delaunay import delaunay
-from liftmesh.terrain.thinning import thin
+from liftmesh.terrain.thinning import rows_apart
 
 if TYPE_CHECKING:
     import shapely
@@ -224,7 +223,8 @@ def _checked(shape: Any) -> Any:
 
 def _triangles(shape: Any, tolerance: float, only_edges: bool) -> Any:
     coordinates = _coordinates(shape)
-    coordinates = coordinates[_kept(coordinates[:, :2], tolerance)]
+    if distance := as_distance("tolerance", tolerance):
+        coordinates = coordinates[rows_apart(coordinates[:, :2], distance)]
     planar = coordinates[:, :2]
     try:
         tri = delaunay(planar)
@@ -237,16 +237,20 @@ def _triangles(shape: Any, tolerance: float, only_edges: bool) -> Any:
 
 def _made_of(coordinates: Floats, ends: Array) -> Any:
     """Make a collection of triangles, or the lines of edges; at once, as well-known binary."""
-    width, is_flat = ends.shape[1], coordinates.shape[1] == 2
-    many, one = (5, 2) if width == 2 else (7, 3)
-    corners = coordinates[ends if width == 2 else ends[:, [0, 1, 2, 0]]]
-    rings: list[tuple[str, str]] = [("rings", "<u4")] if width == 3 else []
-    kind = [("order", "u1"), ("type", "<u4"), *rings, ("count", "<u4")]
-    parts = np.ones(len(ends), dtype=[*kind, ("corners", "<f8", corners.shape[1:])])
-    parts["type"] = one if is_flat else one | _WITH_HEIGHTS
-    parts["count"], parts["corners"] = corners.shape[1], corners
-    head = np.array([many if is_flat else many | _WITH_HEIGHTS, len(ends)], dtype="<u4")
-    return shapely.from_wkb(b"\x01" + head.tobytes() + parts.tobytes())
+    is_lines = ends.shape[1] == 2
+    many, one, rings = (5, 2, ()) if is_lines else (7, 3, (1,))
+    around = ends if is_lines else ends.take([0, 1, 2, 0], axis=1)
+    space = _WITH_HEIGHTS if coordinates.shape[1] == 3 else 0
+    width = around.shape[1] * coordinates.shape[1]
+    corners = coordinates.take(around, axis=0).astype("<f8", copy=False).reshape(-1, width)
+    head = b"\x01" + np.array([one | space, *rings, around.shape[1]], dtype="<u4").tobytes()
+    whole = b"\x01" + np.array([many | space, len(ends)], dtype="<u4").tobytes()
+    text = np.empty(len(whole) + len(ends) * (len(head) + 8 * width), dtype=np.uint8)
+    text[: len(whole)] = np.frombuffer(whole, np.uint8)
+    parts = text[len(whole) :].reshape(-1, len(head) + 8 * width)
+    parts[:, : len(head)] = np.frombuffer(head, np.uint8)
+    parts[:, len(head) :] = corners.view(np.uint8)
+    return shapely.from_wkb(text.tobytes())
 
 
 def _along(planar: Floats) -> Array:
@@ -257,7 +261,7 @@ def _along(planar: Floats) -> Array:
 
 def _cells(shape: Any, tolerance: float, extend_to: Any, only_edges: bool, ordered: bool) -> Any:
     coordinates = _coordinates(shape)[:, :2]
-    kept = _kept(coordinates, tolerance)
+    kept = rows_apart(coordinates, as_distance("tolerance", tolerance))
     points = coordinates[kept]
     if len(np.unique(points, axis=0)) < 2:
         return shapely.MultiLineString() if only_edges else shapely.GeometryCollection()
@@ -342,12 +346,3 @@ def _coordinates(shape: Any) -> Floats:
     """Return the coordinates of a geometry, with heights if it has any."""
     coordinates: Floats = shapely.get_coordinates(shape, include_z=bool(shapely.has_z(shape)))
     return coordinates
-
-
-def _kept(planar: Floats, tolerance: float) -> Array:
-    """Choose points that are a distance apart."""
-    rows = np.arange(len(planar))
-    if not tolerance:
-        return rows
-    cloud = Cloud(np.column_stack([planar, np.zeros(len(planar))]), attributes={"row": rows})
-    return thin(cloud, min_distance=tolerance).attributes["row"]

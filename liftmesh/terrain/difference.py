@@ -33,7 +33,13 @@ if TYPE_CHECKING:
 _LAID = 0.9  # of the time
 
 
-def difference(surface: Surface, other: Surface, *, progress: Progress | None = None) -> Surface:
+def difference(
+    surface: Surface,
+    other: Surface,
+    *,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> Surface:
     """Subtract the heights of another surface: a surface where both have faces.
 
     Parameters
@@ -43,7 +49,7 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     other : Surface
         What is subtracted from it, over the same plane, such as that before. The surfaces need
         not have the same points, nor cover the same area.
-    progress : callable, optional
+    threads, progress : optional
         As for `triangulate`.
 
     Returns
@@ -92,7 +98,7 @@ def difference(surface: Surface, other: Surface, *, progress: Progress | None = 
     check_pair(surface, other)
     check_exact(surface.frame)
     check_progress(progress)
-    laid = overlay_mesh(surface, other, part_of(progress, 0.0, _LAID))
+    laid = overlay_mesh(surface, other, threads, part_of(progress, 0.0, _LAID))
     found = None if laid is None else _over(surface, laid)
     if found is None:
         return _by_constraints(surface, other, part_of(progress, _LAID, 1.0))

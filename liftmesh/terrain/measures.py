@@ -48,6 +48,7 @@ if TYPE_CHECKING:
 
 _MOST_EXPONENT = 64
 _FARTHEST = 2.0**64  # shapely crosses lines to 2**-104 of their length
+_FEW = 1024  # vertices that are located first
 _LARGEST = np.finfo(np.float64).max
 Measured: TypeAlias = tuple[float, float, float]
 
@@ -505,11 +506,12 @@ def touching(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
 def _of_a_vertex(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:
     """Find a vertex of one in the other: a face at it, and the face that contains it."""
     rows = np.flatnonzero(one.vertex_to_simplex >= 0)
-    place = two.find_simplex(one.points[rows])
-    inside = np.flatnonzero(place >= 0)
-    if not len(inside):
-        return None
-    return int(one.vertex_to_simplex[rows[inside[0]]]), int(place[inside[0]])
+    for some in (rows[:_FEW], rows[_FEW:]):
+        place = two.find_simplex(one.points[some])
+        inside = np.flatnonzero(place >= 0)
+        if len(inside):
+            return int(one.vertex_to_simplex[some[inside[0]]]), int(place[inside[0]])
+    return None
 
 
 def _of_crossing_sides(one: Triangulation, two: Triangulation) -> tuple[int, int] | None:

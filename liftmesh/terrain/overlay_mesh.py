@@ -14,6 +14,7 @@ import numpy as np
 from liftmesh import _kernel
 from liftmesh._typing import Array, Floats, Integers, Mask, Progress, Rows
 from liftmesh.base.arrays import pair_keys, pairs_of_keys
+from liftmesh.base.options import as_threads
 from liftmesh.errors import CrossingError
 from liftmesh.planar.constrained import constrained_delaunay
 from liftmesh.planar.constrained_triangulation import (
@@ -42,7 +43,10 @@ class OverlayMesh(NamedTuple):
 
 
 def overlay_mesh(
-    surface: SurfaceData, other: SurfaceData, progress: Progress | None
+    surface: SurfaceData,
+    other: SurfaceData,
+    threads: int | None,
+    progress: Progress | None,
 ) -> OverlayMesh | None:
     """Lay two surfaces over each other; None if they have nothing in common, or are too near.
 
@@ -51,7 +55,8 @@ def overlay_mesh(
     pair = touching(surface.triangulation, other.triangulation)
     if pair is None:
         return None
-    found = kernel_surface(surface).overlay(kernel_surface(other), *pair, progress)
+    limit = as_threads(threads, len(surface.faces) + len(other.faces))
+    found = kernel_surface(surface).overlay(kernel_surface(other), *pair, *limit, progress)
     if found is None or not len(found[2]):
         return None
     points, rises, simplices, neighbors, bits, crossings, displacement = found
@@ -63,7 +68,7 @@ def overlay_mesh(
     if len(filler.simplices):
         simplices, neighbors, bits = filler.join(simplices, neighbors, bits, rim)
     simplices, neighbors, bits = _kernel.canonical_order(
-        None, simplices, neighbors, bits, len(points)
+        None, simplices, neighbors, bits, len(points), *limit
     )
     mask = bits >= _FILLER if len(simplices) > count else None
     bits = bits & np.uint8(_FILLER - 1)
@@ -159,13 +164,13 @@ class _Filler(NamedTuple):
         count = np.int32(len(simplices))
         triangle, k = np.nonzero(self.inner >= 0)
         side = self.inner[triangle, k]
-        neighbors = neighbors.copy()
-        neighbors[rim.triangles[side], rim.opposite[side]] = count + triangle
         own = np.where(self.neighbors < 0, self.neighbors, self.neighbors + count)
         own[triangle, k] = rim.triangles[side]
+        neighbors = np.concatenate([neighbors, own])
+        neighbors[rim.triangles[side], rim.opposite[side]] = count + triangle
         return (
             np.concatenate([simplices, self.simplices]),
-            np.concatenate([neighbors, own]),
+            neighbors,
             np.concatenate([bits, bits_of(self.inner >= 0) | np.uint8(_FILLER)]),
         )
 

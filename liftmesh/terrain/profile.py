@@ -399,6 +399,10 @@ class LineCrossings:
 
     def of(self, p: Floats, q: Floats) -> tuple[Floats, Rows]:
         """List x, y, height and distance from p of what pieces meet, and which piece it is of."""
+        return _along(*self.met(p, q), p, q)
+
+    def met(self, p: Floats, q: Floats) -> Met:
+        """List x, y and height of what pieces meet, in any order, and some of it twice."""
         ends = np.concatenate([p, q])
         heights = heights_at(self._surface, ends)
         number = np.tile(np.arange(len(p), dtype=np.int32), 2)
@@ -407,7 +411,7 @@ class LineCrossings:
         for some in np.array_split(np.arange(len(piece)), len(piece) // _BATCH + 1):
             met += self._met(piece[some], face[some], p, q)
         points, kinds, piece = (np.concatenate(each) for each in zip(*met, strict=True))
-        return _along(points, kinds, piece, p, q)
+        return points, kinds, piece
 
     def passages(self, p: Floats, q: Floats) -> tuple[Rows, Rows]:
         """Return which pieces touch which faces."""

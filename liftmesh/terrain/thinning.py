@@ -194,6 +194,11 @@ def thin(  # noqa: PLR0913 - options are keywords
     return only(source, rows, thinning=counts)
 
 
+def rows_apart(planar: Floats, distance: float) -> Array:
+    """Choose rows so that no two are nearer to each other in the plane; a distance of 0: all."""
+    return _apart(planar, distance, None) if distance else np.arange(len(planar))
+
+
 def _one_of(given: dict[str, float | int | None]) -> tuple[str, float | int]:
     ways = {key: value for key, value in given.items() if value is not None}
     if len(ways) != 1:

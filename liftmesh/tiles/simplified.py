@@ -168,10 +168,10 @@ class Deviation:
         near = (np.minimum(one, other) <= high) & (np.maximum(one, other) >= low)
         ends = self._ends[near.all(axis=1)]
         pieces = np.ascontiguousarray(ends[:, :, :2].swapaxes(0, 1))
-        points, side = LineCrossings(source).of(*pieces)
+        points, _, side = LineCrossings(source).met(*pieces)
         steps = (ends[:, 1] - ends[:, 0])[side]
-        share = points[:, 3] / np.hypot(steps[:, 0], steps[:, 1])
-        at_sides = np.abs(points[:, 2] - ends[side, 0, 2] - share * steps[:, 2])
+        share = np.hypot(*(points[:, :2] - ends[side, 0, :2]).T) / np.hypot(*steps[:, :2].T)
+        at_sides = np.abs(points[:, 2] - ends[side, 0, 2] - np.minimum(share, 1) * steps[:, 2])
         return float(np.nanmax(np.concatenate([at_rows, at_sides]), initial=0))
 
 

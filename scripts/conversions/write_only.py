@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree as ET
 
 import lib3mf
 import meshio
@@ -64,6 +65,40 @@ def vtu(data: bytes) -> Cloud:
     )
 
 
+def xdmf(data: bytes) -> Cloud:
+    """Read points, cells and values by hand."""
+    grid = ET.fromstring(data).find("Domain/Grid")
+    assert grid is not None, "there is no grid"
+    topology, points = grid.find("Topology"), _item_of(grid.find("Geometry"))
+    kind, numbers = topology.get("TopologyType"), _item_of(topology).tolist()
+    cells: dict[int, list[list[int]]] = {3: [], 2: [], 1: []}
+    if kind != "Mixed":
+        cells[3 if kind == "Triangle" else 1] = numbers
+    while kind == "Mixed" and numbers:
+        width, start = (3, 1) if numbers[0] == 4 else (numbers[1], 2)
+        cells[width].append(numbers[start : start + width])
+        numbers = numbers[start + width :]
+    values: dict[str, Any] = {
+        str(each.get("Name")): _item_of(each)
+        for each in grid.iter("Attribute")
+        if each.get("Center") == "Node"
+    }
+    colors, normals = values.pop("Colors", None), values.pop("Normals", None)
+    faces, edges = (np.array(cells[width], np.int32) if cells[width] else None for width in (3, 2))
+    return Cloud(
+        points, colors=colors, normals=normals, attributes=values, faces=faces, edges=edges
+    )
+
+
+def _item_of(element: Any) -> Any:
+    """Return the array of an element."""
+    item = element.find("DataItem")
+    kind = {"Float": "f", "Int": "i", "UInt": "u"}[item.get("DataType")] + item.get("Precision")
+    whole = int if kind[0] != "f" else np.dtype(kind).type
+    numbers = np.array([whole(word) for word in item.text.split()], dtype=kind)
+    return numbers.reshape([int(size) for size in item.get("Dimensions").split()])
+
+
 def msh(data: bytes) -> Cloud:
     """Read cells with meshio; the nodes, which it leaves in the order of the file, by hand."""
     at = data.index(b"$Nodes\n") + 7
@@ -116,6 +151,7 @@ def _native(values: Any) -> Any:
 READERS: dict[str, Callable[[bytes], Cloud]] = {
     "3mf": three_mf,
     "vtu": vtu,
+    "xdmf": xdmf,
     "msh": msh,
     "ugrid": ugrid,
 }

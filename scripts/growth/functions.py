@@ -34,6 +34,12 @@ EXACT = ("lattice", "tilted lattice", "mixed exponents")
 TERRAIN = ("random heights", "towers")
 METRIC = ((2.0, 0.5), (0.5, 1.25))
 POLICIES = ("first", "last", "lowest", "highest", "mean", "error")
+GRAPHS = {
+    "gabriel": (),
+    "relative_neighborhood": ("circle and centre",),
+    "minimum_spanning_tree": ("lattice",),
+    "sphere_of_influence": ("two scales",),
+}
 ALPHA = ("circumradii", "alpha_complex", "alpha_shape", "optimal_alpha")
 PROPERTIES = (
     "points", "convex_hull", "coplanar", "good", "min_bound", "max_bound", "vertex_to_simplex",
@@ -352,6 +358,21 @@ def planar_functions() -> Iterator[tuple[Any, ...]]:
     yield "LowerHull.save", PLANAR, on_hull(saved), PLAIN
 
 
+def of_few(points: Points) -> Work:
+    """Prepare the triangulation of sets of some 60 rows."""
+    starts = np.append(np.arange(0, len(points), 60), len(points))
+    return Work(lambda: liftmesh.delaunay_many(points, starts, threads=1), len(points))
+
+
+def graphs_and_sets() -> Iterator[tuple[Any, ...]]:
+    """The same of graphs of near points, and of many sets."""
+    yield "delaunay_many", PLANAR, of_few, ("uniform",)
+    yield "Triangulation.graph", PLANAR, on_triangulation(Triangulation.graph), ()
+    for kind, counted in GRAPHS.items():
+        near = on_triangulation(lambda t, kind=kind: t.graph(kind, "binary"))
+        yield f"Triangulation.graph {kind}", PLANAR, near, counted
+
+
 on_globe = on(liftmesh.spherical_delaunay)
 """Prepare a call on the triangulation of the directions of points."""
 
@@ -493,6 +514,7 @@ def scipys_in_space() -> Iterator[tuple[Any, ...]]:
 
 FUNCTIONS = (
     *planar_functions(),
+    *graphs_and_sets(),
     *tiled_functions(),
     *spatial_functions(),
     *solid_functions(),

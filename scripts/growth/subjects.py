@@ -153,6 +153,8 @@ WITHOUT_DATA = {
     "Surface": "a result, made by triangulate; its methods are watched",
     "Tiled": "a result, made by tile; its methods are watched",
     "TiledSurface": "a result, made by tile_surface; its methods are watched",
+    "Triangulations": "a result, made by delaunay_many: views of arrays",
+    "Triangulations.triangulation": "views of arrays",
     "Triangulation": "a result, made by delaunay; its methods and properties are watched",
     "VolumeResult": "a result, made by Surface.volume",
 }

@@ -22,11 +22,11 @@ class Overlaid {
 
     // The volumes between them, and the overlay as a mesh, as one list of numbers; empty if an
     // interrupt came first.
-    std::vector<double> numbers(liftmesh::Interrupt& interrupt) const {
+    std::vector<double> numbers(liftmesh::Threads threads, liftmesh::Interrupt& interrupt) const {
         liftmesh::Between volumes{};
         liftmesh::OverlayMesh found;
         if (!are_there_ || !between(one_.relief, two_.relief, face_, other_, volumes, interrupt) ||
-            !overlay_mesh(one_.relief, two_.relief, face_, other_, found, interrupt))
+            !overlay_mesh(one_.relief, two_.relief, face_, other_, found, threads, interrupt))
             return {};
         std::vector<double> all{volumes.above, volumes.below, volumes.area,
                                 static_cast<double>(found.is_sound)};

@@ -1,5 +1,5 @@
-// All that the kernel computes of alpha complexes and of directions, as one list of numbers; empty
-// if an interrupt came first.
+// All that the kernel computes of alpha complexes, of graphs of near points and of directions, as
+// one list of numbers; empty if an interrupt came first.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "alpha/alpha.hpp"
+#include "proximity/proximity.hpp"
 #include "sphere/sphere.hpp"
 
 namespace native {
@@ -62,6 +63,22 @@ Numbers alpha_numbers(const liftmesh::SimplexView<K>& view, std::size_t rows,
     add(all, is_inside);
     add(all, surface.facets);
     add(all, surface.singular);
+    return all;
+}
+
+// The graphs of near points, with lengths.
+inline Numbers graph_numbers(const liftmesh::Triangulated& mesh, liftmesh::Interrupt& interrupt) {
+    using liftmesh::Proximity;
+    Numbers all;
+    for (const auto kind : {Proximity::gabriel, Proximity::relative_neighborhood,
+                            Proximity::minimum_spanning_tree, Proximity::sphere_of_influence}) {
+        std::vector<std::array<std::int32_t, 2>> edges;
+        if (!liftmesh::find_proximity_graph(mesh, kind, interrupt, edges)) return {};
+        Numbers lengths(edges.size());
+        if (!liftmesh::find_lengths(mesh.points, edges, interrupt, lengths.data())) return {};
+        add(all, edges);
+        add(all, lengths);
+    }
     return all;
 }
 

@@ -9,11 +9,11 @@ triangulates every distribution of `distributions.py` and small sets of every ki
 `small_sets.py`, on one thread and on three, by every engine, by weights and by radii, in a metric
 and for farthest points; makes graphs of disks, and stars in metrics of their own; asks surfaces for
 heights, rasters, contours and volumes, lays them over each other, inserts and removes points and
-edges, puts edges in, refines, and simplifies; merges tiles, makes tetrahedra, alpha complexes and
-triangulations on the sphere, locates, verifies, decides signs, and prints and parses numbers
-(`driver.cpp`). Hashes of all results must be those of the first build. No build may have an
-instruction that fuses a product and a sum. Two are compiled with such instructions: these have to
-notice, as the kernel does at its import, and refuse to run.
+edges, puts edges in, refines, and simplifies; merges tiles, makes tetrahedra, alpha complexes,
+graphs of near points and triangulations on the sphere, locates, verifies, decides signs, and prints
+and parses numbers (`driver.cpp`). Hashes of all results must be those of the first build. No build
+may have an instruction that fuses a product and a sum. Two are compiled with such instructions:
+these have to notice, as the kernel does at its import, and refuse to run.
 
 Exits with 1 at any difference, and with 2 where a tool is missing: it says which package has it.
 """

@@ -2,6 +2,7 @@
 
 #include "kinds.hpp"
 #include "predicates/determinants.hpp"
+#include "predicates/distances.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"
@@ -21,7 +22,10 @@ void add_signs(Point a, Point b, Point c, Point d, Digest& digest) {
     digest.add(liftmesh::orient2d(a, b, c));
     digest.add(liftmesh::incircle_exact(a, b, c, d, Guard::anywhere()));
     digest.add(liftmesh::incircle_canonical_exact(a, b, c, d, Guard::anywhere()));
-    digest.add(liftmesh::compare_heights(a, b, c));
+    digest.add(liftmesh::compare_distances(a, b, c, d));
+    digest.add(liftmesh::sign_at_apex(a, b, c));
+    digest.add(liftmesh::do_circles_cross(a, b, c, d));
+    digest.add(liftmesh::distance(a, b));
     digest.add(liftmesh::turn_in_oyz(a, b, c, d));
     const SpacePoint p{a.x, a.y, b.x}, q{b.x, b.y, c.x}, r{c.x, c.y, d.x}, s{d.x, d.y, a.x};
     digest.add(liftmesh::orient3d_exact(p, q, r, s));

@@ -48,14 +48,18 @@ void add_tetrahedra(const std::vector<SpacePoint>& points, Digests& digests) {
     add(digests.of["alpha complexes"], native::alpha_numbers(view, points.size(), never));
 }
 
-void add_plane(std::vector<SpacePoint> points, Digest& digest) {
+void add_plane(std::vector<SpacePoint> points, Digests& digests) {
     for (SpacePoint& p : points) p.z = 0;
     liftmesh::NoInterrupt never;
     const auto found = liftmesh::delaunay(native::input_of(points), true, {}, never);
     if (found.status != Status::ok) return;
     const liftmesh::SimplexView<3> view{points.data(), found.result.simplices.get(),
                                         found.result.neighbors.get(), found.result.triangle_count};
-    add(digest, native::alpha_numbers(view, points.size(), never));
+    add(digests.of["alpha complexes in the plane"],
+        native::alpha_numbers(view, points.size(), never));
+    const liftmesh::Triangulated mesh{native::input_of(points), view.simplices, view.neighbors,
+                                      view.count};
+    add(digests.of["graphs of near points"], native::graph_numbers(mesh, never));
 }
 
 void add_directions(std::vector<SpacePoint> points, Digest& digest) {
@@ -83,7 +87,7 @@ void add_signs(const std::vector<SpacePoint>& points, Digest& digest) {
 void add_space(const double* coordinates, std::size_t rows, Digests& digests) {
     const std::vector<SpacePoint> points = raised(coordinates, rows);
     add_tetrahedra(points, digests);
-    add_plane(points, digests.of["alpha complexes in the plane"]);
+    add_plane(points, digests);
     add_directions(points, digests.of["on the sphere"]);
     add_signs(points, digests.of["signs in space"]);
 }

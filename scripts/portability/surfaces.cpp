@@ -185,7 +185,7 @@ void add_overlay(const double* coordinates, std::size_t rows, Digests& digests) 
             liftmesh::is_finite(p))
             points.push_back(p);
     liftmesh::NoInterrupt never;
-    add(digests.of["overlays"], native::Overlaid(points).numbers(never));
+    add(digests.of["overlays"], native::Overlaid(points).numbers({}, never));
 }
 
 }  // namespace

@@ -11,11 +11,11 @@ cells, also with other rows than those triangulated; `surfaces.cpp` asks for hei
 contours and rings, and lays surfaces over each other; `tiles.cpp` merges tiles; `changing.cpp`
 inserts and removes points and edges, and simplifies terrains; `given_edges.cpp` puts edges in,
 carves, verifies and refines; `disk_graphs.cpp` makes and verifies graphs of disks, and stars in
-metrics of their own; `space.cpp` makes, verifies and searches tetrahedra, and makes alpha complexes
-and triangulations on the sphere; `text.cpp` prints and parses numbers, and leaves rows that
-are being printed; `spoilt.cpp` changes rows while they are triangulated. Exits with 1 if the
-sanitizer reports anything, or if a result differs from that of one thread. Needs clang with its
-sanitizers.
+metrics of their own; `space.cpp` makes, verifies and searches tetrahedra, and makes alpha
+complexes, graphs of near points and triangulations on the sphere; `text.cpp` prints and parses
+numbers, and leaves rows that are being printed; `spoilt.cpp` changes rows while they are
+triangulated. Exits with 1 if the sanitizer reports anything, or if a result differs from that of
+one thread. Needs clang with its sanitizers.
 """
 
 from __future__ import annotations

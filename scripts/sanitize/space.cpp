@@ -102,6 +102,11 @@ void shaped_in_the_plane(const Cloud& cloud, std::vector<SpacePoint> points) {
     liftmesh::NoInterrupt never;
     const liftmesh::Delaunay found = liftmesh::delaunay(cloud.input(), true, {}, never);
     if (found.status != Status::ok) return;
+    repeated(cloud, [&](std::uint64_t, auto& interrupt) {
+        return native::graph_numbers({cloud.input(), found.result.simplices.get(),
+                                      found.result.neighbors.get(), found.result.triangle_count},
+                                     interrupt);
+    });
     for (SpacePoint& p : points) p.z = 0;
     shaped<3>(cloud, points, found.result, found.result.triangle_count);
 }

@@ -154,16 +154,16 @@ void check_surfaces(const Cloud& cloud, const liftmesh::Delaunay& found) {
 
 void check_overlays(const Cloud& cloud) {
     const native::Overlaid surfaces(finite(cloud, 6000));
-    const auto by = [&](std::size_t patience) {
+    const auto by = [&](unsigned threads, std::size_t patience) {
         Patient interrupt(patience);
-        return surfaces.numbers(interrupt);
+        return surfaces.numbers({threads, false}, interrupt);
     };
     std::vector<double> other;
-    std::thread caller([&] { other = by(~std::size_t{0}); });
-    const std::vector<double> alone = by(~std::size_t{0});
+    std::thread caller([&] { other = by(3, ~std::size_t{0}); });
+    const std::vector<double> alone = by(1, ~std::size_t{0});
     caller.join();
     demand(same(other, alone), cloud, "callers at the same time lay surfaces otherwise");
-    for (const std::size_t patience : {1u, 2u, 4u, 8u, 16u}) by(patience);
+    for (const std::size_t patience : {1u, 2u, 4u, 8u, 16u, 64u}) by(3, patience);
 }
 
 void check_spoilt_surfaces(std::size_t rows, unsigned most_threads) {

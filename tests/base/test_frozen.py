@@ -5,12 +5,14 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
+from threading import Barrier
 
 import numpy as np
 import pytest
 
-from liftmesh.base.frozen import FrozenDict, FrozenResult
+from liftmesh.base.frozen import FrozenDict, FrozenResult, cached_property
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -38,3 +40,24 @@ def test_a_frozen_dictionary_is_one_but_for_changes() -> None:
             change()
     assert copy.deepcopy(found) == dict(found) == {"a": 1}
     assert asdict(Result(np.zeros(1), FrozenDict()))["named"] == {}
+
+
+class Computed:
+    """Threads compute its value at the same time, without waiting for those of other instances."""
+
+    def __init__(self) -> None:
+        self.together = Barrier(2)
+
+    @cached_property
+    def value(self) -> np.ndarray:
+        self.together.wait(60)
+        return np.zeros(3)
+
+
+def test_threads_that_compute_a_value_at_once_share_it() -> None:
+    """SciPy's interpolators read one that the other thread had replaced, and the process died."""
+    computed = Computed()
+    with ThreadPoolExecutor(2) as threads:
+        first, second = threads.map(lambda _: computed.value, range(2))
+    assert first is second is computed.value
+    assert isinstance(Computed.value, cached_property)

@@ -1,4 +1,4 @@
-"""LandXML, 3MF and VTU: what other programs read is the mesh, and all else is named."""
+"""LandXML, 3MF, VTU and XDMF: what other programs read is the mesh, and all else is named."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ import io
 import sys
 import zipfile
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 from xml.etree import ElementTree as ET
 
@@ -50,6 +52,13 @@ SCHEMA: dict[str, tuple[set[str], list[str]]] = {
 }
 
 
+@pytest.fixture(autouse=True)
+def h5py(monkeypatch: pytest.MonkeyPatch) -> None:
+    """meshio imports it to read any XDMF, but uses it for arrays in HDF5 alone."""
+    if find_spec("h5py") is None:
+        monkeypatch.setitem(sys.modules, "h5py", ModuleType("h5py"))
+
+
 def written(cloud: Cloud, kind: str, **options: Any) -> bytes:
     stream = io.BytesIO()
     liftmesh.write(stream, cloud, format=kind, **options)
@@ -84,11 +93,14 @@ def test_edges_are_breaklines_of_landxml_and_lines_of_vtu(tmp_path: Path) -> Non
     texts = [each.text or "" for each in landxml(mesh).iter(SPACE + "PntList3D")]
     ends = np.array([[float(x) for x in text.split()] for text in texts]).reshape(2, 2, 3)
     assert np.array_equal(ends[..., [1, 0, 2]], POINTS[mesh.edges])
-    assert liftmesh.write(tmp_path / "a.vtu", mesh).dropped == ()
-    triangles, lines = meshio.read(tmp_path / "a.vtu").cells
-    assert np.array_equal(triangles.data, MESH.faces)
-    assert (lines.type, lines.data.tolist()) == ("line", [[0, 2], [1, 3]])
-    assert written(replace(MESH, edges=mesh.edges[:0]), "vtu") == written(MESH, "vtu")
+    for kind in ("vtu", "xdmf"):
+        assert liftmesh.write(tmp_path / f"a.{kind}", mesh).dropped == ()
+        found = meshio.read(tmp_path / f"a.{kind}")
+        triangles, lines = found.cells
+        assert np.array_equal(triangles.data, MESH.faces)
+        assert (lines.type, lines.data.tolist()) == ("line", [[0, 2], [1, 3]])
+        assert [each.tolist() for each in found.cell_data["region"]] == [[0], [-1, -1]]
+        assert written(replace(MESH, edges=mesh.edges[:0]), kind) == written(MESH, kind)
     assert "edges" in liftmesh.write(tmp_path / "a.3mf", mesh).dropped
 
 
@@ -215,7 +227,8 @@ def test_3mf_has_no_faces_with_a_corner_twice(tmp_path: Path) -> None:
     assert not any(tmp_path.iterdir())
 
 
-def test_vtu_is_what_meshio_reads(tmp_path: Path) -> None:
+@pytest.mark.parametrize("kind", ["vtu", "xdmf"])
+def test_vtu_and_xdmf_are_what_meshio_reads(kind: str, tmp_path: Path) -> None:
     values = {
         "class": np.array([2, 2, 9, 1], np.uint8), "time": np.array([0.1, 0.2, np.nan, 4]),
         "is & < ok": np.array([True, False, True, False]), "half": np.zeros(4, np.float16),
@@ -224,9 +237,9 @@ def test_vtu_is_what_meshio_reads(tmp_path: Path) -> None:
     }  # fmt: skip
     colors = np.array([[0, 51, 255]] * 4, np.uint8)
     cloud = replace(MESH, attributes=values, colors=colors, normals=np.eye(3)[[0, 1, 2, 2]])
-    result = liftmesh.write(tmp_path / "a.vtu", cloud)
+    result = liftmesh.write(tmp_path / f"a.{kind}", cloud)
     assert result.dropped == ("text", "bell \x07")
-    found = meshio.read(tmp_path / "a.vtu")
+    found = meshio.read(tmp_path / f"a.{kind}")
     assert found.points.tobytes() == POINTS.tobytes()
     assert found.cells[0].type == "triangle"
     assert np.array_equal(found.cells[0].data, MESH.faces)
@@ -236,16 +249,19 @@ def test_vtu_is_what_meshio_reads(tmp_path: Path) -> None:
     assert np.array_equal(found.point_data["Normals"], cloud.normals)
 
 
-def test_vtu_of_points_and_of_nothing(tmp_path: Path) -> None:
-    liftmesh.write(tmp_path / "a.vtu", Cloud(POINTS, colors=np.full((4, 3), 0.1)))
-    found = meshio.read(tmp_path / "a.vtu")
+def test_vtu_and_xdmf_of_points_and_of_nothing(tmp_path: Path) -> None:
+    for kind in ("xdmf", "vtu"):
+        liftmesh.write(tmp_path / f"a.{kind}", Cloud(POINTS, colors=np.full((4, 3), 0.1)))
+        found = meshio.read(tmp_path / f"a.{kind}")
+        assert found.points.tobytes() == POINTS.tobytes()
     assert (found.cells[0].type, found.cells[0].data.tolist()) == ("vertex", [[0], [1], [2], [3]])
     assert (found.point_data["Colors"] == 0.1).all()
     liftmesh.write(tmp_path / "b.vtu", Cloud(np.zeros((0, 3))))
     assert b'NumberOfPoints="0"' in (tmp_path / "b.vtu").read_bytes()
+    assert b'Dimensions="0 3"' in written(Cloud(np.zeros((0, 3))), "xdmf")
 
 
-@pytest.mark.parametrize("kind", ["3mf", "vtu"])
+@pytest.mark.parametrize("kind", ["3mf", "vtu", "xdmf"])
 def test_they_are_not_read(kind: str) -> None:
     with pytest.raises(
         FormatError, match=f"{kind} files are written, not read: keep the mesh as PLY"

@@ -139,5 +139,5 @@ def test_nothing_is_written_compressed(tmp_path: Path) -> None:
 def test_every_format_of_text_may_be_compressed() -> None:
     assert {each.name for each in FORMATS if not each.gzip} == {
         *("npy", "npz", "glb", "gltf", "las", "e57", "raster", "geopackage", "shapefile"),
-        *("3mf", "vtu", "msh", "su2", "ugrid"),  # are written alone
+        *("3mf", "vtu", "xdmf", "msh", "su2", "ugrid"),  # are written alone
     }

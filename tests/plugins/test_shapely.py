@@ -81,7 +81,7 @@ class TestDelaunay:
             ours.delaunay_triangles("POINT (0 0)")
         with pytest.raises(liftmesh.NonFiniteError, match=r"row 1\b"):
             ours.delaunay_triangles(MultiPoint([(0, 0), (np.inf, 1), (1, 0)]))
-        with pytest.raises(liftmesh.InputError, match="min_distance"):
+        with pytest.raises(liftmesh.InputError, match=r"tolerance is -1\.0: give 0 or a positive"):
             ours.voronoi_polygons(MANY, tolerance=-1.0)
 
 

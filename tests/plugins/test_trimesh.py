@@ -72,6 +72,8 @@ def test_polygons_of_all_functions() -> None:
     assert half.volume == pytest.approx(0.4)
     vertices, faces = trimesh.creation.triangulate_polygon(ring)
     check_delaunay(ring, vertices, faces)
+    named = trimesh.creation.triangulate_polygon(ring, engine="liftmesh")
+    assert all(map(np.array_equal, named, (vertices, faces)))
     with pytest.raises(ValueError, match="No available triangulation engine"):
         trimesh.creation.triangulate_polygon(ring, engine="none of them")
 

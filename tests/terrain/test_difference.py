@@ -109,8 +109,26 @@ def test_the_overlay_is_that_of_constraints_to_the_bit(kind: str, changed: str) 
             == (expected.metadata["difference"]["rows_at_crossings"])
         )
         assert found.verify().valid
-        laid += overlay_mesh(one, two, None) is not None
+        laid += overlay_mesh(one, two, None, None) is not None
     assert laid > 0
+
+
+@pytest.mark.parametrize("kind", ["random", "lattice"])
+def test_no_bit_depends_on_threads(kind: str) -> None:
+    rng = np.random.default_rng(7)
+    rows = [rng.random((6000, 3)) for _ in range(2)]
+    if kind == "lattice":
+        rows = [np.round(each, 2) for each in rows]
+    one, two = (liftmesh.triangulate(each, on_duplicate="mean") for each in rows)
+    alone, *others = (liftmesh.difference(one, two, threads=each) for each in (1, 2, 5))
+    for other in others:
+        for name in ("vertices", "faces"):
+            assert getattr(alone, name).tobytes() == getattr(other, name).tobytes()
+        for name in ("simplices", "neighbors"):
+            tri, same = alone.triangulation, other.triangulation
+            assert getattr(tri, name).tobytes() == getattr(same, name).tobytes()
+        assert alone.metadata == other.metadata
+    assert alone.verify().valid
 
 
 DECIMALS = {
@@ -129,7 +147,7 @@ def test_vertices_within_rounding_of_sides_are_on_them(kind: str) -> None:
         rows = [np.insert(DECIMALS[kind](rng), 2, rng.random(len(DECIMALS[kind](rng))), 1)]
         rows.append(np.vstack([rows[0][::2], np.insert(DECIMALS[kind](rng), 2, 0.5, 1)]))
         one, two = (liftmesh.triangulate(each, on_duplicate="mean") for each in rows)
-        assert overlay_mesh(one, two, None) is not None
+        assert overlay_mesh(one, two, None, None) is not None
         change, works = liftmesh.difference(two, one), one.cut_and_fill(two)
         assert change.verify().valid
         volumes = change.volume()
@@ -179,7 +197,7 @@ def test_rows_that_are_the_same_but_for_rounding(kind: str) -> None:
     for seed in range(3):
         rows = same_but_for_rounding(kind, seed)
         one, two = map(liftmesh.triangulate, rows)
-        assert overlay_mesh(one, two, None) is not None
+        assert overlay_mesh(one, two, None, None) is not None
         works = one.cut_and_fill(two)
         # Constraints of the turned ones still cross after many splits.
         for subtracted in (liftmesh.difference, _by_constraints)[: 1 if kind == "turned" else 2]:

@@ -1,5 +1,6 @@
 #include "alpha/alpha.hpp"
 
+#include "base/components.hpp"
 #include "parallel/blocks.hpp"
 #include "predicates/insphere.hpp"
 #include "sorting/patient_sort.hpp"
@@ -224,37 +225,6 @@ bool find_alpha_surface(const SimplexView<K>& view, double alpha, Interrupt& int
 }
 
 namespace {
-
-// Union-find with path halving (R. E. Tarjan and J. van Leeuwen, 1984).
-class Components {
- public:
-    explicit Components(std::size_t count) : parent_(count, none) {}
-
-    std::size_t count() const { return count_; }
-    bool has(std::size_t i) const { return parent_[i] != none; }
-    void add(std::size_t i) {
-        parent_[i] = static_cast<std::uint32_t>(i);
-        ++count_;
-    }
-    void join(std::size_t i, std::size_t j) {
-        const std::uint32_t a = root(i), b = root(j);
-        if (a == b) return;
-        parent_[std::max(a, b)] = std::min(a, b);
-        --count_;
-    }
-
- private:
-    static constexpr std::uint32_t none = ~std::uint32_t{0};
-
-    std::uint32_t root(std::size_t i) {
-        auto at = static_cast<std::uint32_t>(i);
-        while (parent_[at] != at) at = parent_[at] = parent_[parent_[at]];
-        return at;
-    }
-
-    std::vector<std::uint32_t> parent_;
-    std::size_t count_ = 0;
-};
 
 // The radius from which on every vertex has a simplex.
 double covering_alpha(const std::int32_t* simplices, std::size_t count, std::size_t corners,

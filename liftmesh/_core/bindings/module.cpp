@@ -3,6 +3,7 @@
 #include "bindings/locator.hpp"
 #include "bindings/python.hpp"
 #include "delaunay/delaunay.hpp"
+#include "delaunay/many.hpp"
 #include "hull/lower_hull.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
@@ -26,6 +27,57 @@ nb::tuple delaunay(const PlanarRows& rows, bool skip_non_finite, unsigned thread
     };
     input.rows < few ? run(liftmesh::NoInterrupt()) : run(PythonInterrupt(progress));
     return as_tuple(outcome);
+}
+
+// A list of all parts, in one array.
+template <class Number, class Item>
+nb::object joined(const std::vector<liftmesh::Sets>& parts,
+                  std::vector<Item> liftmesh::Sets::* list, std::size_t columns) {
+    std::size_t count = 0;
+    for (const liftmesh::Sets& part : parts) count += (part.*list).size();
+    constexpr std::size_t numbers = sizeof(Item) / sizeof(Number);
+    auto all = liftmesh::allocate<Number>(numbers * count);
+    Number* to = all.get();
+    for (const liftmesh::Sets& part : parts) {
+        const auto* const from = reinterpret_cast<const Number*>((part.*list).data());
+        to = std::copy_n(from, numbers * (part.*list).size(), to);
+    }
+    return adopt(std::move(all), numbers * count / columns, columns);
+}
+
+// Where each set begins in one of the lists, and the end of the last.
+nb::object starts(const std::vector<liftmesh::Sets>& parts, std::size_t liftmesh::Sets::End::* of) {
+    std::vector<std::int64_t> all{0};
+    for (const liftmesh::Sets& part : parts) {
+        const std::int64_t before = all.back();
+        for (const auto& end : part.ends)
+            all.push_back(before + static_cast<std::int64_t>(end.*of));
+    }
+    return as_array(all);
+}
+
+nb::tuple delaunay_many(const PlanarRows& rows, const Array<const std::int64_t>& offsets,
+                        bool skip_non_finite, unsigned threads, bool shared, nb::handle progress) {
+    using liftmesh::Sets;
+    const Input input = read(rows);
+    std::vector<Sets> parts;
+    run_unlocked(
+        [&](auto& interrupt) {
+            return liftmesh::delaunay_many(input, {offsets.data(), offsets.shape(0)},
+                                           skip_non_finite, {threads, shared}, interrupt, parts);
+        },
+        progress);
+    const auto wrong = std::find_if(parts.begin(), parts.end(), [](const Sets& part) {
+        return part.status != liftmesh::Status::ok;
+    });
+    if (wrong != parts.end()) return nb::make_tuple(wrong->row);
+    using End = Sets::End;
+    return nb::make_tuple(
+        joined<std::int32_t>(parts, &Sets::simplices, 3), starts(parts, &End::triangles),
+        joined<std::int32_t>(parts, &Sets::neighbors, 3),
+        joined<std::int32_t>(parts, &Sets::hull, 1), starts(parts, &End::hull),
+        joined<std::int32_t>(parts, &Sets::duplicates, 2), starts(parts, &End::duplicates),
+        joined<std::int32_t>(parts, &Sets::skipped, 1), starts(parts, &End::skipped));
 }
 
 // In the order of `Counters` in liftmesh.planar.lifting.
@@ -84,7 +136,8 @@ void incircle(const Pairs& a, const Pairs& b, const Pairs& c, const Pairs& d, co
 // points.
 nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples& simplices,
                           const Triples& neighbors,
-                          const std::optional<Array<const std::uint8_t>>& bits, std::size_t rows) {
+                          const std::optional<Array<const std::uint8_t>>& bits, std::size_t rows,
+                          unsigned threads, bool shared) {
     const std::size_t count = simplices.shape(0);
     const liftmesh::Triangles given{simplices.data(), neighbors.data(),
                                     bits ? bits->data() : nullptr, count};
@@ -94,8 +147,9 @@ nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples
         if (points &&
             !liftmesh::rank_rows(read(*points), simplices.data(), count, ranks, interrupt))
             return false;
+        liftmesh::ThreadPool pool(liftmesh::Threads{threads, shared}.for_rows(count), interrupt);
         return liftmesh::order_triangles(given, points ? ranks.data() : nullptr, rows, ordered,
-                                         interrupt);
+                                         pool);
     });
     return nb::make_tuple(adopt(std::move(ordered.simplices), count, 3),
                           adopt(std::move(ordered.neighbors), count, 3),
@@ -104,9 +158,11 @@ nb::tuple canonical_order(const std::optional<PlanarRows>& points, const Triples
 
 void bind_planar(nb::module_& m) {
     m.def("canonical_order", &canonical_order, "points"_a.none(), "simplices"_a, "neighbors"_a,
-          "bits"_a.none(), "rows"_a);
+          "bits"_a.none(), "rows"_a, "threads"_a, "shared"_a);
     m.def("delaunay", &delaunay, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "folder"_a.none() = nb::none());
+    m.def("delaunay_many", &delaunay_many, "rows"_a, "offsets"_a, "skip_non_finite"_a, "threads"_a,
+          "shared"_a, "progress"_a.none());
     m.def("gift_wrap", &gift_wrap, "rows"_a, "skip_non_finite"_a, "threads"_a, "shared"_a,
           "progress"_a.none(), "method"_a, "qx"_a, "qy"_a);
     m.def("lower_hull", &lower_hull, "rows"_a, "method"_a, "secret"_a);
@@ -134,6 +190,7 @@ NB_MODULE(_kernel, m) {
     bindings::bind_apollonius(m);
     bindings::bind_dynamic(m);
     bindings::bind_lifted(m);
+    bindings::bind_proximity(m);
     bindings::bind_surface(m);
     bindings::bind_tiles(m);
     bindings::bind_verify(m);

@@ -297,6 +297,7 @@ void bind_space(nb::module_& m);
 void bind_sphere(nb::module_& m);
 void bind_dynamic(nb::module_& m);
 void bind_lifted(nb::module_& m);
+void bind_proximity(nb::module_& m);
 void bind_surface(nb::module_& m);
 void bind_text(nb::module_& m);
 void bind_tiles(nb::module_& m);

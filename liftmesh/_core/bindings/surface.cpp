@@ -161,14 +161,14 @@ class PyRelief {
     // constrained sides, how many rows are crossings, and their displacement. None if it is not
     // sound.
     nb::object overlay(const PyRelief& other, std::int32_t face, std::int32_t touching,
-                       nb::handle progress) const {
+                       unsigned threads, bool shared, nb::handle progress) const {
         check_face(face);
         other.check_face(touching);
         liftmesh::OverlayMesh found;
         run_unlocked(
             [&](auto& interrupt) {
                 return liftmesh::overlay_mesh(relief_, other.relief_, face, touching, found,
-                                              interrupt);
+                                              {threads, shared}, interrupt);
             },
             progress);
         if (!found.is_sound) return nb::none();
@@ -281,7 +281,8 @@ void bind_surface(nb::module_& m) {
         .def("owners", &PyRelief::owners, "locator"_a, "queries"_a, "faces"_a, "threads"_a,
              "shared"_a)
         .def("between", &PyRelief::between, "other"_a, "face"_a, "touching"_a)
-        .def("overlay", &PyRelief::overlay, "other"_a, "face"_a, "touching"_a, "progress"_a.none())
+        .def("overlay", &PyRelief::overlay, "other"_a, "face"_a, "touching"_a, "threads"_a,
+             "shared"_a, "progress"_a.none())
         .def("between_within", &PyRelief::between_within, "other"_a, "parts"_a, "faces"_a,
              "touching"_a)
         .def("height_range", &PyRelief::height_range, "threads"_a, "shared"_a)

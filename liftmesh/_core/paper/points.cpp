@@ -1,6 +1,7 @@
 #include "paper/points.hpp"
 
 #include "predicates/determinants.hpp"
+#include "predicates/distances.hpp"
 #include "predicates/orient2d.hpp"
 
 namespace liftmesh::paper {
@@ -49,7 +50,7 @@ int LiftedPoints::compare_z(Vertex a, Vertex b) const {
     const double difference = p_[a].z - p_[b].z;
     const double error = 3 * error_of_z();
     if (std::fabs(difference) > error) return difference > 0 ? 1 : -1;
-    return compare_heights(planar(a), planar(b), q_);
+    return compare_distances(planar(a), q_, planar(b), q_);
 }
 
 // The differences are off by unit_roundoff, those of z by 2 error_of_z() in addition; heights that

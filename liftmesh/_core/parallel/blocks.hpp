@@ -35,6 +35,21 @@ bool in_blocks(std::size_t count, std::size_t length, ThreadPool& pool, Work wor
     });
 }
 
+// Calls work(i, block) for all below `count`; the rest of a block is left out where it is false.
+// False if it was, which clears `holds`, or if the interrupt came first.
+template <class Work>
+bool hold_in_blocks(std::size_t count, std::size_t length, ThreadPool& pool, bool& holds,
+                    Work work) {
+    std::atomic<bool> all = true;
+    const auto until = [&](std::size_t i, std::size_t last, std::size_t block) {
+        while (i < last && work(i, block)) ++i;
+        if (i < last) all = false;
+    };
+    const bool done = in_blocks(count, length, pool, until);
+    if (!all) holds = false;
+    return done && all;
+}
+
 // The numbers that a condition holds for, in order: blocks are counted, and then each block writes
 // from the place where it begins.
 

@@ -96,13 +96,6 @@ Scaled in_circle(Point p, Point q, Point r, Point s) {
     });
 }
 
-int compare_heights(Point a, Point b, Point q) {
-    const PlanarLattice<3> lattice({a, b, q});
-    return at_width_of(lattice, [&]<int N>() {
-        return (square(offset<N>(lattice, 0)) - square(offset<N>(lattice, 1))).sign();
-    });
-}
-
 int turn_in_oyz(Point a, Point b, Point c, Point q) {
     const PlanarLattice<4> lattice({a, b, c, q});
     return at_width_of(lattice, [&]<int N>() {

@@ -11,7 +11,8 @@ TreeBox box_around(std::span<const Point> points, std::span<const Row> rows) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
     }
-    constexpr double outwards = 1 + 0x1p-50, least = 0x1p-1060;
+    // Roundings among the least doubles are off by half of one each.
+    constexpr double outwards = 1 + 0x1p-50, least = 0x1p-1072;
     const auto half = [&](double from, double to) {
         const double reach = std::max(std::abs(from), std::abs(to));
         return (to - from) / 2 * outwards + reach * 0x1p-51 + least;
@@ -44,6 +45,17 @@ void KdTree::build(std::span<const Point> points, std::uint32_t first, std::uint
     build(points, first, middle, patience);
     nodes_[at].right = static_cast<std::uint32_t>(nodes_.size());
     build(points, middle, last, patience);
+}
+
+void KdTree::set_reaches(std::span<const double> reaches) {
+    for (std::size_t at = nodes_.size(); at-- > 0;) {  // children come after their parent
+        Node& node = nodes_[at];
+        double& reach = node.box.reach;
+        for (std::uint32_t i = node.first; node.right == 0 && i < node.last; ++i)
+            reach = std::max(reach, reaches[rows_[i]]);
+        if (node.right != 0)
+            reach = std::max(nodes_[at + 1].box.reach, nodes_[node.right].box.reach);
+    }
 }
 
 }  // namespace liftmesh

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "base/status.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
@@ -19,6 +20,17 @@ T pivot(const T* values, std::size_t count, Less less) {
     return some[some.size() / 2];
 }
 
+// How many are less than the others, which are moved behind them; none where there are few, and
+// perhaps where many are equal.
+template <class T, class Less>
+std::size_t divide(std::span<T> values, Less less) {
+    if (values.size() <= small) return 0;
+    const T middle = pivot(values.data(), values.size(), less);
+    const auto rest = std::partition(values.begin(), values.end(),
+                                     [&](const T& each) { return less(each, middle); });
+    return static_cast<std::size_t>(rest - values.begin());
+}
+
 }  // namespace patient_sort_detail
 
 // False if interrupted; the values are then in some order.
@@ -28,28 +40,19 @@ bool patient_sort(std::span<T> values, Less less, Interrupt& interrupt) {
         std::sort(values.begin(), values.end(), less);
         return true;
     }
-    struct Part {
-        T *first, *last;
-    };
     Patience patience(interrupt);
-    std::vector<Part> parts{{values.data(), values.data() + values.size()}};
+    std::vector<std::span<T>> parts{values};
     while (!parts.empty()) {
-        const auto [first, last] = parts.back();
+        const std::span<T> part = parts.back();
         parts.pop_back();
-        const auto count = static_cast<std::size_t>(last - first);
-        if (patience.ends(count)) return false;
-        T* middle = first;
-        if (count > patient_sort_detail::small) {
-            const T pivot = patient_sort_detail::pivot(first, count, less);
-            middle = std::partition(first, last, [&](const T& each) { return less(each, pivot); });
-        }
-        // Where many are equal to the pivot none may be less.
-        if (middle == first) {
-            std::sort(first, last, less);
+        if (patience.ends(part.size())) return false;
+        const std::size_t before = patient_sort_detail::divide(part, less);
+        if (before == 0) {
+            std::sort(part.begin(), part.end(), less);
             continue;
         }
-        parts.push_back({first, middle});
-        parts.push_back({middle, last});
+        parts.push_back(part.first(before));
+        parts.push_back(part.subspan(before));
     }
     return true;
 }
@@ -57,6 +60,25 @@ bool patient_sort(std::span<T> values, Less less, Interrupt& interrupt) {
 template <class T, class Less>
 bool patient_sort(std::vector<T>& values, Less less, Interrupt& interrupt) {
     return patient_sort(std::span<T>(values), less, interrupt);
+}
+
+// On all threads of a pool, to the same result if no two are equal.
+template <class T, class Less>
+bool patient_sort(std::span<T> values, Less less, ThreadPool& pool) {
+    constexpr std::size_t parts_per_thread = 4;
+    std::vector<std::span<T>> parts{values};
+    while (pool.size() > 1 && parts.size() < parts_per_thread * pool.size()) {
+        std::vector<std::span<T>> halves(2 * parts.size());
+        const auto halve = [&](std::size_t i) {
+            const std::size_t before = patient_sort_detail::divide(parts[i], less);
+            halves[2 * i] = parts[i].first(before);
+            halves[2 * i + 1] = parts[i].subspan(before);
+        };
+        if (!pool.run(parts.size(), halve)) return false;
+        parts.swap(halves);
+    }
+    return pool.run(parts.size(),
+                    [&](std::size_t i) { patient_sort(parts[i], less, pool.interrupt()); });
 }
 
 }  // namespace liftmesh

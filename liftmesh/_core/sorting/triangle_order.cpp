@@ -1,5 +1,7 @@
 #include "sorting/triangle_order.hpp"
 
+#include "parallel/blocks.hpp"
+#include "sorting/counting_sort.hpp"
 #include "sorting/hilbert.hpp"
 #include "sorting/patient_sort.hpp"
 
@@ -56,9 +58,9 @@ constexpr std::uint8_t turned(std::uint8_t bits, unsigned turn) {
 }  // namespace
 
 bool order_triangles(const Triangles& given, const std::int32_t* ranks, std::size_t most,
-                     OrderedTriangles& ordered, Interrupt& interrupt) {
+                     OrderedTriangles& ordered, ThreadPool& pool) {
+    constexpr std::size_t length = std::size_t{1} << 14;
     const std::size_t count = given.count;
-    Patience patience(interrupt);
     const auto rank = [&](std::size_t i) {
         const std::int32_t row = given.simplices[i];
         return ranks ? ranks[row] : row;
@@ -67,45 +69,45 @@ bool order_triangles(const Triangles& given, const std::int32_t* ranks, std::siz
         const std::int32_t a = rank(3 * i), b = rank(3 * i + 1), c = rank(3 * i + 2);
         return a < b ? (a < c ? 0 : 2) : (b < c ? 1 : 2);
     };
-    std::vector<std::uint32_t> next(most + 1);
-    for (std::size_t i = 0; i < count; ++i) {
-        if (patience.ends()) return false;
-        ++next[static_cast<std::size_t>(rank(3 * i + first_of(i)))];
-    }
-    std::uint32_t place = 0;
-    for (std::uint32_t& each : next) place += std::exchange(each, place);
     auto order = allocate<Ordered>(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        if (patience.ends()) return false;
+    const auto visit_all = [&](const Share& share, auto visit) {
+        Patience patience(pool.interrupt());
+        for (std::size_t i = share.first; i < share.last && !patience.ends(); ++i) visit(i);
+    };
+    const auto first_row = [&](std::size_t i) { return rank(3 * i + first_of(i)); };
+    const auto store = [&](std::size_t place, std::size_t i) {
         const unsigned turn = first_of(i);
-        order[next[static_cast<std::size_t>(rank(3 * i + turn))]++] = {
-            static_cast<std::uint32_t>(3 * i + turn), rank(3 * i + (turn + 1) % 3)};
-    }
-    std::uint32_t start = 0;
+        order[place] = {static_cast<std::uint32_t>(3 * i + turn), rank(3 * i + (turn + 1) % 3)};
+    };
+    CountingSort<ThreadPool> by_row(count, few_shares(blocks(count, length), pool.size()), most,
+                                    pool);
+    if (!by_row.sort(visit_all, first_row, store)) return false;
+    const std::vector<std::size_t> starts = std::move(by_row).starts();
+    ordered.names = allocate<std::int32_t>(count);
     const auto is_less = [](const Ordered& a, const Ordered& b) { return a.second < b.second; };
-    for (std::size_t row = 0; row < most; ++row) {
-        if (patience.ends()) return false;
-        if (next[row] - start > 1) std::sort(order.get() + start, order.get() + next[row], is_less);
-        start = next[row];
-    }
+    const auto sort_rows = [&](std::size_t row, std::size_t last, std::size_t) {
+        for (std::size_t i = starts[row]; row < last; ++row) {
+            std::sort(order.get() + i, order.get() + starts[row + 1], is_less);
+            for (; i < starts[row + 1]; ++i)
+                ordered.names[order[i].place / 3] = static_cast<std::int32_t>(i);
+        }
+    };
+    if (!in_blocks(most, length, pool, sort_rows)) return false;
     ordered.simplices = allocate<std::int32_t>(3 * count);
     ordered.neighbors = allocate<std::int32_t>(3 * count);
-    ordered.names = allocate<std::int32_t>(count);
     ordered.bits = allocate<std::uint8_t>(given.bits ? count : 0);
-    for (std::size_t i = 0; i < count; ++i)
-        ordered.names[order[i].place / 3] = static_cast<std::int32_t>(i);
-    for (std::size_t i = 0; i < count; ++i) {
-        if (patience.ends()) return false;
-        const std::size_t old = order[i].place / 3;
-        for (unsigned k = 0; k < 3; ++k) {
-            const std::size_t from = 3 * old + (order[i].place % 3 + k) % 3;
-            const std::int32_t beyond = given.neighbors[from];
-            ordered.simplices[3 * i + k] = given.simplices[from];
-            ordered.neighbors[3 * i + k] = beyond < 0 ? -1 : ordered.names[beyond];
+    return in_blocks(count, length, pool, [&](std::size_t i, std::size_t last, std::size_t) {
+        for (; i < last; ++i) {
+            const std::size_t old = order[i].place / 3;
+            for (unsigned k = 0; k < 3; ++k) {
+                const std::size_t from = 3 * old + (order[i].place % 3 + k) % 3;
+                const std::int32_t beyond = given.neighbors[from];
+                ordered.simplices[3 * i + k] = given.simplices[from];
+                ordered.neighbors[3 * i + k] = beyond < 0 ? -1 : ordered.names[beyond];
+            }
+            if (given.bits) ordered.bits[i] = turned(given.bits[old], order[i].place % 3);
         }
-        if (given.bits) ordered.bits[i] = turned(given.bits[old], order[i].place % 3);
-    }
-    return true;
+    });
 }
 
 }  // namespace liftmesh

@@ -6,6 +6,7 @@
 #include "base/buffer.hpp"
 #include "base/input.hpp"
 #include "base/status.hpp"
+#include "parallel/thread_pool.hpp"
 
 namespace liftmesh {
 
@@ -33,6 +34,6 @@ struct OrderedTriangles {
 
 // With `ranks` of the rows, below `most`; null if the rows are in order. False as above.
 bool order_triangles(const Triangles& given, const std::int32_t* ranks, std::size_t most,
-                     OrderedTriangles& ordered, Interrupt& interrupt);
+                     OrderedTriangles& ordered, ThreadPool& pool);
 
 }  // namespace liftmesh

@@ -7,10 +7,14 @@
 // overlaps a face is connected through them, too, and all faces at a vertex of both are not paired.
 #pragma once
 
-#include "delaunay/first_containing.hpp"
 #include "surface/face_pair.hpp"
 
 namespace liftmesh {
+
+// A face of the first, and one of the second with which its visit begins.
+struct FloodStart {
+    std::int32_t face, other;
+};
 
 // `Meshes` has face(mesh, number) and neighbor(mesh, number, face, side), where `mesh` is 0 or 1,
 // goes_on(tail, head), whether to cross a side of the first, is_whole(), whether it always does,
@@ -18,23 +22,50 @@ namespace liftmesh {
 template <class Meshes>
 class Flood {
  public:
-    Flood(Meshes& meshes, std::size_t first, std::size_t second, Patience& patience)
-        : meshes_(meshes), patience_(patience), start_(first, outside), seen_(second) {}
+    // `start` has `unvisited` for each face of the first. Floods may share it that visit
+    // different ones.
+    Flood(Meshes& meshes, std::vector<std::int32_t>& start, std::size_t second, Patience& patience)
+        : meshes_(meshes), patience_(patience), start_(start), last_(start.size()), seen_(second) {}
+
+    static constexpr std::int32_t unvisited = -1;
 
     // From two faces that touch; stops if the patience ends.
     void run(std::int32_t face, std::int32_t other) {
-        overlaps_ = false;
-        begin(face, other);
-        while (!pending_.empty() && !patience_.ends()) {
-            const std::int32_t next = pending_.back();
-            pending_.pop_back();
-            visit(next);
+        if (const auto found = overlap(face, other)) {
+            overlaps_ = true;
+            begin(found->face, found->other);
+            drain();
         }
+    }
+
+    // The first two faces that overlap. If floods are not whole, there are none, and all is
+    // visited.
+    std::optional<FloodStart> overlap(std::int32_t face, std::int32_t other) {
+        overlaps_ = false;
+        overlap_.reset();
+        begin(face, other);
+        drain();
+        if (overlap_) forget();
+        return overlap_;
+    }
+
+    // From several pairs in a stretch of the first, once there is an overlap; `beyond` takes those
+    // of other stretches.
+    void run(std::span<const FloodStart> starts, std::size_t first, std::size_t last,
+             std::vector<FloodStart>& beyond) {
+        overlaps_ = true;
+        first_ = first;
+        last_ = last;
+        beyond_ = &beyond;
+        for (const auto& [face, other] : starts)
+            if (is_new(face)) begin(face, other);
+        drain();
+        begun_.clear();
     }
 
     // Forgets which faces of the first were visited since it was last asked.
     void forget() {
-        for (const std::int32_t each : begun_) start_[static_cast<std::size_t>(each)] = outside;
+        for (const std::int32_t each : begun_) start_[static_cast<std::size_t>(each)] = unvisited;
         begun_.clear();
     }
 
@@ -45,11 +76,20 @@ class Flood {
         begun_.push_back(face);
     }
 
-    void begin_anew(std::int32_t face, std::int32_t other) {
-        overlaps_ = true;
-        forget();
+    void drain() {
+        while (!pending_.empty() && !patience_.ends()) {
+            const std::int32_t next = pending_.back();
+            pending_.pop_back();
+            visit(next);
+        }
         pending_.clear();
-        begin(face, other);
+    }
+
+    bool is_new(std::int32_t face) const {
+        return start_[static_cast<std::size_t>(face)] == unvisited;
+    }
+    bool is_own(std::int32_t face) const {
+        return first_ <= static_cast<std::size_t>(face) && static_cast<std::size_t>(face) < last_;
     }
 
     bool is_met(const FacePair& pair, std::size_t face, std::size_t side) const {
@@ -68,7 +108,8 @@ class Flood {
             const Face over = meshes_.face(1, other);
             const FacePair pair(face, over, meshes_.nearness());
             if (!overlaps_ && meshes_.is_whole() && pair.overlap()) {
-                begin_anew(number, other);
+                overlap_ = {number, other};
+                pending_.clear();
                 return;
             }
             meshes_.visit(number, other, pair);
@@ -88,18 +129,24 @@ class Flood {
 
     // The next face of the first begins with the same one, if that touches the side between.
     void hand_on(std::int32_t next, std::int32_t other, const FacePair& pair, std::size_t side) {
-        if (next < 0 || start_[static_cast<std::size_t>(next)] >= 0) return;
-        if (!is_met(pair, 0, side)) return;
+        if (next < 0 || (is_own(next) && !is_new(next)) || !is_met(pair, 0, side)) return;
         const Face& face = pair.face(0);
-        if (meshes_.goes_on(face.at(tail_of(side)), face.at(head_of(side)))) begin(next, other);
+        if (!meshes_.goes_on(face.at(tail_of(side)), face.at(head_of(side)))) return;
+        if (is_own(next))
+            begin(next, other);
+        else
+            beyond_->push_back({next, other});
     }
 
     Meshes& meshes_;
     Patience& patience_;
-    std::vector<std::int32_t> start_;  // for each face of the first, one of the second
-    std::vector<std::int64_t> seen_;   // for each of the second, the visit that reached it last
+    std::vector<std::int32_t>& start_;   // for each face of the first, one of the second
+    std::size_t first_ = 0, last_;       // of the first, that are visited
+    std::vector<FloodStart>* beyond_{};  // for the others, if there are any
+    std::vector<std::int64_t> seen_;     // for each of the second, the visit that reached it last
     std::int64_t visits_ = 0;
     bool overlaps_ = false;  // two faces that were found
+    std::optional<FloodStart> overlap_;
     std::vector<std::int32_t> pending_, reached_, begun_;
 };
 

@@ -10,7 +10,8 @@ bool LocalSurface::read(const Relief& relief, Interrupt& interrupt) {
     const std::size_t used =
         ranks.size() - static_cast<std::size_t>(std::count(ranks.begin(), ranks.end(), -1));
     const Triangles given{mesh.simplices, mesh.neighbors, nullptr, mesh.count};
-    if (!order_triangles(given, ranks.data(), used, triangles_, interrupt)) return false;
+    ThreadPool alone({}, interrupt);  // may itself be a task
+    if (!order_triangles(given, ranks.data(), used, triangles_, alone)) return false;
     for (std::size_t i = 0; i < 3 * mesh.count; ++i)
         triangles_.simplices[i] = ranks[static_cast<std::size_t>(triangles_.simplices[i])];
     corners_.resize(used);

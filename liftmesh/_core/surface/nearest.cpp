@@ -2,7 +2,7 @@
 
 #include "base/input.hpp"
 #include "delaunay/first_containing.hpp"
-#include "predicates/determinants.hpp"
+#include "predicates/distances.hpp"
 
 namespace liftmesh {
 
@@ -12,11 +12,6 @@ namespace {
 // magnitudes, each rounding being one of 2^-53, or by less than the second number where products
 // are too small for that.
 constexpr double share = 0x1p-50, tiny = 0x1p-1000;
-
-double square_of_distance(Point p, Point q) {
-    const double x = p.x - q.x, y = p.y - q.y;
-    return x * x + y * y;
-}
 
 // Whether the direction from a vertex to p is surely at least a right angle from that to the point.
 bool is_turned_away(Point vertex, Point p, Point query) {
@@ -136,12 +131,8 @@ class Search {
 }  // namespace
 
 bool is_nearer(Point p, Point q, Point query) {
-    const double of_p = square_of_distance(p, query), of_q = square_of_distance(q, query);
-    const double difference = of_p - of_q, error = share * (of_p + of_q) + tiny;
-    if (difference > error) return false;
-    if (-difference > error) return true;
     if (!is_finite(p) || !is_finite(q)) return false;
-    const int order = compare_heights(p, q, query);
+    const int order = compare_distances(p, query, q, query);
     return order < 0 || (order == 0 && before_xy(p, q));
 }
 

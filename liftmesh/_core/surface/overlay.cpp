@@ -130,7 +130,8 @@ class Overlay {
     Overlay(const Relief& first, const Relief& second, Patience& patience)
         : reliefs_{&first, &second},
           patience_(patience),
-          flood_(*this, first.mesh().count, second.mesh().count, patience) {
+          start_(first.mesh().count, Flood<Overlay>::unvisited),
+          flood_(*this, start_, second.mesh().count, patience) {
         Greatest greatest;
         greatest.add(first);
         greatest.add(second);
@@ -206,6 +207,7 @@ class Overlay {
  private:
     std::array<const Relief*, 2> reliefs_;
     Patience& patience_;
+    std::vector<std::int32_t> start_;
     Flood<Overlay> flood_;
     Unit place_{1, 0}, height_{1, 0};
     const Triangle* part_ = nullptr;

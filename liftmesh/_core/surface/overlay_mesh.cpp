@@ -1,10 +1,11 @@
 #include "surface/overlay_mesh.hpp"
 
 #include "base/floating_point.hpp"
+#include "parallel/blocks.hpp"
 #include "predicates/crossings.hpp"
 #include "predicates/scale.hpp"
 #include "sorting/patient_sort.hpp"
-#include "surface/pieces.hpp"
+#include "surface/corner_names.hpp"
 
 namespace liftmesh {
 
@@ -31,24 +32,32 @@ using OverlaySide = std::uint32_t;
 
 class Overlaid {
  public:
-    Overlaid(const std::array<LocalSurface, 2>& surfaces, const Pieces& pieces, OverlayMesh& found,
-             Interrupt& interrupt)
+    Overlaid(const std::array<LocalSurface, 2>& surfaces, const Pieces& pieces, Nearness nearness,
+             OverlayMesh& found, ThreadPool& pool)
         : surfaces_(surfaces),
           pieces_(pieces),
+          nearness_(nearness),
           found_(found),
-          interrupt_(interrupt),
-          patience_(interrupt) {}
+          pool_(pool),
+          first_(surfaces[0].vertices()),
+          vertices_(first_ + surfaces[1].vertices()) {}
 
     // False if the interrupt came first, or the result is not sound.
     bool run() {
-        return advanced(name_corners(), 2) && advanced(place_rows(), 3) &&
-               advanced(triangulate(), 1) && link();
+        return advanced(name(), 2) && advanced(place_rows(), 3) && advanced(triangulate(), 1) &&
+               link() && name_rows();
     }
 
  private:
     bool advanced(bool is_done, std::size_t tenths) {
-        interrupt_.advance(tenths * surfaces_[0].count());
+        pool_.interrupt().advance(tenths * surfaces_[0].count());
         return is_done;
+    }
+
+    bool name() {
+        if (!name_corners(surfaces_, pieces_, names_, pool_, found_.is_sound)) return false;
+        found_.crossings = names_.count() - vertices_;
+        return true;
     }
 
     bool unsound() {
@@ -56,168 +65,117 @@ class Overlaid {
         return false;
     }
 
-    std::int32_t face_of(const OverlayPiece& piece, std::size_t surface) const {
-        return surface == 0 ? piece.face : piece.other;
+    template <class Work>
+    bool in_all(std::size_t count, std::size_t length, Work work) {
+        return hold_in_blocks(count, length, pool_, found_.is_sound, work);
     }
-
-    // Whether pieces of one face of a surface come before those of another one.
-    bool is_before(std::size_t surface, std::int32_t one, std::int32_t two) const {
-        return surface == 0 ? pieces_.before(one, two) : one < two;
+    template <class Work>
+    bool in_pieces(Work work) {
+        return hold_in_pieces(pieces_, pool_, found_.is_sound, work);
     }
-
-    // Which corner of a piece is the crossing of the same sides as in another one; `count` if none.
-    std::size_t crossing_in(const OverlayPiece& piece, const std::array<std::int32_t, 2>& from,
-                            const std::array<std::size_t, 2>& sides) const {
-        std::array<std::size_t, 2> own = sides;
-        for (std::size_t f : {0, 1}) {
-            const std::int32_t face = face_of(piece, f);
-            if (face == from[f]) continue;
-            own[f] = 0;
-            while (own[f] < 3 && surfaces_[f].neighbor(face, own[f]) != from[f]) ++own[f];
-            if (own[f] == 3) return piece.count;
-        }
-        const PieceCorner sought = PieceCorner::crossing(own[0], own[1]);
-        for (std::size_t i = 0; i < piece.count; ++i)
-            if (piece.corners[i].same_place(sought)) return i;
-        return piece.count;
-    }
-
-    // A number for each corner: vertices of the first surface, then of the second, then crossings
-    // as they are first met, in the piece of the earlier of both faces at each side.
-    bool name_corners() {
-        const std::size_t first = surfaces_[0].vertices(), all = first + surfaces_[1].vertices();
-        names_ = allocate<std::int32_t>(pieces_.corners);
-        is_used_.assign(all, 0);
-        crossings_.reserve(pieces_.pieces.size());
-        for (const OverlayPiece& piece : pieces_.pieces) {
-            if (patience_.ends()) return false;
-            for (std::size_t i = 0; i < piece.count; ++i) {
-                const PieceCorner corner = piece.corners[i];
-                if (corner.is_crossing()) {
-                    if (!name_crossing(piece, i, all)) return unsound();
-                    continue;
-                }
-                const std::int32_t vertex =
-                    surfaces_[corner.face()].vertex(face_of(piece, corner.face()), corner.k());
-                std::int32_t& name = names_[piece.first + i];
-                name = corner.face() == 0 ? vertex : vertex + static_cast<std::int32_t>(first);
-                is_used_[static_cast<std::size_t>(name)] = 1;
-            }
-        }
-        return true;
-    }
-
-    bool name_crossing(const OverlayPiece& piece, std::size_t i, std::size_t before) {
-        const PieceCorner corner = piece.corners[i];
-        const std::array<std::size_t, 2> sides{corner.side(0), corner.side(1)};
-        const std::array<std::int32_t, 2> from{piece.face, piece.other};
-        std::array<std::int32_t, 2> owner = from;
-        for (std::size_t f : {0, 1}) {
-            const std::int32_t beyond = surfaces_[f].shown_neighbor(from[f], sides[f]);
-            if (beyond >= 0 && is_before(f, beyond, from[f])) owner[f] = beyond;
-        }
-        std::int32_t& name = names_[piece.first + i];
-        if (owner == from) {
-            name = static_cast<std::int32_t>(before + crossings_.size());
-            const auto [p, q] = ends_of(piece, 0, sides[0]);
-            const auto [r, t] = ends_of(piece, 1, sides[1]);
-            crossings_.push_back({p, q, r, t});
-            return before + crossings_.size() < most_numbers;
-        }
-        const OverlayPiece* const known = pieces_.find(owner[0], owner[1]);
-        if (!known) return false;
-        const std::size_t place = crossing_in(*known, from, sides);
-        if (place == known->count) return false;
-        name = names_[known->first + place];
-        return true;
-    }
-
-    // The lesser and the greater end of a side.
-    std::pair<std::int32_t, std::int32_t> ends_of(const OverlayPiece& piece, std::size_t surface,
-                                                  std::size_t side) const {
-        const LocalSurface& of = surfaces_[surface];
-        const std::int32_t face = face_of(piece, surface), tail = of.vertex(face, tail_of(side)),
-                           head = of.vertex(face, head_of(side));
-        if (before_xy(of.corner(head).at, of.corner(tail).at)) return {head, tail};
-        return {tail, head};
-    }
-
-    // Two sides, from the lesser end of each.
-    struct Crossing {
-        std::array<std::int32_t, 4> ends;
-        const SurfaceCorner& end(const std::array<LocalSurface, 2>& surfaces, std::size_t i) const {
-            return surfaces[i / 2].corner(ends[i]);
-        }
-    };
 
     bool place_rows() {
-        const std::size_t first = surfaces_[0].vertices(), all = is_used_.size();
-        std::vector<Site> sites;
-        sites.reserve(all + crossings_.size());
-        places_ = allocate<Point>(all + crossings_.size());
-        for (std::size_t name = 0; name < all; ++name) places_[name] = vertex(name, first).at;
-        for (const auto& [name, place] : pieces_.moved)
-            places_[static_cast<std::size_t>(name)] = place;
-        for (std::size_t name = 0; name < all; ++name) {
-            if (!is_used_[name]) continue;
-            if (!is_finite(places_[name])) return unsound();
-            sites.push_back({places_[name], static_cast<Row>(name)});
-        }
-        const Buffer<double> rises = allocate<double>(crossings_.size());
-        for (std::size_t i = 0; i < crossings_.size(); ++i) {
-            if (patience_.ends()) return false;
-            const Point place = place_of(crossings_[i]);
-            if (!is_finite(place)) return unsound();
-            places_[all + i] = place;
-            rises[i] = rise_at(crossings_[i], place);
-            sites.push_back({place, static_cast<Row>(all + i)});
-        }
+        const std::size_t names = names_.count();
+        places_ = allocate<Point>(names);
+        rises_ = allocate<double>(names);
+        std::vector<std::uint32_t> used;
+        const auto is_used = [this](std::size_t name) {
+            return names_.owners[name] != Pieces::none;
+        };
+        if (!select(vertices_, pool_, is_used, used)) return false;
+        found_.rows = used.size() + found_.crossings;
+        const Buffer<Site> sites = allocate<Site>(found_.rows);
+        const auto set = [&](std::size_t i, std::size_t name) {
+            sites[i] = {places_[name], static_cast<Row>(name)};
+            return is_finite(places_[name]);
+        };
+        const auto place_used = [&](std::size_t i, std::size_t) {
+            place_vertex(used[i]);
+            return set(i, used[i]);
+        };
+        const auto place_block = [&](std::size_t block, std::size_t) {
+            std::size_t name = names_.before[block], i = used.size() + name - vertices_;
+            bool is_sound = true;
+            for (const SideCrossing& each : names_.crossings[block]) {
+                places_[name] = place_of(each);
+                rises_[name] = rise_at(each, places_[name]);
+                is_sound = set(i++, name++) && is_sound;
+            }
+            return is_sound;
+        };
         const auto is_less = [](const Site& a, const Site& b) {
             return before_xy(a.point, b.point);
         };
-        if (!patient_sort(sites, is_less, interrupt_)) return false;
-        found_.rows = sites.size();
-        found_.crossings = crossings_.size();
-        found_.points = allocate<Point>(sites.size());
-        found_.rises = allocate<double>(sites.size());
-        rows_.resize(all + crossings_.size());
-        Range range;
-        for (std::size_t row = 0; row < sites.size(); ++row) {
-            if (patience_.ends()) return false;
+        if (!in_all(used.size(), block_of_pieces, place_used) ||
+            !in_all(names_.crossings.size(), 1, place_block))
+            return false;
+        found_.displacement = displacement_;
+        names_.crossings.clear();
+        return patient_sort(std::span(sites.get(), found_.rows), is_less, pool_) &&
+               number_rows(sites.get());
+    }
+
+    bool number_rows(const Site* sites) {
+        found_.points = allocate<Point>(found_.rows);
+        found_.rises = allocate<double>(found_.rows);
+        rows_ = allocate<std::int32_t>(names_.count());
+        std::vector<Range> ranges(blocks(found_.rows, block_of_pieces));
+        const auto number = [&](std::size_t row, Range& range) {
             const auto [place, name] = sites[row];
-            if (row > 0 && place == sites[row - 1].point) return unsound();
+            if (row > 0 && place == sites[row - 1].point) return false;
             range.add(place);
             found_.points[row] = place;
-            found_.rises[row] = name < all ? rise_at(name, first) : rises[name - all];
+            found_.rises[row] = rises_[name];
             rows_[name] = static_cast<std::int32_t>(row);
-        }
-        const Scale scale(range);
+            return true;
+        };
+        const auto number_block = [&](std::size_t block, std::size_t) {
+            std::size_t row = block * block_of_pieces;
+            const std::size_t last = std::min(row + block_of_pieces, found_.rows);
+            Range range;
+            while (row < last && number(row, range)) ++row;
+            ranges[block] = range;
+            return row == last;
+        };
+        if (!in_all(ranges.size(), 1, number_block)) return false;
+        Range all;
+        for (const Range& each : ranges) all.add(each);
+        const Scale scale(all);
         guard_ = scale.moves ? Guard::anywhere() : scale.guard;
         return true;
     }
 
-    const SurfaceCorner& vertex(std::size_t name, std::size_t first) const {
-        return name < first ? surfaces_[0].corner(static_cast<std::int32_t>(name))
-                            : surfaces_[1].corner(static_cast<std::int32_t>(name - first));
+    // Where a vertex is over the other surface, as its owner has it.
+    void place_vertex(std::size_t name) {
+        const OverlayPiece& piece = pieces_.pieces[names_.owners[name]];
+        const std::size_t of = name < first_ ? 0 : 1;
+        const auto vertex = static_cast<std::int32_t>(name - of * first_);
+        const Face own = surfaces_[0].face(piece.face), other = surfaces_[1].face(piece.other);
+        const FacePair pair(own, other, nearness_);
+        std::size_t k = 0;
+        while (k < 2 && surfaces_[of].vertex(piece.face_of(of), k) != vertex) ++k;
+        const CornerOver over = corner_over(pair, of, k);
+        const double height = pair.face(of).corners[k].height;
+        places_[name] = over.at;
+        rises_[name] = of == 0 ? height - over.height : over.height - height;
+        add_displacement(over.displacement);
     }
 
-    double rise_at(std::size_t name, std::size_t first) const {
-        const double own = vertex(name, first).height;
-        return name < first ? own - pieces_.heights[0][name]
-                            : pieces_.heights[1][name - first] - own;
+    const SurfaceCorner& end_of(const SideCrossing& crossing, std::size_t i) const {
+        return surfaces_[i / 2].corner(crossing[i]);
     }
 
-    double rise_at(const Crossing& crossing, Point place) const {
+    double rise_at(const SideCrossing& crossing, Point place) const {
         const auto height = [&](std::size_t i) {
-            return height_along(crossing.end(surfaces_, i), crossing.end(surfaces_, i + 1), place);
+            return height_along(end_of(crossing, i), end_of(crossing, i + 1), place);
         };
         return height(0) - height(2);
     }
 
     // From the lesser of both sides, so that it is the same where the surfaces are exchanged.
-    Point place_of(const Crossing& crossing) {
+    Point place_of(const SideCrossing& crossing) {
         std::array<Point, 4> ends;
-        for (std::size_t i = 0; i < 4; ++i) ends[i] = crossing.end(surfaces_, i).at;
+        for (std::size_t i = 0; i < 4; ++i) ends[i] = end_of(crossing, i).at;
         const std::size_t later = ends[0] == ends[2] ? 1 : 0;
         if (before_xy(ends[2 + later], ends[later])) {
             std::swap(ends[0], ends[2]);
@@ -225,64 +183,72 @@ class Overlaid {
         }
         const auto [place, residual] = crossing_of(&ends[0].x);
         constexpr double diagonal = 1.5;  // at least the root of 2
-        if (diagonal * std::max(std::fabs(residual.x), std::fabs(residual.y)) > found_.displacement)
-            for (const std::size_t i : {0, 2}) add_displacement(residual, ends[i], ends[i + 1]);
+        if (diagonal * std::max(std::fabs(residual.x), std::fabs(residual.y)) > displacement_)
+            for (const std::size_t i : {0, 2})
+                add_displacement(displacement_across(residual, ends[i], ends[i + 1]));
         return place;
     }
 
-    void add_displacement(Point residual, Point tail, Point head) {
+    static double displacement_across(Point residual, Point tail, Point head) {
         const double x = head.x - tail.x, y = head.y - tail.y, length = std::hypot(x, y);
-        const double across = residual.x * (y / length) - residual.y * (x / length);
-        found_.displacement = std::max(found_.displacement, std::fabs(across));
+        return std::fabs(residual.x * (y / length) - residual.y * (x / length));
+    }
+
+    void add_displacement(double distance) {
+        double held = displacement_;
+        while (distance > held && !displacement_.compare_exchange_weak(held, distance)) {
+        }
     }
 
     // The triangles of each piece, and which of them has each of its sides.
     bool triangulate() {
-        const std::size_t count = pieces_.corners - 2 * pieces_.pieces.size();
+        const std::size_t count = pieces_.corners - 2 * pieces_.count;
         if (count >= most_numbers / 3) return unsound();
         found_.triangles = count;
         found_.simplices = allocate<std::int32_t>(3 * count);
         found_.neighbors = allocate<std::int32_t>(3 * count);
         found_.bits = allocate<std::uint8_t>(count);
-        std::fill_n(found_.bits.get(), count, std::uint8_t{0});
-        std::fill_n(found_.neighbors.get(), 3 * count, unlinked);
         sides_ = allocate<OverlaySide>(pieces_.corners);
-        next_ = 0;
-        for (const OverlayPiece& piece : pieces_.pieces) {
-            if (patience_.ends()) return false;
+        return in_pieces([this](const OverlayPiece& piece, std::size_t) {
             const std::size_t n = piece.count;
-            const std::int32_t* const rows = names_.get() + piece.first;
+            const std::int32_t* const rows = names_.of_corners.get() + piece.first;
             for (std::size_t i = 0; i < n; ++i)
                 if (orient2d(at(rows[i]), at(rows[(i + 1) % n]), at(rows[(i + 2) % n])) <= 0)
-                    return unsound();
-            sides_[piece.first + n - 1] = divide(piece, 0, n - 1);
-        }
-        return true;
+                    return false;
+            const auto before = static_cast<std::size_t>(&piece - pieces_.pieces.get());
+            const std::size_t first = piece.first - 2 * before;
+            std::fill_n(found_.neighbors.get() + 3 * first, 3 * (n - 2), unlinked);
+            std::fill_n(found_.bits.get() + first, n - 2, std::uint8_t{0});
+            std::size_t next = first;
+            sides_[piece.first + n - 1] = divide(piece, 0, n - 1, next);
+            return true;
+        });
     }
 
     // What is between two corners of a piece, seen from the chord: the Delaunay triangle at that,
     // and what is beyond it. Returns where the chord is.
-    OverlaySide divide(const OverlayPiece& piece, std::size_t i, std::size_t j) {
-        const std::int32_t* const rows = names_.get() + piece.first;
+    OverlaySide divide(const OverlayPiece& piece, std::size_t i, std::size_t j, std::size_t& next) {
+        const std::int32_t* const rows = names_.of_corners.get() + piece.first;
         std::size_t apex = i + 1;
         for (std::size_t m = i + 2; m < j; ++m)
             if (is_inside(rows[i], rows[apex], rows[j], rows[m])) apex = m;
-        const std::size_t t = next_++;
+        const std::size_t t = next++;
         std::int32_t* const corners = found_.simplices.get() + 3 * t;
         corners[0] = rows[i];
         corners[1] = rows[apex];
         corners[2] = rows[j];
         const auto sides = static_cast<OverlaySide>(3 * t);
-        join_within(piece, sides + 2, i, apex);
-        join_within(piece, sides, apex, j);
+        join_within(piece, sides + 2, i, apex, next);
+        join_within(piece, sides, apex, j, next);
         return sides + 1;
     }
 
-    void join_within(const OverlayPiece& piece, OverlaySide side, std::size_t i, std::size_t j) {
+    void join_within(const OverlayPiece& piece, OverlaySide side, std::size_t i, std::size_t j,
+                     std::size_t& next) {
         if (i + 1 == j)
             sides_[piece.first + i] = side;
         else
-            join(side, divide(piece, i, j));
+            join(side, divide(piece, i, j, next));
     }
 
     void join(OverlaySide one, OverlaySide other) {
@@ -291,16 +257,20 @@ class Overlaid {
     }
 
     bool link() {
-        for (const OverlayPiece& piece : pieces_.pieces) {
-            if (patience_.ends()) return false;
+        return in_pieces([this](const OverlayPiece& piece, std::size_t) {
             for (std::size_t i = 0; i < piece.count; ++i)
-                if (!link_side(piece, i)) return unsound();
-        }
-        for (std::size_t i = 0; i < 3 * found_.triangles; ++i)
-            found_.simplices[i] = rows_[static_cast<std::size_t>(found_.simplices[i])];
-        const std::int32_t* const all = found_.neighbors.get();
-        return std::find(all, all + 3 * found_.triangles, unlinked) == all + 3 * found_.triangles ||
-               unsound();
+                if (!link_side(piece, i)) return false;
+            return true;
+        });
+    }
+
+    // False where a side has not been linked.
+    bool name_rows() {
+        return in_all(
+            3 * found_.triangles, 3 * block_of_pieces, [this](std::size_t i, std::size_t) {
+                found_.simplices[i] = rows_[static_cast<std::size_t>(found_.simplices[i])];
+                return found_.neighbors[i] != unlinked;
+            });
     }
 
     // The triangles on both sides of a side of a piece.
@@ -318,12 +288,13 @@ class Overlaid {
             return true;
         }
         const bool is_same = beyond[0] == piece.face;
-        if (is_before(is_same, beyond[is_same], face_of(piece, is_same))) return true;
+        if (pieces_.is_before(is_same, beyond[is_same], piece.face_of(is_same))) return true;
         const OverlayPiece* const next = pieces_.find(beyond[0], beyond[1]);
         if (!next) return false;
         const std::size_t n = piece.count, m = next->count;
-        const std::int32_t tail = names_[piece.first + i], head = names_[piece.first + (i + 1) % n];
-        const std::int32_t* const rows = names_.get() + next->first;
+        const std::int32_t tail = names_.of_corners[piece.first + i],
+                           head = names_.of_corners[piece.first + (i + 1) % n];
+        const std::int32_t* const rows = names_.of_corners.get() + next->first;
         for (std::size_t j = 0; j < m; ++j) {
             if (rows[j] != head || rows[j + 1 == m ? 0 : j + 1] != tail) continue;
             const OverlaySide other = sides_[next->first + j];
@@ -338,7 +309,8 @@ class Overlaid {
     }
 
     void mark(OverlaySide side) {
-        found_.bits[side / 3] |= static_cast<std::uint8_t>(1u << side % 3);
+        std::atomic_ref<std::uint8_t>(found_.bits[side / 3])
+            .fetch_or(static_cast<std::uint8_t>(1u << side % 3), std::memory_order_relaxed);
     }
 
     // Whether the corner of a triangle beyond a side is in the circle of the triangle before it.
@@ -351,31 +323,33 @@ class Overlaid {
     }
     Point at(std::int32_t name) const { return places_[static_cast<std::size_t>(name)]; }
 
-    static constexpr std::size_t most_numbers = 0x7fffffff;
     static constexpr std::int32_t unlinked = -2;
 
     const std::array<LocalSurface, 2>& surfaces_;
     const Pieces& pieces_;
+    Nearness nearness_;
     OverlayMesh& found_;
-    Interrupt& interrupt_;
-    Patience patience_;
-    Buffer<std::int32_t> names_;  // of the corners of all pieces
-    Buffer<Point> places_;        // of each name
-    Buffer<OverlaySide> sides_;   // from each corner on
-    std::vector<std::uint8_t> is_used_;
-    std::vector<Crossing> crossings_;
-    std::vector<std::int32_t> rows_;  // of each name
-    std::size_t next_ = 0;
+    ThreadPool& pool_;
+    std::size_t first_, vertices_;  // how many of the first surface, and of both
+    CornerNames names_;
+    Buffer<Point> places_;  // of each name
+    Buffer<double> rises_;
+    std::atomic<double> displacement_ = 0;
+    Buffer<std::int32_t> rows_;
+    Buffer<OverlaySide> sides_;  // from each corner on
     Guard guard_ = Guard::in_window();
 };
 
 }  // namespace
 
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
-                  OverlayMesh& found, Interrupt& interrupt) {
+                  OverlayMesh& found, Threads threads, Interrupt& interrupt) {
     const IeeeArithmetic ieee;
+    const std::array<const Relief*, 2> given{&first, &second};
+    ThreadPool pool(threads.for_rows(first.mesh().count + second.mesh().count), interrupt);
     std::array<LocalSurface, 2> surfaces;
-    if (!surfaces[0].read(first, interrupt) || !surfaces[1].read(second, interrupt)) return false;
+    if (!pool.run(2, [&](std::size_t k) { surfaces[k].read(*given[k], pool.interrupt()); }))
+        return false;
     std::int32_t faces[] = {surfaces[0].named(face), surfaces[1].named(other)};
     const bool is_turned = surfaces[1].is_before(surfaces[0]);  // either way gives the same
     if (is_turned) {
@@ -391,11 +365,10 @@ bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, 
         if (is_wide)
             for (LocalSurface& surface : surfaces) surface.hide_flat(nearness);
         Pieces pieces;
-        if (!find_pieces(surfaces, faces[0], faces[1], nearness, pieces, interrupt)) return false;
-        found.displacement = pieces.displacement;
+        if (!find_pieces(surfaces, faces[0], faces[1], nearness, pieces, pool)) return false;
         found.is_sound = pieces.is_sound;
         if (!found.is_sound) continue;
-        if (Overlaid(surfaces, pieces, found, interrupt).run()) break;
+        if (Overlaid(surfaces, pieces, nearness, found, pool).run()) break;
         if (found.is_sound) return false;
     }
     if (is_turned && found.is_sound)

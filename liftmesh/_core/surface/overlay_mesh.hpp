@@ -19,6 +19,7 @@
 // 1986), and depends on the surfaces alone.
 #pragma once
 
+#include "parallel/thread_pool.hpp"
 #include "surface/relief.hpp"
 
 namespace liftmesh {
@@ -35,6 +36,6 @@ struct OverlayMesh {
 
 // From a face of each surface that touch. False if the interrupt came first.
 bool overlay_mesh(const Relief& first, const Relief& second, std::int32_t face, std::int32_t other,
-                  OverlayMesh& found, Interrupt& interrupt);
+                  OverlayMesh& found, Threads threads, Interrupt& interrupt);
 
 }  // namespace liftmesh

@@ -1,5 +1,6 @@
 #include "surface/pieces.hpp"
 
+#include "parallel/blocks.hpp"
 #include "predicates/crossings.hpp"
 #include "surface/flood.hpp"
 
@@ -100,31 +101,63 @@ double height_along(const SurfaceCorner& tail, const SurfaceCorner& head, Point 
     return std::min(std::max(height, low), high);
 }
 
-double height_over(const FacePair& pair, std::size_t face, std::size_t k) {
+CornerOver corner_over(const FacePair& pair, std::size_t face, std::size_t k) {
     const Face& over = pair.face(1 - face);
     const Point place = pair.face(face).at(k);
     const unsigned sides = sides_at(pair, 1 - face, k);
     if (sides == 0)
-        return SurfaceFacet(over.corners[0], over.corners[1], over.corners[2]).height(place);
-    for (std::size_t i = 0; i < 3; ++i)
-        if (sides == sides_of_corner(i)) return over.corners[i].height;
+        return {place,
+                SurfaceFacet(over.corners[0], over.corners[1], over.corners[2]).height(place), 0};
+    for (std::size_t i = 0; i < 3; ++i) {
+        if (sides != sides_of_corner(i)) continue;
+        const auto [there, height] = over.corners[i];
+        return {face == 0 && before_xy(there, place) ? there : place, height, 0};
+    }
     const std::size_t side = side_in(sides);
     SurfaceCorner tail = over.corners[tail_of(side)], head = over.corners[head_of(side)];
+    const double places[] = {tail.at.x, tail.at.y, head.at.x, head.at.y, place.x, place.y};
+    double distance = 0;
+    if (sides == 1u << side && pair.nearness().units > 0) find_distances(places, 1, &distance);
     if (before_xy(head.at, tail.at)) std::swap(tail, head);
-    return height_along(tail, head, place);
+    return {place, height_along(tail, head, place), distance};
 }
 
 namespace {
 
+// First faces that follow each other along the curve, their pieces, and pairs from which to visit
+// them, or others.
+struct Stretch {
+    static constexpr std::size_t length = std::size_t{1} << 10;
+
+    std::vector<FloodStart> starts, beyond;
+    std::vector<OverlayPiece> pieces;
+    std::size_t corners = 0;
+    bool is_sound = true;
+};
+
+// Finds the pieces of one stretch after the other.
 class Collector {
  public:
-    Collector(const std::array<LocalSurface, 2>& surfaces, Nearness nearness, Pieces& found,
-              Interrupt& interrupt)
-        : surfaces_(surfaces), nearness_(nearness), found_(found), interrupt_(interrupt) {
-        // About as many as of points at random; what is not used takes no memory.
-        found_.pieces.reserve(3 * (surfaces[0].count() + surfaces[1].count()));
-        for (std::size_t k : {0, 1}) found_.heights[k].assign(surfaces[k].vertices(), no_height);
+    Collector(const std::array<LocalSurface, 2>& surfaces, Nearness nearness,
+              std::vector<std::int32_t>& start, Interrupt& interrupt)
+        : surfaces_(surfaces),
+          nearness_(nearness),
+          interrupt_(interrupt),
+          patience_(interrupt),
+          flood_(*this, start, surfaces[1].count(), patience_) {}
+
+    std::optional<FloodStart> overlap(std::int32_t face, std::int32_t other) {
+        return flood_.overlap(face, other);
     }
+
+    void run(Stretch& stretch, std::size_t number) {
+        stretch_ = &stretch;
+        const std::size_t first = number * Stretch::length,
+                          last = std::min(first + Stretch::length, surfaces_[0].count());
+        flood_.run(std::exchange(stretch.starts, {}), first, last, stretch.beyond);
+    }
+
+    // For the flood.
 
     Face face(std::size_t mesh, std::int32_t number) const { return surfaces_[mesh].face(number); }
     std::int32_t neighbor(std::size_t mesh, std::int32_t number, const Face&,
@@ -141,74 +174,126 @@ class Collector {
         if (!surfaces_[0].is_shown(number) || !surfaces_[1].is_shown(other)) return;
         if (!pair.overlap()) return;
         OverlayPiece piece{number, other, 0, {}, 0};
-        if (!outline_of(pair, piece)) {
-            found_.is_sound = false;
-            return;
-        }
-        for (std::size_t i = 0; i < piece.count; ++i)
-            if (!piece.corners[i].is_crossing()) add_height(pair, piece, piece.corners[i]);
-        found_.pieces.push_back(piece);
+        stretch_->is_sound = outline_of(pair, piece) && stretch_->is_sound;
+        stretch_->corners += piece.count;
+        stretch_->pieces.push_back(piece);
     }
 
  private:
-    void add_height(const FacePair& pair, const OverlayPiece& piece, PieceCorner corner) {
-        const std::size_t of = corner.face();
-        const std::int32_t face = of == 0 ? piece.face : piece.other;
-        double& height =
-            found_.heights[of][static_cast<std::size_t>(surfaces_[of].vertex(face, corner.k()))];
-        if (!std::isnan(height)) return;
-        height = height_over(pair, of, corner.k());
-        const unsigned sides = nearness_.units > 0 ? sides_at(pair, 1 - of, corner.k()) : 0;
-        for (std::size_t k = 0; k < 3; ++k) {
-            if (sides == 1u << k) add_displacement(pair, of, corner.k(), k);
-            if (sides != sides_of_corner(k) || of == 1) continue;
-            const Point there = pair.face(1).at(k);
-            if (before_xy(there, pair.face(0).at(corner.k())))
-                found_.moved.emplace_back(surfaces_[0].vertex(face, corner.k()), there);
+    const std::array<LocalSurface, 2>& surfaces_;
+    Nearness nearness_;
+    Interrupt& interrupt_;
+    Patience patience_;
+    Flood<Collector> flood_;
+    Stretch* stretch_ = nullptr;
+    std::int32_t last_ = -1;
+};
+
+// Stretches hand over to each other in rounds. Those of a round are visited at the same time, by
+// any threads: what they find depends on what they were handed alone.
+class Rounds {
+ public:
+    Rounds(const std::array<LocalSurface, 2>& surfaces, Nearness nearness, ThreadPool& pool)
+        : surfaces_(surfaces),
+          nearness_(nearness),
+          pool_(pool),
+          start_(surfaces[0].count(), Flood<Collector>::unvisited),
+          stretches_(blocks(surfaces[0].count(), Stretch::length)),
+          collectors_(std::min(pool.size(), most_collectors)) {}
+
+    // False if the interrupt came first.
+    bool run(std::int32_t face, std::int32_t other) {
+        const auto overlap = collector(0).overlap(face, other);
+        std::vector<std::size_t> ready;
+        if (overlap) hand_over({*overlap}, ready);
+        while (!ready.empty()) {
+            std::atomic<std::size_t> next = 0;
+            const auto visit = [&](std::size_t task) {
+                Collector& own = collector(task);
+                for (std::size_t i; (i = next++) < ready.size();)
+                    own.run(stretches_[ready[i]], ready[i]);
+            };
+            if (!pool_.run(std::min(ready.size(), collectors_.size()), visit)) return false;
+            std::vector<std::size_t> following;
+            for (const std::size_t i : ready)
+                hand_over(std::exchange(stretches_[i].beyond, {}), following);
+            ready.swap(following);
+        }
+        return !pool_.interrupt().requested();
+    }
+
+    // All pieces, in the order of the stretches. False as above.
+    bool unite(Pieces& found) {
+        std::vector<std::size_t> pieces, corners;
+        for (const Stretch& each : stretches_) {
+            pieces.push_back(found.count);
+            corners.push_back(found.corners);
+            found.count += each.pieces.size();
+            found.corners += each.corners;
+            found.is_sound = found.is_sound && each.is_sound;
+        }
+        found.pieces = allocate<OverlayPiece>(found.count);
+        found.starts.assign(surfaces_[0].count(), Pieces::none);
+        return pool_.run(stretches_.size(), [&](std::size_t i) {
+            const std::vector<OverlayPiece> own = std::exchange(stretches_[i].pieces, {});
+            std::copy(own.begin(), own.end(), found.pieces.get() + pieces[i]);
+            number(found, pieces[i], pieces[i] + own.size(), corners[i]);
+        });
+    }
+
+ private:
+    static constexpr unsigned most_collectors = 16;  // each has a number for every second face
+
+    Collector& collector(std::size_t i) {
+        if (!collectors_[i])
+            collectors_[i] =
+                std::make_unique<Collector>(surfaces_, nearness_, start_, pool_.interrupt());
+        return *collectors_[i];
+    }
+
+    // To the stretches that have them, which become ready.
+    void hand_over(const std::vector<FloodStart>& starts, std::vector<std::size_t>& ready) {
+        for (const FloodStart& each : starts) {
+            const auto face = static_cast<std::size_t>(each.face);
+            if (start_[face] != Flood<Collector>::unvisited) continue;
+            Stretch& to = stretches_[face / Stretch::length];
+            if (to.starts.empty()) ready.push_back(face / Stretch::length);
+            to.starts.push_back(each);
         }
     }
 
-    void add_displacement(const FacePair& pair, std::size_t of, std::size_t k, std::size_t side) {
-        const Face& over = pair.face(1 - of);
-        const Point tail = over.at(tail_of(side)), head = over.at(head_of(side)),
-                    at = pair.face(of).at(k);
-        const double places[] = {tail.x, tail.y, head.x, head.y, at.x, at.y};
-        double distance;
-        find_distances(places, 1, &distance);
-        found_.displacement = std::max(found_.displacement, distance);
+    // Sorts the pieces of each first face, from one on that is the first of it.
+    static void number(Pieces& found, std::size_t first, std::size_t last, std::size_t corners) {
+        OverlayPiece* const all = found.pieces.get();
+        while (first < last) {
+            const std::size_t begin = first;
+            while (first < last && all[first].face == all[begin].face) ++first;
+            found.starts[static_cast<std::size_t>(all[begin].face)] =
+                static_cast<std::uint32_t>(begin);
+            std::sort(all + begin, all + first, [](const OverlayPiece& a, const OverlayPiece& b) {
+                return a.other < b.other;
+            });
+            for (std::size_t i = begin; i < first; ++i) {
+                all[i].first = static_cast<std::uint32_t>(corners);
+                corners += all[i].count;
+            }
+        }
     }
 
     const std::array<LocalSurface, 2>& surfaces_;
     Nearness nearness_;
-    Pieces& found_;
-    Interrupt& interrupt_;
-    std::int32_t last_ = -1;
+    ThreadPool& pool_;
+    std::vector<std::int32_t> start_;
+    std::vector<Stretch> stretches_;
+    std::vector<std::unique_ptr<Collector>> collectors_;
 };
 
 }  // namespace
 
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 Nearness nearness, Pieces& found, Interrupt& interrupt) {
-    Patience patience(interrupt);
-    Collector collector(surfaces, nearness, found, interrupt);
-    Flood<Collector> flood(collector, surfaces[0].count(), surfaces[1].count(), patience);
-    flood.run(face, other);
-    if (patience.ends(0)) return false;
-    found.starts.assign(surfaces[0].count(), Pieces::none);
-    OverlayPiece* const all = found.pieces.data();
-    for (std::size_t first = 0, last = 0; first < found.pieces.size(); first = last) {
-        if (patience.ends()) return false;
-        const std::int32_t number = all[first].face;
-        while (last < found.pieces.size() && all[last].face == number) ++last;
-        found.starts[static_cast<std::size_t>(number)] = static_cast<std::uint32_t>(first);
-        std::sort(all + first, all + last,
-                  [](const OverlayPiece& a, const OverlayPiece& b) { return a.other < b.other; });
-        for (std::size_t i = first; i < last; ++i) {
-            all[i].first = static_cast<std::uint32_t>(found.corners);
-            found.corners += all[i].count;
-        }
-    }
-    return true;
+                 Nearness nearness, Pieces& found, ThreadPool& pool) {
+    Rounds rounds(surfaces, nearness, pool);
+    return rounds.run(face, other) && rounds.unite(found);
 }
 
 }  // namespace liftmesh

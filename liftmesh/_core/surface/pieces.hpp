@@ -7,6 +7,7 @@
 // it: no vertex of either surface, and no crossing, is inside of a side of a piece.
 #pragma once
 
+#include "parallel/thread_pool.hpp"
 #include "surface/local_surface.hpp"
 
 namespace liftmesh {
@@ -51,39 +52,44 @@ struct OverlayPiece {
     std::uint32_t first;                    // how many corners there are before
     std::array<PieceCorner, most> corners;  // counter-clockwise
     std::uint8_t count;
+
+    std::int32_t face_of(std::size_t surface) const { return surface == 0 ? face : other; }
 };
 
 // Of faces that overlap. False if their turns contradict each other, as of faces without area.
 bool outline_of(const FacePair& pair, OverlayPiece& piece);
 
-// The height of the second face at a corner of the first, or the other way round.
-double height_over(const FacePair& pair, std::size_t face, std::size_t k);
+// A corner of a face in the other one: where it counts as being, how high that one is there, and
+// how far it is from the side that it counts as being on.
+struct CornerOver {
+    Point at;
+    double height, displacement;
+};
+CornerOver corner_over(const FacePair& pair, std::size_t face, std::size_t k);
 
 // On a side from its lexicographically lesser end, as near to it as a rounded place is.
 double height_along(const SurfaceCorner& tail, const SurfaceCorner& head, Point place);
 
 // All pieces of faces that are shown: those of a first face together, by the second, and first
-// faces in the order in which the flood came to them.
+// faces in an order that depends on the surfaces and where the flood began.
 struct Pieces {
     static constexpr std::uint32_t none = ~std::uint32_t{0};
 
-    std::vector<OverlayPiece> pieces;
-    std::size_t corners = 0;                     // of all
-    std::vector<std::uint32_t> starts;           // of each first face; `none` if it has none
-    std::array<std::vector<double>, 2> heights;  // of the other surface at vertices; NaN for none
-    std::vector<std::pair<std::int32_t, Point>> moved;  // vertices of the first, to near ones
-    double displacement = 0;                            // the largest of a vertex from a side
+    Buffer<OverlayPiece> pieces;
+    std::size_t count = 0, corners = 0;  // of all
+    std::vector<std::uint32_t> starts;   // of each first face; `none` if it has none
     bool is_sound = true;
 
     const OverlayPiece* find(std::int32_t face, std::int32_t other) const {
         const std::size_t start = starts[static_cast<std::size_t>(face)];
-        for (std::size_t i = start; i < pieces.size() && pieces[i].face == face; ++i)
+        for (std::size_t i = start; i < count && pieces[i].face == face; ++i)
             if (pieces[i].other == other) return &pieces[i];
         return nullptr;
     }
 
-    // Whether the pieces of one first face are before those of another one.
-    bool before(std::int32_t one, std::int32_t two) const {
+    // Whether pieces of one face of a surface come before those of another one.
+    bool is_before(std::size_t surface, std::int32_t one, std::int32_t two) const {
+        if (surface == 1) return one < two;
         return starts[static_cast<std::size_t>(one)] < starts[static_cast<std::size_t>(two)];
     }
 };
@@ -91,6 +97,6 @@ struct Pieces {
 // From two faces that touch; nearness as for pairs. Advances by three for each first face. False if
 // the interrupt came first.
 bool find_pieces(const std::array<LocalSurface, 2>& surfaces, std::int32_t face, std::int32_t other,
-                 Nearness nearness, Pieces& found, Interrupt& interrupt);
+                 Nearness nearness, Pieces& found, ThreadPool& pool);
 
 }  // namespace liftmesh

@@ -173,6 +173,16 @@ FORMATS = (
         entries=("markers",),
     ),
     Format(
+        name="xdmf",
+        suffixes=(".xdmf", ".xmf"),
+        read=None,
+        write=_code("io.formats.xdmf", "write_xdmf"),
+        description="XDMF 3, for ParaView: faces and values as text",
+        keeps=_all_but("crs", "metadata"),
+        loses=_code("io.formats.vtu", "dropped_parts"),
+        entries=("markers",),
+    ),
+    Format(
         name="msh",
         suffixes=(".msh",),
         read=None,

@@ -42,7 +42,7 @@ _ROWS = 1 << 18  # written at a time
 
 def write_vtu(stream: BinaryIO, cloud: Cloud) -> None:
     """Write a mesh or a cloud as VTU."""
-    _write(stream, cloud.points, _of_points(cloud), _cells(_parts(cloud)), _of_cells(cloud))
+    _write(stream, cloud.points, of_points(cloud), _cells(parts_of(cloud)), of_cells(cloud))
 
 
 def write_tetrahedra(stream: BinaryIO, points: Floats, simplices: Rows) -> None:
@@ -95,7 +95,7 @@ def dropped_parts(cloud: Cloud, _: Mapping[str, Any]) -> Collection[str]:
     return [dropped_values(name) for name in cloud.attributes if name not in kept]
 
 
-def _parts(cloud: Cloud) -> list[tuple[Array, int]]:
+def parts_of(cloud: Cloud) -> list[tuple[Array, int]]:
     """Return the cells of each kind, lines last."""
     parts = [(np.arange(len(cloud), dtype=np.int32)[:, None], _VERTEX)]
     if cloud.faces is not None and len(cloud.faces):
@@ -115,7 +115,7 @@ def _cells(parts: list[tuple[Array, int]]) -> _Arrays:
     return [("connectivity", corners), ("offsets", ends), ("types", of_cells)]
 
 
-def _of_cells(cloud: Cloud) -> _Arrays:
+def of_cells(cloud: Cloud) -> _Arrays:
     """Return the regions of faces, and the markers of edges."""
     faces, edges = faces_of(cloud), edges_of(cloud)
     if not len(faces) or not len(edges):
@@ -127,7 +127,7 @@ def _of_cells(cloud: Cloud) -> _Arrays:
     return [("region", regions), ("marker", markers)]
 
 
-def _of_points(cloud: Cloud) -> _Arrays:
+def of_points(cloud: Cloud) -> _Arrays:
     """Return the values of the points: colours in 8 bits, or as floats from 0 to 1."""
     arrays = _attributes(cloud)
     if cloud.colors is not None:

@@ -201,9 +201,22 @@ bool exceeds(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, double dist
     return (size - z[4] * area).sign() > 0;
 }
 
-int compare_heights(Point a, Point b, Point q) {
-    const Coordinates at({a, b, q, q});
-    return (height(at.x, at.y, 0, 2) - height(at.x, at.y, 1, 2)).sign();
+int compare_distances(Point a, Point b, Point c, Point d) {
+    const Coordinates at({a, b, c, d});
+    return (height(at.x, at.y, 0, 1) - height(at.x, at.y, 2, 3)).sign();
+}
+
+int sign_at_apex(Point a, Point b, Point c) {
+    const Coordinates at({a, b, c, c});
+    return ((at.x[0] - at.x[2]) * (at.x[1] - at.x[2]) + (at.y[0] - at.y[2]) * (at.y[1] - at.y[2]))
+        .sign();
+}
+
+bool do_circles_cross(Point a, Point p, Point b, Point q) {
+    const Coordinates at({a, p, b, q});
+    const Integer of_p = height(at.x, at.y, 0, 1), of_q = height(at.x, at.y, 2, 3);
+    const Integer rest = height(at.x, at.y, 0, 2) - of_p - of_q;
+    return rest.sign() < 0 || (rest * rest - (of_p + of_p) * (of_q + of_q)).sign() < 0;
 }
 
 int turn_in_oyz(Point a, Point b, Point c, Point q) {

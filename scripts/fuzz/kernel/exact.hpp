@@ -40,8 +40,12 @@ int lifted_side(Lift lift, const std::array<Point, 4>& corners, const std::array
 // Whether d is further than a distance from the plane through counter-clockwise a, b, c, along z.
 bool exceeds(SpacePoint a, SpacePoint b, SpacePoint c, SpacePoint d, double distance);
 
+// As in predicates/distances.hpp.
+int compare_distances(Point a, Point b, Point c, Point d);
+int sign_at_apex(Point a, Point b, Point c);
+bool do_circles_cross(Point a, Point p, Point b, Point q);
+
 // As in predicates/determinants.hpp.
-int compare_heights(Point a, Point b, Point q);
 int turn_in_oyz(Point a, Point b, Point c, Point q);
 
 }  // namespace fuzzing

@@ -98,7 +98,7 @@ std::int32_t Ground::owner(Point query) const {
 std::size_t Ground::nearest(Point query) const {
     std::size_t least = 0;
     for (std::size_t i = 1; i < at.size(); ++i) {
-        const int sign = fuzzing::compare_heights(at.points[i], at.points[least], query);
+        const int sign = fuzzing::compare_distances(at.points[i], query, at.points[least], query);
         if (sign < 0 || (sign == 0 && liftmesh::before_xy(at.points[i], at.points[least])))
             least = i;
     }

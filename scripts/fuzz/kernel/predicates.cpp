@@ -8,6 +8,7 @@
 #include "demand.hpp"
 #include "exact.hpp"
 #include "predicates/determinants.hpp"
+#include "predicates/distances.hpp"
 #include "predicates/incircle.hpp"
 #include "predicates/orient2d.hpp"
 #include "predicates/orient3d.hpp"
@@ -109,12 +110,21 @@ void check_edge(const std::array<Point, 4>& p) {
 }
 
 void check_heights(const std::array<Point, 4>& p) {
-    demand(
-        liftmesh::compare_heights(p[0], p[1], p[3]) == fuzzing::compare_heights(p[0], p[1], p[3]),
-        "compare_heights has another sign");
     demand(liftmesh::turn_in_oyz(p[0], p[1], p[2], p[3]) ==
                fuzzing::turn_in_oyz(p[0], p[1], p[2], p[3]),
            "turn_in_oyz has another sign");
+}
+
+void check_distances(const std::array<Point, 4>& p) {
+    for (const Point d : {p[3], p[2], p[1]})
+        demand(liftmesh::compare_distances(p[0], p[1], p[2], d) ==
+                   fuzzing::compare_distances(p[0], p[1], p[2], d),
+               "compare_distances has another sign");
+    demand(liftmesh::sign_at_apex(p[0], p[1], p[2]) == fuzzing::sign_at_apex(p[0], p[1], p[2]),
+           "sign_at_apex has another sign");
+    demand(liftmesh::do_circles_cross(p[0], p[1], p[2], p[3]) ==
+               fuzzing::do_circles_cross(p[0], p[1], p[2], p[3]),
+           "do_circles_cross decides otherwise");
 }
 
 }  // namespace
@@ -132,6 +142,7 @@ void check_predicates(Case& c, const Rows& rows) {
         check_incircle(p);
         check_edge(p);
         check_heights(p);
+        check_distances(p);
         check_space(p, {p[1].x, p[2].y, p[3].x, p[0].y});
     }
 }

@@ -187,8 +187,8 @@ def test_surfaces_and_rows_without_faces(tmp_path: Path) -> None:
 
 
 def test_formats_that_meshio_has_not(tmp_path: Path) -> None:
-    with pytest.raises(FormatError, match=r"'xdmf', but `meshio convert` makes such files of"):
-        liftmesh.write(tmp_path / "a.xdmf", plate())
+    with pytest.raises(FormatError, match=r"'med', but `meshio convert` makes such files of"):
+        liftmesh.write(tmp_path / "a.med", plate())
 
 
 def test_without_meshio(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
