@@ -318,6 +318,7 @@ def check_window(qgis: Qgis) -> str:
     require("error" not in found, found.get("error", ""))
     require({*found["algorithms"]} == NAMES, f"the toolbox has {found['algorithms']}")
     require(found["cancelled"], "a cancelled run ends early")
+    require(found["triangles"] == 5976, f"in another thread: {found['triangles']} triangles")
     return f"QGIS {found['version']}, whose picture is {PICTURE}"
 
 
