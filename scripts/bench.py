@@ -22,6 +22,7 @@ BENCHMARKS = {
     "refine": "angles and sizes of meshes beside triangle and Gmsh",
     "space": "tetrahedra and their proof, beside CGAL, SciPy and shull",
     "shapes": "alpha surfaces and spheres, beside Open3D, shull and SciPy",
+    "graphs": "graphs of near points beside libpysal, many small sets beside SciPy",
     "disks": "graphs and cells of disks, and stars, beside CGAL and delaunay",
     "cells": "Voronoi diagrams and cells beside SciPy, shapely and geogram",
     "locate": "points located, beside SciPy and matplotlib",

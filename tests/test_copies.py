@@ -5,7 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -118,6 +118,8 @@ def test_point_location_ends_even_where_the_points_were_changed(
     found = tri.find_simplex(np.random.default_rng(5).random((3000, 2)))
     assert found.min() >= -1
     assert found.max() < tri.nsimplex
+    for kind in ("gabriel", "minimum_spanning_tree", "sphere_of_influence"):
+        assert tri.graph(kind, "binary").shape == (2000, 2000)  # type: ignore[arg-type]
 
 
 DAMAGE = [("simplices", 10**8), ("simplices", -1), ("neighbors", 10**8), ("neighbors", -2)]
@@ -142,6 +144,19 @@ def test_a_pickle_with_missing_triangles_is_refused() -> None:
     state = dict(tri.__getstate__()) | {"neighbors": tri.neighbors[1:]}
     with pytest.raises(liftmesh.InputError, match="damaged: simplices are"):
         object.__new__(liftmesh.Triangulation).__setstate__(state)
+
+
+@pytest.mark.parametrize("number", [-2, 4])
+@pytest.mark.parametrize("name", ["simplices", "neighbors", "convex_hull", "duplicates", "offsets"])
+def test_damaged_sets_are_refused(name: str, number: int) -> None:
+    """Set 1 has four rows and three triangles."""
+    rows = [[0, 0], [1, 0], [0, 1], [0, 0], [0, 0], [3, 0], [0, 3], [1, 1], [0, 0]]
+    made = liftmesh.delaunay_many(rows, [0, 4, 9])
+    arrays = {each.name: getattr(made, each.name).copy() for each in fields(made)}
+    arrays[name].reshape(-1)[-1 if name == "offsets" else 0] = number
+    damaged = pickle.dumps(replace(made, **arrays))
+    with pytest.raises(liftmesh.InputError, match="damaged: it"):
+        pickle.loads(damaged)
 
 
 RADII = np.full(40, 0.02)

@@ -125,6 +125,8 @@ def delaunay(  # noqa: PLR0913 - options are keywords
 
     See Also
     --------
+    delaunay_many : Thousands of small sets in one call.
+    Triangulation.graph : Gabriel graphs, relative neighbours, minimum spanning trees.
     regular : Triangulations of weighted points.
     DynamicTriangulation : Points that come and go.
     liftmesh.scipy.Delaunay : The same as SciPy's class.

@@ -86,16 +86,20 @@ class Triangulations(FrozenResult):
     skipped_offsets: Integers
 
     def _check_copy(self) -> None:
-        for starts, items in (
-            (self.offsets, self.points),
-            (self.simplex_offsets, self.simplices),
-            (self.hull_offsets, self.convex_hull),
-            (self.duplicate_offsets, self.duplicates),
-            (self.skipped_offsets, self.skipped),
+        check_starts(self.offsets, len(self), len(self.points))
+        rows, triangles = np.diff(self.offsets), np.diff(self.simplex_offsets)
+        for items, starts, least, beyond in (
+            (self.simplices, self.simplex_offsets, 0, rows),
+            (self.neighbors, self.simplex_offsets, -1, triangles),
+            (self.convex_hull, self.hull_offsets, 0, rows),
+            (self.duplicates, self.duplicate_offsets, 0, rows),
+            (self.skipped, self.skipped_offsets, 0, rows),
         ):
             check_starts(starts, len(self), len(items))
-        lists = self.simplices, self.convex_hull, self.duplicates, self.skipped
-        check_numbers(0, len(self.points), *lists)
+            ends = np.repeat(beyond, np.diff(starts))
+            columns: Array = items.T
+            for k in np.nonzero((columns < least) | (columns >= ends))[-1][:1].tolist():
+                check_numbers(least, int(ends[k]), items[k])
 
     def __repr__(self) -> str:
         none = len(self.degenerate)

@@ -102,8 +102,10 @@ def triangulate_polygon(
             tri, min_angle=quality, max_area=max_area, conforming=conforming
         ).triangulation
         points, triangles = refined.points, refined.simplices
-    used = used_rows(len(points), triangles)  # not those of repeated points
-    return points[used], np.searchsorted(used, triangles)
+    used = used_rows(len(points), triangles)
+    if len(used) == len(points):
+        return np.array(points), triangles.astype(np.int64)
+    return points[used], np.searchsorted(used, triangles)  # without repeated points
 
 
 def _read(

@@ -243,12 +243,14 @@ def _made_of(coordinates: Floats, ends: Array) -> Any:
     space = _WITH_HEIGHTS if coordinates.shape[1] == 3 else 0
     width = around.shape[1] * coordinates.shape[1]
     corners = coordinates.take(around, axis=0).astype("<f8", copy=False).reshape(-1, width)
-    head = np.array([one | space, *rings, around.shape[1]], dtype="<u4").view(np.uint8)
-    start = 1 + len(head)
-    parts = np.ones((len(ends), start + 8 * width), dtype=np.uint8)
-    parts[:, 1:start], parts[:, start:] = head, corners.view(np.uint8)
-    whole = np.array([many | space, len(ends)], dtype="<u4")
-    return shapely.from_wkb(b"\x01" + whole.tobytes() + parts.tobytes())
+    head = b"\x01" + np.array([one | space, *rings, around.shape[1]], dtype="<u4").tobytes()
+    whole = b"\x01" + np.array([many | space, len(ends)], dtype="<u4").tobytes()
+    text = np.empty(len(whole) + len(ends) * (len(head) + 8 * width), dtype=np.uint8)
+    text[: len(whole)] = np.frombuffer(whole, np.uint8)
+    parts = text[len(whole) :].reshape(-1, len(head) + 8 * width)
+    parts[:, : len(head)] = np.frombuffer(head, np.uint8)
+    parts[:, len(head) :] = corners.view(np.uint8)
+    return shapely.from_wkb(text.tobytes())
 
 
 def _along(planar: Floats) -> Array:

@@ -39,6 +39,16 @@ def test_pyvista_does_not_load_what_is_not_asked_for(tmp_path: Path) -> None:
     )
 
 
+def test_ply_is_replaced_where_that_is_asked_for(tmp_path: Path) -> None:
+    liftmesh.write(tmp_path / "mesh.ply", liftmesh.triangulate(POINTS))
+    run(
+        "import liftmesh.plugins.pyvista as ours\n"
+        "pyvista.register_reader('.ply', ours.read, override=True)\n"
+        "assert str(pyvista.read('mesh.ply').points.dtype) == 'float64'",
+        tmp_path,
+    )
+
+
 def test_the_accessor_is_there(tmp_path: Path) -> None:
     run(
         f"mesh = pyvista.PolyData({POINTS.tolist()}).liftmesh.delaunay_2d()\n"

@@ -52,7 +52,7 @@ class Qgis:
         self.folder.mkdir()
         (home / PROFILE).mkdir(parents=True)
         with zipfile.ZipFile(write_zip(home / f"{PLUGIN}.zip")) as made:
-            made.extractall(home / PROFILE)  # as "Install from ZIP" does
+            made.extractall(home / PROFILE)  # as the window does
         kept = {key: value for key, value in os.environ.items() if not key.startswith("PYTHON")}
         runtime = home / "runtime"
         runtime.mkdir(mode=0o700)
@@ -299,22 +299,27 @@ def check_errors(qgis: Qgis) -> str:
 
 
 def check_window(qgis: Qgis) -> str:
-    """The program itself runs algorithms, cancels one, and is photographed."""
+    """The program itself installs the zip, runs algorithms, cancels one, and is photographed."""
     PICTURE.parent.mkdir(exist_ok=True)
     report = qgis.home / "report.json"
     words = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1400x900x24"]
     words += [shutil.which("qgis.bin") or "qgis", "--nologo", "--noversioncheck"]
-    places = {"LAYERS": str(qgis.folder), "PICTURE": str(PICTURE), "REPORT": str(report)}
+    home = qgis.home / "window"  # where nothing is installed yet
+    home.mkdir()
+    places = {"HOME": home, "ZIP": qgis.home / f"{PLUGIN}.zip", "LAYERS": qgis.folder}
+    places |= {"PICTURE": PICTURE, "REPORT": report}
+    told = {name: str(each) for name, each in places.items()}
     ended = subprocess.run(
         [*words, "--code", str(HERE / "window.py")], check=False, timeout=240, text=True,
-        env={**qgis.environment, **places}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+        env={**qgis.environment, **told}, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
     )  # fmt: skip
     require(report.exists(), ended.stdout)
-    told = json.loads(report.read_text())
-    require("error" not in told, told.get("error", ""))
-    require({*told["algorithms"]} == NAMES, f"the toolbox has {told['algorithms']}")
-    require(told["cancelled"], "a cancelled run ends early")
-    return f"QGIS {told['version']}, whose picture is {PICTURE}"
+    found = json.loads(report.read_text())
+    require("error" not in found, found.get("error", ""))
+    require({*found["algorithms"]} == NAMES, f"the toolbox has {found['algorithms']}")
+    require(found["cancelled"], "a cancelled run ends early")
+    require(found["triangles"] == 5976, f"in another thread: {found['triangles']} triangles")
+    return f"QGIS {found['version']}, whose picture is {PICTURE}"
 
 
 def main() -> None:

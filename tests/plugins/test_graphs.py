@@ -65,6 +65,15 @@ def test_rows_at_one_position() -> None:
     assert {*ours.neighbors[60]} - {3, 61} == {*ours.neighbors[3]} - {60, 61}
 
 
+def test_no_row_is_lost_far_from_zero() -> None:
+    """Qhull drops rows there, whose neighbours other libraries then miss."""
+    rows = np.add(np.floor(ROWS * 2**20), [2.0**40, 2.0**41])
+    ours = build_triangulation(rows, "gabriel")
+    assert ours.n == 60
+    assert not len(ours.isolates)
+    assert ours.neighbors == build_triangulation(rows - rows[0], "gabriel").neighbors
+
+
 def test_refusals() -> None:
     for option, value in {"method": "voronoi", "coplanar": "jitter"}.items():
         with pytest.raises(liftmesh.InputError, match=f"{option} is '{value}': "):

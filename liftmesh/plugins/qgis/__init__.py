@@ -30,7 +30,7 @@ from liftmesh.io.atomic import replacing
 
 PLUGIN = "liftmesh_qgis"
 _PLUGIN = Path(__file__).parent / "plugin"
-_LEFT_OUT = {"__pycache__", "_core"}
+_LEFT_OUT = {"__pycache__", "_core", "plugin"}
 
 
 def write_zip(path: str | os.PathLike[str]) -> Path:

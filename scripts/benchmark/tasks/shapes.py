@@ -158,7 +158,7 @@ def times(
 
 def once(name: str, text: str, file: Path, options: Namespace) -> tuple[dict[str, float], int]:
     """Run a program; nothing is taken by one that is missing, fails or takes too long."""
-    python = options.python if name == "shull" else sys.executable
+    python = options.python if name.startswith(("shull", "libpysal")) else sys.executable
     environment = os.environ | {"GLIBC_TUNABLES": KEEP_MEMORY, "OMP_NUM_THREADS": "1"}
     try:
         done = subprocess.run(

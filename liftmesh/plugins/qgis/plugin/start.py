@@ -16,12 +16,12 @@ def classFactory(iface: Any) -> Any:  # noqa: ARG001 - QGIS calls it so
         sys.path.append(str(PACKAGES))  # last, so that it hides nothing
     try:
         from liftmesh import _kernel  # noqa: F401, PLC0415 - found from now on
-
-        from .provider import Plugin  # noqa: PLC0415
-    except ImportError as error:
+    except Exception as error:  # older Pythons may not even know its syntax
         made = next((PACKAGES / "liftmesh").glob("_kernel.*.*"), Path("no kernel")).name
         raise ImportError(
-            f"{error}: this plugin holds {made}, and this QGIS has Python "
-            f"{platform.python_version()} on {platform.machine()}: make the zip with such a Python"
+            f"this plugin holds {made}, and this QGIS has Python {platform.python_version()} on "
+            f"{platform.machine()}: make the zip with such a Python ({error})"
         ) from error
+    from .provider import Plugin  # noqa: PLC0415 - needs liftmesh
+
     return Plugin()
