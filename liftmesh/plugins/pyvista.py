@@ -88,7 +88,8 @@ def read(path: str | os.PathLike[str], **options: Any) -> host.PolyData:
     path : path
         The file.
     **options
-        Those of `liftmesh.read`, such as ``format`` or ``classes``.
+        Those of `liftmesh.read`, such as ``format`` or ``classes``; ``pyvista.read`` passes them on
+        from PyVista 0.49 on.
 
     Returns
     -------

@@ -1,5 +1,6 @@
 #include "predicates/distances.hpp"
 
+#include "base/input.hpp"
 #include "predicates/circumradius.hpp"
 #include "predicates/fixed_point.hpp"
 #include "predicates/nearest_double.hpp"
@@ -93,6 +94,7 @@ bool do_circles_cross(Point a, Point p, Point b, Point q) {
 double distance(Point a, Point b) {
     const double not_less = std::fabs(a.x - b.x) + std::fabs(a.y - b.y);
     if (not_less < 0x1p-1020) return tiny_distance(a, b, not_less);
+    if (!is_finite(a) || !is_finite(b)) return not_less;  // as another thread may have written
     return 2 * circumradius<2>({on_ground(a), on_ground(b)}, RadiusRounding::nearest);
 }
 

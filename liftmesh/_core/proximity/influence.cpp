@@ -10,7 +10,7 @@ namespace {
 
 constexpr Row none = ~Row{0};
 
-// The point nearest to each vertex, which is a neighbour of it; `none` of other rows.
+// The vertex nearest to each, which is a neighbour of it.
 bool find_nearest(const Sides& sides, Interrupt& interrupt, std::vector<Row>& nearest) {
     const auto look = [&](std::int32_t from, std::int32_t to) {
         Row& best = nearest[static_cast<std::size_t>(from)];
@@ -28,9 +28,9 @@ bool find_nearest(const Sides& sides, Interrupt& interrupt, std::vector<Row>& ne
 }
 
 struct Circles {
-    std::vector<Point> centres;
+    const std::vector<Point>& centres;
     std::vector<Row> nearest;
-    std::vector<double> radii;  // and no less
+    std::vector<double> radii;
 
     bool do_cross(Row a, Row b) const {
         return do_circles_cross(centres[a], centres[nearest[a]], centres[b], centres[nearest[b]]);
@@ -73,24 +73,21 @@ class Query {
 
 }  // namespace
 
-bool find_influence(const Sides& sides, std::size_t rows, Interrupt& interrupt, Edges& edges) {
-    Circles circles{std::vector<Point>(rows), std::vector<Row>(rows, none),
-                    std::vector<double>(rows)};
-    if (!find_nearest(sides, interrupt, circles.nearest)) return false;
+bool find_influence(const Sides& sides, Interrupt& interrupt, Edges& edges) {
+    const std::size_t count = sides.points().size();
+    Circles circles{sides.points(), std::vector<Row>(count, none), std::vector<double>(count)};
     std::vector<Row> vertices;
-    const bool done = for_each_in_blocks(rows, interrupt, [&](std::size_t row) {
-        const Row other = circles.nearest[row];
-        if (other == none) return;
-        circles.centres[row] = sides.place(static_cast<std::int32_t>(row));
-        // Another thread may have put there what has no order.
-        if (!is_finite(circles.centres[row])) return;
-        vertices.push_back(static_cast<Row>(row));
-        circles.radii[row] =
-            distance(circles.centres[row], sides.place(static_cast<std::int32_t>(other)));
-    });
+    const bool done = find_nearest(sides, interrupt, circles.nearest) &&
+                      for_each_in_blocks(count, interrupt, [&](std::size_t i) {
+                          const Point centre = circles.centres[i];
+                          circles.radii[i] = distance(centre, circles.centres[circles.nearest[i]]);
+                          // Another thread may have put there what has no order.
+                          if (is_finite(centre)) vertices.push_back(static_cast<Row>(i));
+                      });
+    if (!done) return false;
     Patience patience(interrupt);
     KdTree tree(circles.centres, vertices, &patience);
-    if (!done || interrupt.requested()) return false;
+    if (interrupt.requested()) return false;
     tree.set_reaches(circles.radii);
     // Along the tree, as neighbours meet the same boxes.
     return for_each_in_blocks(vertices.size(), interrupt, [&](std::size_t i) {

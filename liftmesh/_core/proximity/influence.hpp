@@ -8,6 +8,6 @@
 
 namespace liftmesh {
 
-bool find_influence(const Sides& sides, std::size_t rows, Interrupt& interrupt, Edges& edges);
+bool find_influence(const Sides& sides, Interrupt& interrupt, Edges& edges);
 
 }  // namespace liftmesh

@@ -27,11 +27,8 @@ bool find_gabriel(const Sides& sides, Interrupt& interrupt, Edges& edges) {
     });
 }
 
-}  // namespace
-
-bool find_proximity_graph(const Triangulated& mesh, Proximity kind, Interrupt& interrupt,
-                          Edges& edges) {
-    const Sides sides(mesh);
+// Edges between vertices.
+bool find_edges(const Sides& sides, Proximity kind, Interrupt& interrupt, Edges& edges) {
     switch (kind) {
         case Proximity::gabriel:
             return find_gabriel(sides, interrupt, edges);
@@ -39,11 +36,24 @@ bool find_proximity_graph(const Triangulated& mesh, Proximity kind, Interrupt& i
             return find_relative_neighbors(sides, interrupt, edges);
         case Proximity::minimum_spanning_tree:
             return find_relative_neighbors(sides, interrupt, edges) &&
-                   span(sides, mesh.points.rows, interrupt, edges);
+                   span(sides, interrupt, edges);
         case Proximity::sphere_of_influence:
-            return find_influence(sides, mesh.points.rows, interrupt, edges);
+            return find_influence(sides, interrupt, edges);
     }
     return false;  // GCOV_EXCL_LINE: there are no other kinds
+}
+
+}  // namespace
+
+bool find_proximity_graph(const Triangulated& mesh, Proximity kind, Interrupt& interrupt,
+                          Edges& edges) {
+    const Sides sides(mesh, interrupt);
+    if (interrupt.requested() || !find_edges(sides, kind, interrupt, edges)) return false;
+    for (auto& [a, b] : edges) {
+        a = sides.row(a);
+        b = sides.row(b);
+    }
+    return true;
 }
 
 bool find_lengths(const Input& points, std::span<const Edge> edges, Interrupt& interrupt,

@@ -41,8 +41,8 @@ class Elimination {
     Side onwards(Side side) const {
         const Side beyond = sides_.across(side);
         if (beyond == no_side) return no_side;
-        const Side after = beyond + (beyond % 3 == 2 ? -2 : 1);
-        const Side before = beyond + (beyond % 3 == 0 ? 2 : -1);
+        const Side after = beyond % 3 == 2 ? beyond - 2 : beyond + 1;
+        const Side before = beyond % 3 == 0 ? beyond + 2 : beyond - 1;
         const auto end = [&](Side at) { return sides_.place(sides_.opposite(at)); };
         const Point c = end(beyond);
         // The side after ends at what the one before is opposite to.
@@ -99,13 +99,13 @@ bool find_relative_neighbors(const Sides& sides, Interrupt& interrupt, Edges& ed
            });
 }
 
-bool span(const Sides& sides, std::size_t rows, Interrupt& interrupt, Edges& edges) {
+bool span(const Sides& sides, Interrupt& interrupt, Edges& edges) {
     std::vector<Candidate> candidates;
     candidates.reserve(edges.size());
     for (const Edge& edge : edges) candidates.push_back(candidate(sides, edge));
     if (!patient_sort(candidates, is_shorter, interrupt)) return false;
-    Components parts(rows);
-    for (std::size_t row = 0; row < rows; ++row) parts.add(row);
+    Components parts(sides.points().size());
+    for (std::size_t vertex = 0; vertex < sides.points().size(); ++vertex) parts.add(vertex);
     edges.clear();
     return for_each_in_blocks(candidates.size(), interrupt, [&](std::size_t i) {
         const auto [a, b] = candidates[i].edge;

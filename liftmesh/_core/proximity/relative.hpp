@@ -24,12 +24,13 @@
 
 namespace liftmesh {
 
+// Its ends, as numbers of vertices.
 using Edge = std::array<std::int32_t, 2>;
 using Edges = std::vector<Edge>;
 
 bool find_relative_neighbors(const Sides& sides, Interrupt& interrupt, Edges& edges);
 
 // Leaves the minimum spanning tree of a graph that contains it (J. B. Kruskal, 1956).
-bool span(const Sides& sides, std::size_t rows, Interrupt& interrupt, Edges& edges);
+bool span(const Sides& sides, Interrupt& interrupt, Edges& edges);
 
 }  // namespace liftmesh
