@@ -42,8 +42,7 @@ def run(
     from liftmesh.io.atomic import replacing
     from liftmesh.plots.plot import check_picture
 
-    with options.as_usage():
-        check_picture(target)
+    check_picture(target)
     outputs.check_place(target)
     surface = surfaces.read_or_open(source, reading)
     style: dict[str, Any] = {"edges": edges, **options.given(cmap=cmap, values=values)}

@@ -343,8 +343,7 @@ class Triangulation(AlphaMethods):
         (...) ndarray of int32
             The triangle that contains each point; on an edge or a vertex, the first such triangle
             of ``simplices``; -1 outside the convex hull, where regions were removed, and for points
-            that are not finite. The other points, their order and the number of threads change
-            nothing.
+            that are not finite. Neither order nor threads change anything.
 
         Raises
         ------
@@ -353,8 +352,7 @@ class Triangulation(AlphaMethods):
 
         See Also
         --------
-        Surface.sample : Heights at points.
-        natural_neighbors : The rows around points, with weights.
+        Surface.sample, natural_neighbors : Heights at points; rows around points, with weights.
 
         Notes
         -----
@@ -407,8 +405,7 @@ class Triangulation(AlphaMethods):
 
         See Also
         --------
-        lift : The lift of any points.
-        lower_hull : The lower hull of any points in space.
+        lift, lower_hull : The lift of any points, and the lower hull of any in space.
 
         Examples
         --------
@@ -427,14 +424,12 @@ class Triangulation(AlphaMethods):
 
         Parameters
         ----------
-        threads, progress
-            As for `delaunay`. The certificate is the same for any number of threads.
+        threads, progress : as for `delaunay`
 
         Returns
         -------
         Certificate
-            True if the triangles are a Delaunay triangulation of the points, or whatever member of
-            its family this is.
+            True if they are Delaunay, or whatever member of the family this is.
 
         Raises
         ------
@@ -477,9 +472,7 @@ class Triangulation(AlphaMethods):
 
         Parameters
         ----------
-        kind : {"delaunay", "gabriel", "relative_neighborhood", ...}, default "delaunay"
-        weights : {"length", "binary"} or callable, default "length"
-        coincident : {"first", "clique"}, default "first"
+        kind, weights, coincident : str, or of weights a callable
         """
         from liftmesh.planar.graph import graph  # noqa: PLC0415 - sparse matrices are not small
 
@@ -491,7 +484,8 @@ class Triangulation(AlphaMethods):
         Returns
         -------
         scipy.spatial.Delaunay
-            An instance created without running Qhull.
+            Made without running Qhull. ``NearestNDInterpolator`` takes its points alone, those of
+            duplicates too, and gives the value of any row at the nearest position.
 
         Raises
         ------
@@ -502,11 +496,6 @@ class Triangulation(AlphaMethods):
         See Also
         --------
         liftmesh.scipy.Delaunay : A class that SciPy takes without conversion.
-
-        Notes
-        -----
-        ``NearestNDInterpolator`` takes the points alone, those of duplicates too, and gives the
-        value of any row at the nearest position.
 
         Examples
         --------

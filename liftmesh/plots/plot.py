@@ -9,10 +9,10 @@ import numpy as np
 
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import planar_bounds
-from liftmesh.base.options import refused
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.errors import InputError
 from liftmesh.io.registry import as_cloud
+from liftmesh.io.streams import check_suffix
 from liftmesh.planar.certificate import Certificate
 from liftmesh.planar.triangulation import Triangulation
 from liftmesh.plots.drawing import (
@@ -243,6 +243,4 @@ def _wide(bounds: Any) -> tuple[float, float, float, float]:
 
 def check_picture(path: Any) -> None:
     """Raise if the name of a file is none of a picture."""
-    suffix = str(path).rpartition(".")[2].lower()
-    if suffix not in {"png", "svg", "pdf"}:
-        raise refused("path", path, "give a name that ends with .png, .svg or .pdf")
+    check_suffix(path, (".png", ".svg", ".pdf"), "pictures")

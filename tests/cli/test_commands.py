@@ -49,11 +49,13 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 IN_THE_LIBRARY_ALONE = {
     "constrained_delaunay",
-    "a", "b", "bins", "canonical", "carved", "clouds", "colors", "constraints", "copy", "data",
-    "degrees", "density", "dimension", "dtype", "engine", "folder", "force_vertices",
-    "furthest_site", "gradients", "heights", "incremental", "light", "markers", "masses",
-    "max_iter", "max_proofs", "order", "planar", "progress", "quality", "row", "rows", "shape",
-    "steiner", "strict", "tol", "transform", "triangle_args", "triangulation", "vertices",
+    "a", "b", "bins", "canonical", "carved", "clouds", "coincident", "colors", "constraints",
+    "coplanar", "copy", "data", "degrees", "density", "dimension", "dtype", "edge_source", "engine",
+    "folder", "force_vertices", "furthest_site", "gradients", "heights", "i", "incremental",
+    "inplace", "kind", "light", "markers", "masses", "max_iter", "max_proofs", "method", "names",
+    "offsets", "order", "planar", "progress", "progress_bar", "quality", "row", "rows", "shape",
+    "steiner", "strict", "tol", "tolerance", "transform", "triangle_args", "triangulation",
+    "vertices",
 }  # fmt: skip
 NAMING = {
     "Option", "refused", "as_count", "as_number", "as_numbers", "as_positive", "as_distance",
