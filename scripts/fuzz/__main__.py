@@ -8,12 +8,13 @@
     python scripts/fuzz structure --seconds 600 --jobs 2 --formats gltf npz
 
 libFuzzer drives the kernel, built with AddressSanitizer and UndefinedBehaviorSanitizer; the
-assertions are in `kernel/`. `changing`, `constraints`, `refinement`, `surface`, `simplification`
-and `space` are the same program, which only inserts and removes points, puts edges in, refines,
-asks surfaces, simplifies terrains, or makes tetrahedra. Atheris drives the readers of PLY, OBJ and
-text, with the assertions of `round_trip.py`, and the kernel's numbers in text, which
-`text_numbers.py` compares with Python's. A run starts from the corpus in tests/corpus and from the
-one that earlier runs left in out/fuzz. It shrinks every find, and exits with 1 if there is one.
+assertions are in `kernel/`. `changing`, `constraints`, `refinement`, `surface`, `overlay`,
+`simplification` and `space` are the same program, which only inserts and removes points, puts edges
+in, refines, asks surfaces, lays two of them over each other, simplifies terrains, or makes
+tetrahedra. Atheris drives the readers of PLY, OBJ and text, with the assertions of `round_trip.py`,
+and the kernel's numbers in text, which `text_numbers.py` compares with Python's. A run starts from
+the corpus in tests/corpus and from the one that earlier runs left in out/fuzz. It shrinks every
+find, and exits with 1 if there is one.
 `--run` runs the given files and nothing else; `--keep` replaces the corpus in tests/corpus by a
 minimal one with the same coverage.
 

@@ -19,6 +19,7 @@ PARTS = (
     "constraints",
     "refinement",
     "surface",
+    "overlay",
     "simplification",
     "space",
 )  # of the kernel, by targets of their own

@@ -32,6 +32,7 @@ BRANCHES |= {
     "constraints": 700,
     "refinement": 900,
     "surface": 900,
+    "overlay": 1200,
     "simplification": 900,
     "space": 400,
 }

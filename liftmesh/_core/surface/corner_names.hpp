@@ -1,6 +1,6 @@
 // Numbers of the corners of all pieces of an overlay: vertices of the first surface, then of the
-// second, then crossings in the order of their pieces. A vertex belongs to the first piece that has
-// it, and a crossing to the piece of the earlier of both faces at each side.
+// second, then crossings in the order of their pieces. A vertex belongs to the piece of the least
+// faces that have it, and a crossing to that of the earlier of both faces at each side.
 #pragma once
 
 #include "parallel/blocks.hpp"

@@ -90,6 +90,7 @@ constexpr Target targets[] = {{"kernel", check_kernel},
                               {"constraints", check_constraints},
                               {"refinement", check_refinement},
                               {"surface", check_surface},
+                              {"overlay", check_overlay},
                               {"simplification", check_simplification},
                               {"space", check_space}};
 const Target* chosen = targets;

@@ -17,6 +17,9 @@ void check_refinement(Bytes bytes);
 // Heights, pixels, lines, rings and volumes of a surface.
 void check_surface(Bytes bytes);
 
+// Two surfaces laid over each other.
+void check_overlay(Bytes bytes);
+
 // Tetrahedra of points in space, location, predicates and the verifier.
 void check_space(Bytes bytes);
 
