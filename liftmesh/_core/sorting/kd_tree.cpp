@@ -47,15 +47,4 @@ void KdTree::build(std::span<const Point> points, std::uint32_t first, std::uint
     build(points, middle, last, patience);
 }
 
-void KdTree::set_reaches(std::span<const double> reaches) {
-    for (std::size_t at = nodes_.size(); at-- > 0;) {  // children come after their parent
-        Node& node = nodes_[at];
-        double& reach = node.box.reach;
-        for (std::uint32_t i = node.first; node.right == 0 && i < node.last; ++i)
-            reach = std::max(reach, reaches[rows_[i]]);
-        if (node.right != 0)
-            reach = std::max(nodes_[at + 1].box.reach, nodes_[node.right].box.reach);
-    }
-}
-
 }  // namespace liftmesh

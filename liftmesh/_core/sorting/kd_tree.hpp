@@ -9,16 +9,12 @@ namespace liftmesh {
 // The points of a node lie in its box: the centre and half of the extent, rounded outwards.
 struct TreeBox {
     Point centre, half;
-    double reach = 0;  // the greatest of its points
 };
 
 class KdTree {
  public:
     // Of some rows of the points. One that the interrupt has cut short is of no use.
     KdTree(std::span<const Point> points, std::vector<Row> rows, Patience* patience = nullptr);
-
-    // Gives each row a number; a box has the greatest of its rows.
-    void set_reaches(std::span<const double> reaches);
 
     // The rows, neighbours near each other.
     const std::vector<Row>& rows() const { return rows_; }
