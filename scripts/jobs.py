@@ -100,6 +100,8 @@ def _lines() -> Iterator[str]:
     yield "tetrahedralize <mesh.npy >cells.vtu --json"
     yield "hull <mesh.npy >hull.ply --json"
     yield "alpha-shape <mesh.npy >shape.ply --components 2 --json"
+    yield "plot <mesh.ply >map.png --dpi 20 --json"
+    yield "view <mesh.ply --output >page.html --json"
     yield "tile <mesh.npy made --json"
     yield "tileset <mesh.ply made --max-error 0.1 --levels 2 --extrapolate hull"
     yield "paper --n 50 --seeds 1 --no-figures --out made"

@@ -225,6 +225,8 @@ CALLS: dict[str, tuple[Callable[..., Any], Callable[..., Any], dict[str, Any]]] 
         {"length": 0.1},
     ),
     "volume": (SURFACE.volume, SURFACE.volume, {}),
+    "view": (partial(liftmesh.view, SURFACE), liftmesh.view, {}),
+    "plot": (liftmesh.plot, liftmesh.plot, {"result": PLANAR}),
     "profile": (SURFACE.profile, SURFACE.profile, {"line": [[0.1, 0.2], [0.5, 0.4]]}),
     "solid": (SURFACE.solid, SURFACE.solid, {"thickness": 99.0}),
     "difference": (
@@ -299,7 +301,8 @@ CASES = [
     for name, (_, signature, _) in CALLS.items()
     for parameter in inspect.signature(signature).parameters.values()
     if parameter.name != "self"
-    and parameter.kind not in {parameter.VAR_KEYWORD, parameter.POSITIONAL_ONLY}
+    and parameter.kind
+    not in {parameter.VAR_KEYWORD, parameter.VAR_POSITIONAL, parameter.POSITIONAL_ONLY}
 ]
 
 

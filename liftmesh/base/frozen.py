@@ -149,6 +149,8 @@ else:
         def __get__(self, instance: Any, owner: type[Any] | None = None) -> Any:
             if instance is None:
                 return self
+            if getattr(type(instance), self.attrname) is not self:  # asked for by super()
+                return self.func(instance)
             computed = instance.__dict__
             if self.attrname in computed:
                 return computed[self.attrname]

@@ -68,7 +68,7 @@ class Triangulations(FrozenResult):
     >>> import liftmesh, numpy as np
     >>> made = liftmesh.delaunay_many(np.random.default_rng(1).random((10, 2)), [0, 4, 6, 10])
     >>> made
-    <Triangulations of 3 sets: 5 triangles over 10 rows, 1 set without>
+    <Triangulations of 3 sets: 4 triangles over 10 rows, 1 set without>
     >>> made.triangulation(2)
     <Triangulation: 2 triangles over 4 rows, 0 duplicates, 0 skipped>
     """

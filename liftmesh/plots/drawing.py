@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats
+from liftmesh.base.options import refused
 from liftmesh.crs.description import System, parse_crs
 from liftmesh.optional import load
 
@@ -24,6 +25,9 @@ _SHADE = 0.5  # what is left in full shadow
 def new_axes(ax: Axes | None) -> Axes:
     """Return the axes that are given, or those of a new figure, which no window shows."""
     if ax is not None:
+        kind: type[Axes] = load("matplotlib.axes", extra="plot").Axes
+        if not isinstance(ax, kind):
+            raise refused("ax", ax, "give axes of matplotlib, or None")
         return ax
     figure = load("matplotlib.figure", extra="plot").Figure(figsize=(8, 6), layout="constrained")
     load("matplotlib.backends.backend_agg", extra="plot").FigureCanvasAgg(figure)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from liftmesh.base.options import counted
+from liftmesh.base.options import counted, refused
 from liftmesh.crs.description import crs_name, parse_crs
 from liftmesh.errors import InputError, Option
 from liftmesh.pages.page import Layer, Page
@@ -60,6 +60,8 @@ def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = 
     >>> liftmesh.view(surface, names=["three rows"])
     <Page "three rows": 1 layer>
     """
+    if title is not None and not isinstance(title, str):
+        raise refused("title", title, "give text")
     if not objects:
         raise InputError("there is nothing to show: give a surface, or another result")
     names = _names(objects, names)
@@ -78,12 +80,14 @@ def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = 
 def _names(objects: Sequence[Any], names: Sequence[str] | None) -> list[str]:
     if names is None:
         return [type(each).__name__ for each in objects]
+    if not (isinstance(names, list | tuple) and all(isinstance(each, str) for each in names)):
+        raise refused("names", names, "give a list of text")
     if len(names) != len(objects):
         raise InputError(
             f"{Option('names')} has {counted(len(names), 'name')} for "
             f"{counted(len(objects), 'object')}: give one for each"
         )
-    return [*map(str, names)]
+    return [*names]
 
 
 def _notes(layers: Sequence[Layer], crs: Any) -> list[str]:

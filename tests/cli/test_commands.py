@@ -49,7 +49,7 @@ def test_the_help_of_commands_has_one_spelling_and_the_default_of_its_classes(na
 
 IN_THE_LIBRARY_ALONE = {
     "constrained_delaunay",
-    "a", "b", "bins", "canonical", "carved", "clouds", "coincident", "colors", "constraints",
+    "a", "ax", "b", "bins", "canonical", "carved", "clouds", "coincident", "colors", "constraints",
     "coplanar", "copy", "data", "degrees", "density", "dimension", "dtype", "edge_source", "engine",
     "folder", "force_vertices", "furthest_site", "gradients", "heights", "i", "incremental",
     "inplace", "kind", "light", "markers", "masses", "max_iter", "max_proofs", "method", "names",

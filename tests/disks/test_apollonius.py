@@ -275,3 +275,14 @@ def test_errors_of_boxes_and_tolerances() -> None:
     ):
         with pytest.raises(InputError, match=message):
             graph.cell_sides(box, tolerance)  # type: ignore[arg-type]
+
+
+def test_a_copy_of_a_disk_on_both_sides_of_an_edge_is_found() -> None:
+    """Where doubles lead the walk astray, beside numbers of 2^-76, in one of seven orders."""
+    near = ["-0x1.43fffp-76 0x1.6001cp-79 0x1.cp-95", "-0x1.4400000000001p-76 0x1.6p-79 0x0p0"]
+    texts = [*near, *["0x1.88p5 0x1.6001cp-79 0x1.88p5"] * 2]
+    disks = np.array([[*map(float.fromhex, text.split())] for text in texts])
+    for _ in range(80):
+        graph = liftmesh.apollonius(disks[:, :2], disks[:, 2])
+        assert graph.simplices.tolist() == [[0, 1, 2], [0, 2, 1]]
+        assert graph.duplicates.tolist() == [[3, 2]]

@@ -100,7 +100,7 @@ def test_the_overlay_of_rows_that_a_thread_writes(kind: str) -> None:
     rows = SOUND.copy()
     surface, other = liftmesh.triangulate(rows), liftmesh.triangulate(np.add(SOUND[::2], 3))
     pair = touching(surface.triangulation, other.triangulation)
-    arguments = kernel_surface(other), *pair, None
+    arguments = kernel_surface(other), *pair, 2, False, None
     with written_meanwhile(rows, SPOILT[kind]):
         found = [kernel_surface(surface).overlay(*arguments) for _ in range(2)]
     for each in found:

@@ -107,7 +107,8 @@ Edge Graph::exit_of(const Disk& w, const Disk& t, Edge from) const {
 }
 
 Graph::Found Graph::find(Site t, Edge exit) {
-    for (const Site s : {tail(exit), head(exit)})
+    // Also of the apexes: `within_edge` does not know disks that are equal.
+    for (const Site s : {tail(exit), head(exit), apex(exit), apex(twin(exit))})
         if (signs_.contains(disk(s), disks_[t])) return {s, exit};
     for (const Edge e : {exit, twin(exit)})
         if (conflicts(face_of(e), t)) return {at_infinity, e};

@@ -11,7 +11,7 @@ namespace {
 constexpr Row none = ~Row{0};
 
 // The vertex nearest to each, which is a neighbour of it.
-bool find_nearest(const Sides& sides, Interrupt& interrupt, std::vector<Row>& nearest) {
+bool find_nearest(const EdgeSides& sides, Interrupt& interrupt, std::vector<Row>& nearest) {
     const auto look = [&](std::int32_t from, std::int32_t to) {
         Row& best = nearest[static_cast<std::size_t>(from)];
         const Point at = sides.place(from);
@@ -98,7 +98,7 @@ std::vector<Level> levels_of(const Circles& circles, Patience& patience) {
 
 }  // namespace
 
-bool find_influence(const Sides& sides, Interrupt& interrupt, Edges& edges) {
+bool find_influence(const EdgeSides& sides, Interrupt& interrupt, Edges& edges) {
     const std::size_t count = sides.points().size();
     Circles circles{sides.points(), std::vector<Row>(count, none), std::vector<double>(count)};
     const bool done = find_nearest(sides, interrupt, circles.nearest) &&

@@ -13,6 +13,6 @@
 
 namespace liftmesh {
 
-bool find_influence(const Sides& sides, Interrupt& interrupt, Edges& edges);
+bool find_influence(const EdgeSides& sides, Interrupt& interrupt, Edges& edges);
 
 }  // namespace liftmesh

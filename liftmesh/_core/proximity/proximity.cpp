@@ -11,7 +11,7 @@ namespace {
 
 // If a point is in the disc, on one side of the edge, then so is the third corner of the triangle
 // there: else the circle of this triangle would hold the whole half of the disc, and so the point.
-bool is_gabriel(const Sides& sides, Side side) {
+bool is_gabriel(const EdgeSides& sides, Side side) {
     const Point a = sides.place(sides.tail(side)), b = sides.place(sides.head(side));
     const auto is_outside = [&](Side at) {
         return at == no_side || sign_at_apex(a, b, sides.place(sides.opposite(at))) > 0;
@@ -19,7 +19,7 @@ bool is_gabriel(const Sides& sides, Side side) {
     return is_outside(side) && is_outside(sides.across(side));
 }
 
-bool find_gabriel(const Sides& sides, Interrupt& interrupt, Edges& edges) {
+bool find_gabriel(const EdgeSides& sides, Interrupt& interrupt, Edges& edges) {
     return for_each_in_blocks(sides.count(), interrupt, [&](std::size_t i) {
         const auto side = static_cast<Side>(i);
         if (sides.is_first(side) && is_gabriel(sides, side))
@@ -28,7 +28,7 @@ bool find_gabriel(const Sides& sides, Interrupt& interrupt, Edges& edges) {
 }
 
 // Edges between vertices.
-bool find_edges(const Sides& sides, Proximity kind, Interrupt& interrupt, Edges& edges) {
+bool find_edges(const EdgeSides& sides, Proximity kind, Interrupt& interrupt, Edges& edges) {
     switch (kind) {
         case Proximity::gabriel:
             return find_gabriel(sides, interrupt, edges);
@@ -47,7 +47,7 @@ bool find_edges(const Sides& sides, Proximity kind, Interrupt& interrupt, Edges&
 
 bool find_proximity_graph(const Triangulated& mesh, Proximity kind, Interrupt& interrupt,
                           Edges& edges) {
-    const Sides sides(mesh, interrupt);
+    const EdgeSides sides(mesh, interrupt);
     if (interrupt.requested() || !find_edges(sides, kind, interrupt, edges)) return false;
     for (auto& [a, b] : edges) {
         a = sides.row(a);

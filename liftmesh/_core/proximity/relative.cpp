@@ -11,7 +11,7 @@ namespace {
 
 class Elimination {
  public:
-    explicit Elimination(const Sides& sides) : sides_(sides), next_(sides.count(), remaining) {}
+    explicit Elimination(const EdgeSides& sides) : sides_(sides), next_(sides.count(), remaining) {}
 
     // Follows the path that begins at a side, from the corner opposite.
     void follow(Side from) {
@@ -59,7 +59,7 @@ class Elimination {
         return side;
     }
 
-    const Sides& sides_;
+    const EdgeSides& sides_;
     std::vector<Side> next_;  // of eliminated sides: what their paths go on to
 };
 
@@ -70,7 +70,7 @@ struct Candidate {
     Edge edge;
 };
 
-Candidate candidate(const Sides& sides, Edge edge) {
+Candidate candidate(const EdgeSides& sides, Edge edge) {
     Point a = sides.place(edge[0]), b = sides.place(edge[1]);
     if (before_xy(b, a)) std::swap(a, b);
     return {square_of_distance(a, b), a, b, edge};
@@ -87,7 +87,7 @@ bool is_shorter(const Candidate& e, const Candidate& f) {
 
 }  // namespace
 
-bool find_relative_neighbors(const Sides& sides, Interrupt& interrupt, Edges& edges) {
+bool find_relative_neighbors(const EdgeSides& sides, Interrupt& interrupt, Edges& edges) {
     Elimination elimination(sides);
     return for_each_in_blocks(
                sides.count(), interrupt,
@@ -99,7 +99,7 @@ bool find_relative_neighbors(const Sides& sides, Interrupt& interrupt, Edges& ed
            });
 }
 
-bool span(const Sides& sides, Interrupt& interrupt, Edges& edges) {
+bool span(const EdgeSides& sides, Interrupt& interrupt, Edges& edges) {
     std::vector<Candidate> candidates;
     candidates.reserve(edges.size());
     for (const Edge& edge : edges) candidates.push_back(candidate(sides, edge));

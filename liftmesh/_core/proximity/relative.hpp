@@ -28,9 +28,9 @@ namespace liftmesh {
 using Edge = std::array<std::int32_t, 2>;
 using Edges = std::vector<Edge>;
 
-bool find_relative_neighbors(const Sides& sides, Interrupt& interrupt, Edges& edges);
+bool find_relative_neighbors(const EdgeSides& sides, Interrupt& interrupt, Edges& edges);
 
 // Leaves the minimum spanning tree of a graph that contains it (J. B. Kruskal, 1956).
-bool span(const Sides& sides, Interrupt& interrupt, Edges& edges);
+bool span(const EdgeSides& sides, Interrupt& interrupt, Edges& edges);
 
 }  // namespace liftmesh

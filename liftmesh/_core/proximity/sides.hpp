@@ -12,10 +12,10 @@ namespace liftmesh {
 using Side = std::uint32_t;
 inline constexpr Side no_side = ~Side{0};
 
-class Sides {
+class EdgeSides {
  public:
     // One that the interrupt has cut short is of no use.
-    Sides(const Triangulated& mesh, Interrupt& interrupt)
+    EdgeSides(const Triangulated& mesh, Interrupt& interrupt)
         : neighbors_(mesh.neighbors), vertices_(3 * mesh.count) {
         std::vector<std::int32_t> numbers(mesh.points.rows, -1);
         for_each_in_blocks(vertices_.size(), interrupt, [&](std::size_t side) {
