@@ -86,9 +86,8 @@ class Surface(SurfaceData):
         return bounds_of_faces(self)
 
     def view(self, path: str | os.PathLike[str] | None = None, **options: Any) -> Page:
-        """Make a page that shows the surface, in one file; save it if there is a path.
+        """Make a `Page` that shows the surface, in one file; save it if there is a path.
 
-        Returns a Page, which notebooks show.
         In full: `liftmesh.view`.
 
         Parameters
@@ -163,8 +162,7 @@ class Surface(SurfaceData):
         Parameters
         ----------
         points, interpolation : (..., 2); {"linear", "nearest", "laplace", "sibson", "c1"}
-        values, gradients : (n, ...) array_like or name, in place of heights; (n, ..., 2), for "c1"
-        extrapolate, threads : {"nearest", "hull"}, for where there are no faces; as for `delaunay`
+        values, gradients, extrapolate, threads : array_like or name; of "c1"; {"nearest", "hull"}
         """
         ways: Any = {"values": values, "extrapolate": extrapolate, "threads": threads}
         return sampling.heights_at(self, points, interpolation, gradients=gradients, **ways)
@@ -179,7 +177,6 @@ class Surface(SurfaceData):
     ) -> Weights:
         """Weigh the vertices at points, for many values: ``weights @ values`` samples them.
 
-        Returns Weights: a sparse matrix of points and vertices.
         In full: `liftmesh.terrain.sampling.weights_at`.
 
         Parameters
@@ -329,8 +326,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        resolution, values, gradients : width and height of a pixel, or one number; as for `sample`
-        **options : ``bounds``, ``quantity`` (as "slope"), ``fill``, ``minus``, and others in full
+        resolution, values, gradients, **options : size of a pixel; ``bounds``, ``quantity``, ...
         """
         ways: Any = {"values": values, "gradients": gradients}
         return rasters.rasterize(self, resolution, **ways, **options)
@@ -353,8 +349,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        levels, values : array_like of float, heights; (n,) array_like or name, in place of heights
-        interval, contour_base, index_every, smooth, threads : multiples; smoother lines within this
+        levels, values, interval, contour_base, index_every, smooth, threads : heights or multiples
         """
         return contours.contour_lines(
             self,
@@ -489,8 +484,7 @@ class Surface(SurfaceData):
 
         Parameters
         ----------
-        base_height, thickness, pinched : a flat base, or a copy that is lower; "error" or "trim"
-        longest, z_factor, base_mm, thickness_mm : float, to scale for print, in its millimetres
+        base_height, thickness, pinched, longest, z_factor, base_mm, thickness_mm : float, for print
         """
         return boundary.closed_solid(
             self,
