@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -80,8 +79,8 @@ def _read(source: Path, reading: surfaces.SurfaceOptions, *, points: bool) -> An
     try:
         surface = surfaces.of_cloud(cloud, source, nonfinite=reading.nonfinite, **choices)
     except InputError as error:
-        if not has_faces:
+        if not has_faces or reading.trimming:
             raise
         terminal.note(f"{source}: shown as it is, since it is no surface over a plane: {error}")
-        return replace(cloud, edges=None)
+        return cloud
     return surfaces.trimmed(surface, reading.trimming)

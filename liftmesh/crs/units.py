@@ -19,7 +19,7 @@ from liftmesh.errors import FormatError, InputError, Option
 SAYING_UNITS = ("raster", "landxml")
 """Entries of the metadata whose "unit" is that of heights."""
 
-_DEGREE = 111_320.0  # metres of a degree on the equator
+DEGREE = 111_320.0  # metres of a degree on the equator
 
 
 class Placed(Protocol):
@@ -99,7 +99,7 @@ def steps_in(scale: object, crs: str | None, target: str) -> list[float] | None:
 def _step_in(step: float, before: Unit | None, after: Unit | None) -> float:
     if before == after or (before is None) != (after is None):  # what is not said stays
         return step
-    metres = [_DEGREE if each.metres is None else each.metres for each in (before, after) if each]
+    metres = [DEGREE if each.metres is None else each.metres for each in (before, after) if each]
     exponent = math.floor(math.log10(step * metres[0] / metres[1]) + 1e-9)
     return float(f"1e{exponent}")
 

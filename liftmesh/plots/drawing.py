@@ -9,7 +9,7 @@ import numpy as np
 
 from liftmesh._typing import Array, Floats
 from liftmesh.base.options import refused
-from liftmesh.crs.description import System, parse_crs
+from liftmesh.crs.description import parse_crs
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
@@ -40,7 +40,10 @@ def colormap(name: str | None) -> Any:
     if name is None:
         colors = load("matplotlib.colors", extra="plot")
         return colors.LinearSegmentedColormap.from_list("liftmesh terrain", _TERRAIN)
-    return load("matplotlib", extra="plot").colormaps[name]
+    known = load("matplotlib", extra="plot").colormaps
+    if name not in known:
+        raise refused("cmap", name, "give a name of matplotlib.colormaps, such as 'viridis'")
+    return known[name]
 
 
 def planar(ax: Axes, bounds: Sequence[float], crs: str | None) -> Axes:
@@ -55,16 +58,17 @@ def planar(ax: Axes, bounds: Sequence[float], crs: str | None) -> Axes:
     ax.set_ylabel(f"y ({unit})" if unit else "y")
     ax.ticklabel_format(style="plain", useOffset=False)
     ax.locator_params(axis="x", nbins=5)
-    if not _is_geographic(system):
+    if not is_geographic(crs):
         _scale_bar(ax, right - left, unit)
         if system is not None:
             _north(ax)
     return ax
 
 
-def _is_geographic(system: System | None) -> bool:
-    unit = None if system is None else system.units[0]
-    return unit is not None and unit.metres is None and unit.name.startswith("deg")
+def is_geographic(crs: str | None) -> bool:
+    """Whether x and y are angles, which are no lengths."""
+    system = None if crs is None else parse_crs(crs)
+    return system is not None and system.units[0] is not None and system.units[0].metres is None
 
 
 def _scale_bar(ax: Axes, width: float, unit: str | None) -> None:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from liftmesh._typing import Floats, Rows
+from liftmesh._typing import Array, Floats, Rows
 from liftmesh.base.arrays import planar_bounds
 from liftmesh.cells.clipped import ClippedCells
-from liftmesh.errors import InputError
+from liftmesh.crs.units import DEGREE
+from liftmesh.errors import InputError, Option
 from liftmesh.io.registry import as_cloud
 from liftmesh.io.streams import check_suffix
 from liftmesh.planar.certificate import Certificate
@@ -21,6 +22,7 @@ from liftmesh.plots.drawing import (
     LINE,
     colormap,
     cut,
+    is_geographic,
     lines,
     new_axes,
     nice,
@@ -68,7 +70,8 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
     Raises
     ------
     InputError
-        An option is none of this kind of result.
+        There is no colour map of this name; the surface has no area, or is in tiles, of which edges
+        are not drawn; or the raster is turned.
     UnsupportedTypeError
         The result is of no known type.
     MissingDependencyError
@@ -92,12 +95,12 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
 
 @singledispatch
 def _plot(result: Any, ax: Axes | None, **style: Any) -> Axes:
-    points = as_cloud(result).points
-    points = points[np.isfinite(points).all(axis=1)]
+    cloud = as_cloud(result)
+    points = cloud.points[np.isfinite(cloud.points).all(axis=1)]
     ax = new_axes(ax)
     style = {"s": 2, "cmap": colormap(None), **style}
     ax.scatter(points[:, 0], points[:, 1], c=points[:, 2], **style)
-    return planar(ax, _wide(planar_bounds(points[:, :2])), None)
+    return planar(ax, _wide(planar_bounds(points[:, :2])), cloud.crs)
 
 
 @_plot.register(Surface)
@@ -124,17 +127,26 @@ def _surface(
     step = max(right - left, high - low) / PIXELS
     if not step > 0:
         raise InputError("the surface has no face to plot")
+    if edges and isinstance(surface, TiledSurfaceData):
+        raise InputError(f"{Option('edges')} are drawn of surfaces in memory: leave it out")
     of = {} if values is None else {"values": values}
     heights = surface.raster(step, **of)
-    shades = surface.raster(step, quantity="hillshade").values / 255 if values is None else None
+    shades = None if values is not None else _shades(surface, step)
     ax = _pixels(heights, shades, new_axes(ax), **style)
     known = heights.values[np.isfinite(heights.values)]
-    interval = nice(float(np.ptp(known)) / _LEVELS) if contours is True else contours
-    if interval:
+    interval = nice(float(np.ptp(known)) / _LEVELS) if contours is True and len(known) else contours
+    if interval and len(known):
         _contours(surface.contours(interval=interval, **of), ax)
     if edges:
         _sides(surface.triangulation.points, surface.faces, ax)
     return planar(ax, bounds, surface.crs)
+
+
+def _shades(surface: Any, step: float) -> Array:
+    """Return the light on a surface; a degree is as long as on the equator."""
+    scale = {"z_factor": 1 / DEGREE} if is_geographic(surface.crs) else {}
+    shades: Array = surface.raster(step, quantity="hillshade", **scale).values / 255
+    return shades
 
 
 @_plot.register(Raster)

@@ -25,6 +25,7 @@ from liftmesh.terrain.simplification import simplify
 from liftmesh.terrain.surface import Surface
 
 MOST_FACES = 1_000_000  # of a surface
+MOST_CELLS = 4_000_000  # of anything else, as are lines of it: a page of some 100 MB
 MOST_POINTS = 2_000_000  # of a cloud: a page of some 40 MB
 _MOST_VALUES = 12
 _ROW = "row of the surface"
@@ -43,15 +44,17 @@ def layers_of(shown: Any, name: str) -> list[Layer]:
 
 @layers_of.register
 def _(shown: Surface, name: str) -> list[Layer]:
-    bounded, note = _bounded(shown)
-    found = _of_cloud(bounded.to_cloud(), name, note=note)
-    rows = bounded.attributes.get(_ROW)
+    rows = shown.attributes.get(_ROW)
     if rows is None:
-        return found
-    first = found[0]
+        return _of_cloud(shown.to_cloud(), name)
+    done = shown.metadata["simplification"]
+    note = f"simplified from {done['n_positions']:,} points: heights within {done['error']:.3g}"
+    first, *others = _of_cloud(shown.to_cloud(), name, note=note)
     values = [each for each in first.values if each.name != _ROW]
-    whole = rows if first.rows is None else rows[first.rows]
-    return [replace(first, rows=whole, values=values), *found[1:]]
+    return [
+        replace(first, rows=rows if first.rows is None else rows[first.rows], values=values),
+        *others,
+    ]
 
 
 @layers_of.register
@@ -75,18 +78,18 @@ class Mesh(NamedTuple):
 
 @layers_of.register
 def _(shown: Mesh, name: str) -> list[Layer]:
-    return [_tetrahedra(shown.points, shown.simplices, _neighbors(shown.simplices), name)]
+    layer = _tetrahedra(*shown, name)
+    return [replace(layer, neighbors=_neighbors(np.asarray(layer.cells)))]
 
 
 @layers_of.register
 def _(shown: Tetrahedralization, name: str) -> list[Layer]:
-    return [_tetrahedra(shown.points, shown.simplices, shown.neighbors, name)]
+    layer = _tetrahedra(shown.points, shown.simplices, name)
+    return [replace(layer, neighbors=shown.neighbors)]
 
 
-def _tetrahedra(points: Floats, simplices: Rows, neighbors: Rows, name: str) -> Layer:
-    style = {"wires": True, "shade": 0.6}
-    layer = _part(Cloud(points), name, "tetrahedra", simplices, style=style)
-    return replace(layer, neighbors=neighbors)
+def _tetrahedra(points: Floats, simplices: Rows, name: str) -> Layer:
+    return _part(Cloud(points), name, "tetrahedra", simplices, style={"wires": True, "shade": 0.6})
 
 
 @layers_of.register
@@ -113,15 +116,14 @@ def _(shown: ClippedCells, name: str) -> list[Layer]:
     ]
 
 
-def with_change(layers: list[Layer], surface: Any, other: Any) -> list[Layer]:
+def with_change(layers: list[Layer], before: Any, after: Any) -> list[Layer]:
     """Show, in place of two surfaces that overlap, how much the second is higher."""
-    if not (isinstance(surface, Surface) and isinstance(other, Surface)):
+    if not (isinstance(before, Surface) and isinstance(after, Surface)):
         return layers
-    before, after = _bounded(surface)[0], _bounded(other)[0]
     try:
         rises = difference(after, before)
-    except InputError:  # they do not overlap, or lie in other systems
-        return layers
+    except InputError as error:  # they do not overlap, or stand on other planes
+        return [replace(layers[0], note=f"{layers[0].note} {error}".strip()), *layers[1:]]
     amounts = rises.frame.heights(rises.vertices)
     heights = after.sample(rises.triangulation.points, extrapolate="nearest")
     placed = Cloud(rises.frame.raised(rises.vertices, amounts, heights))
@@ -131,17 +133,23 @@ def with_change(layers: list[Layer], surface: Any, other: Any) -> list[Layer]:
     return [rise, *(replace(each, style={**each.style, "visible": False}) for each in layers)]
 
 
-def _bounded(surface: Surface) -> tuple[Surface, str]:
-    """Return a surface of so many faces that a page can show, and what was done."""
-    if len(surface.faces) <= MOST_FACES:
-        return surface, ""
-    rows = np.arange(len(surface.vertices), dtype=np.int32)
-    shown = simplify(surface.with_attributes({_ROW: rows}), max_points=MOST_FACES // 2)
-    error = shown.metadata["simplification"]["error"]
-    return (
-        shown,
-        f"simplified from {counted(len(surface.faces), 'face')}: heights within {error:.3g}",
-    )
+def bounded(shown: Any) -> Any:
+    """Return a surface of no more faces than a page can show, with the rows that it has."""
+    if not isinstance(shown, Surface) or len(shown.faces) <= MOST_FACES:
+        return shown
+    rows = np.arange(len(shown.vertices), dtype=np.int32)
+    return simplify(shown.with_attributes({_ROW: rows}), max_points=MOST_FACES // 2)
+
+
+def check_size(layers: list[Layer]) -> None:
+    """Raise if a page of these would be too large for a browser."""
+    for layer in layers:
+        count = len(layer.points if layer.cells is None else layer.cells)
+        if count > MOST_CELLS:
+            raise InputError(
+                f"{layer.name} has {count:,} {layer.kind}, and a page holds {MOST_CELLS:,}: give a "
+                "part of it, or a surface, which is simplified"
+            )
 
 
 def _of_cloud(cloud: Cloud, name: str, palette: Palette = "terrain", **more: Any) -> list[Layer]:
@@ -162,7 +170,11 @@ def _part(
     cloud: Cloud, name: str, kind: Kind, cells: Array, palette: Palette = "values", **more: Any
 ) -> Layer:
     """Return the layer of some cells of a cloud, with the points that they use."""
-    used, own = _used(cells, len(cloud.points))
+    is_known = np.isfinite(cloud.points).all(axis=1).take(cells).all(axis=1)
+    if not is_known.all():
+        left_out = counted(int(np.count_nonzero(~is_known)), "cell")
+        more["note"] = f"without {left_out} at points that are not finite"
+    used, own = _used(cells[is_known], len(cloud.points))
     return _layer(cloud, name, kind, used, palette, cells=own, **more)
 
 
@@ -176,7 +188,7 @@ def _used(cells: Array, count: int) -> tuple[Array, Array]:
 
 def _lines(points: Floats, ends: Array, name: str, color: str, opacity: float = 1.0) -> Layer:
     """Return a layer of lines between points."""
-    used, own = _used(ends, len(points))
+    used, own = _used(ends[np.isfinite(points).all(axis=1).take(ends).all(axis=1)], len(points))
     return Layer(name, "lines", points[used], own, style={"color": color, "opacity": opacity})
 
 
@@ -228,7 +240,7 @@ def _lift(vertices: Floats, faces: Rows, apex: tuple[float, float], name: str) -
     return layers
 
 
-def _neighbors(simplices: Rows) -> Rows:
+def _neighbors(simplices: Array) -> Rows:
     """Find the tetrahedron beyond each facet; -1 where there is none, or more than one."""
     facets = np.stack([np.delete(simplices, k, axis=1) for k in range(4)], axis=1).reshape(-1, 3)
     facets = np.sort(facets, axis=1)

@@ -6,10 +6,11 @@ from collections.abc import Sequence
 from typing import Any
 
 from liftmesh.base.options import counted, refused
+from liftmesh.crs.comparison import common_system
 from liftmesh.crs.description import crs_name, parse_crs
 from liftmesh.errors import InputError, Option
 from liftmesh.pages.page import Layer, Page
-from liftmesh.viewer.layers import layers_of, with_change
+from liftmesh.viewer.layers import bounded, check_size, layers_of, with_change
 
 
 def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = None) -> Page:
@@ -39,7 +40,9 @@ def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = 
     Raises
     ------
     InputError
-        There is nothing to show, or not one name for each object.
+        There is nothing to show, or not one name for each object; the objects are in different
+        coordinate systems; there are more than four million cells, or a surface of more than a
+        million faces has weights, radii or a metric, so that it cannot be simplified.
     UnsupportedTypeError
         An object is of no known type.
 
@@ -65,14 +68,16 @@ def view(*objects: Any, names: Sequence[str] | None = None, title: str | None = 
     if not objects:
         raise InputError("there is nothing to show: give a surface, or another result")
     names = _names(objects, names)
-    layers: list[Layer] = []
-    for each, name in zip(objects, names, strict=True):
-        layers += layers_of(each, name)
-    if len(objects) == 2:
-        layers = with_change(layers, *objects)
+    crs = _system(objects, names)
+    shown = [bounded(each) for each in objects]
+    layers = [
+        layer for each, name in zip(shown, names, strict=True) for layer in layers_of(each, name)
+    ]
+    if len(shown) == 2:
+        layers = with_change(layers, *shown)
+    check_size(layers)
     if not any(len(layer.points) for layer in layers):
         raise InputError("there is nothing to show: no row is finite")
-    crs = next((crs for each in objects if (crs := getattr(each, "crs", None))), None)
     title = ", ".join(dict.fromkeys(names)) if title is None else title
     return Page(layers, title, notes=_notes(layers, crs), unit=_unit(crs))
 
@@ -90,14 +95,23 @@ def _names(objects: Sequence[Any], names: Sequence[str] | None) -> list[str]:
     return [*names]
 
 
-def _notes(layers: Sequence[Layer], crs: Any) -> list[str]:
-    counts = [
-        f"{len(layer.points if layer.cells is None else layer.cells):,} {layer.kind}"
-        for layer in layers[:1]
-    ]
-    return [*counts, crs_name(str(crs))] if crs is not None else counts
+def _system(objects: Sequence[Any], names: Sequence[str]) -> str | None:
+    """Return the coordinate system that all objects have, as far as they state one."""
+    found: tuple[str | None, str] = None, ""
+    for each, name in zip(objects, names, strict=True):
+        given = getattr(each, "crs", None)
+        crs = None if given is None else str(given)
+        common = common_system(found[0], crs, (found[1], name))
+        found = common, found[1] if found[0] is not None else name
+    return found[0]
 
 
-def _unit(crs: Any) -> str | None:
-    system = None if crs is None else parse_crs(str(crs))
+def _notes(layers: Sequence[Layer], crs: str | None) -> list[str]:
+    first = layers[0]
+    count = f"{len(first.points if first.cells is None else first.cells):,} {first.kind}"
+    return [count] if crs is None else [count, crs_name(crs)]
+
+
+def _unit(crs: str | None) -> str | None:
+    system = parse_crs(crs)
     return system.units[0].name if system and system.units[0] else None

@@ -12,6 +12,7 @@ three.js and what it holds are under the MIT licence, which is put beside the sc
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -65,7 +66,7 @@ def bundle(modules: Path) -> str:
     """Return the script, with whose it is in its first line."""
     version = json.loads((modules / "three" / "package.json").read_text())["version"]
     esbuild = modules / ".bin" / "esbuild"
-    environment = {"NODE_PATH": str(modules), "PATH": "/usr/bin:/bin"}
+    environment = {**os.environ, "NODE_PATH": str(modules)}
     command = [str(esbuild), str(HERE / "src" / "main.js"), *FLAGS]
     done = subprocess.run(command, env=environment, check=True, capture_output=True, text=True)
     return f"/* liftmesh, with three.js {version} (MIT, see LICENSE.three.js.txt) */\n{done.stdout}"

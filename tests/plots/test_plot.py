@@ -12,7 +12,7 @@ from commands import liftmesh as command
 from matplotlib.collections import LineCollection
 
 import liftmesh
-from liftmesh import InputError, UnsupportedTypeError
+from liftmesh import DataWarning, InputError, UnsupportedTypeError
 
 HILL = np.array([[0, 0, 0], [40, 0, 0], [0, 20, 0], [40, 20, 0], [20, 10, 8.0]])
 RNG = np.random.default_rng(40)
@@ -88,6 +88,26 @@ def test_what_cannot_be_drawn_is_told() -> None:
         liftmesh.plot(turned)
     with pytest.raises(UnsupportedTypeError):
         liftmesh.plot(object())
+
+
+def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:
+    hill = liftmesh.triangulate(HILL)
+    with pytest.raises(InputError, match="cmap is 'nothing': give a name of"):
+        liftmesh.plot(hill, cmap="nothing")
+    tiled = liftmesh.tile_surface(HILL, tmp_path / "tiles")
+    with pytest.raises(InputError, match="edges are drawn of surfaces in memory"):
+        liftmesh.plot(tiled, edges=True)
+
+
+def test_a_surface_thinner_than_a_pixel_and_one_in_degrees() -> None:
+    thin = np.array([[0, 0, 1], [1e6, 0, 2], [0, 1e-3, 3.0]])
+    assert not segments(liftmesh.plot(liftmesh.triangulate(thin)))
+    globe = liftmesh.Cloud(np.add(HILL * 1e-3, [8, 50, 0]), crs="EPSG:4326")
+    with pytest.warns(DataWarning, match="degrees"):
+        surface = liftmesh.triangulate(globe)
+    ax = liftmesh.plot(surface)
+    assert (ax.get_xlabel(), [*ax.texts]) == ("x (degree)", [])
+    assert liftmesh.plot(globe).get_xlabel() == "x (degree)"
 
 
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])

@@ -56,6 +56,7 @@ def test_large_surfaces_are_simplified_within_a_bound_that_is_told(monkeypatch):
     (layer,) = layers_of(surface)
     assert len(layer.cells) <= 200
     assert np.array_equal(rows[layer.rows], layer.points)
+    assert layer.note.startswith("simplified from 2,000 points")
     bound = float(layer.note.rsplit(maxsplit=1)[1])
     shown = liftmesh.as_surface(liftmesh.Cloud(layer.points, faces=layer.cells.astype(np.int32)))
     assert 0.99 * bound <= np.nanmax(abs(shown.sample(rows[:, :2]) - rows[:, 2])) <= 1.01 * bound
@@ -90,6 +91,37 @@ def test_two_surfaces_show_how_much_the_second_is_higher():
 def test_two_surfaces_apart_are_shown_beside_each_other():
     one, other = (liftmesh.triangulate(np.add(SQUARE, [shift, 0, 0])) for shift in (0, 100))
     assert [each.style for each in layers_of(one, other)] == [{}, {}]
+
+
+def test_surfaces_without_a_difference_say_why() -> None:
+    surface = liftmesh.triangulate(SQUARE)
+    first, _ = layers_of(surface, liftmesh.triangulate(np.add(SQUARE, [100, 0, 0])))
+    assert first.note == "the surfaces have no area in common"
+
+
+def test_objects_have_one_system() -> None:
+    one, other = (liftmesh.Cloud(SQUARE, crs=f"EPSG:{n}") for n in (25832, 25833))
+    assert read(liftmesh.view(SQUARE, one, names=["a", "b"]))["unit"] == "metre"
+    with pytest.raises(InputError, match=r"first are in .*32N', and second in .*33N"):
+        liftmesh.view(one, other, names=["first", "second"])
+
+
+def test_cells_at_points_that_are_not_finite_are_left_out_and_counted() -> None:
+    rows = np.vstack([SQUARE, [[np.nan, 0, 0]]])
+    faces = np.array([[0, 1, 4], [0, 4, 5], [1, 3, 4]], np.int32)
+    edges = np.array([[0, 5], [0, 1]], np.int32)
+    page = liftmesh.view(liftmesh.Cloud(rows, faces=faces, edges=edges))
+    mesh, lines = page.layers
+    assert mesh.rows[mesh.cells].tolist() == [[0, 1, 4], [1, 3, 4]]
+    assert mesh.note == "without 1 cell at points that are not finite"
+    assert len(lines.cells) == 1
+    assert np.isfinite(read(page)["origin"]).all()
+
+
+def test_what_is_too_large_for_a_browser_is_refused(monkeypatch) -> None:
+    monkeypatch.setattr(layers, "MOST_CELLS", 2)
+    with pytest.raises(InputError, match="Triangulation has 4 faces, and a page holds 2: give a"):
+        liftmesh.view(liftmesh.delaunay(SQUARE[:, :2]))
 
 
 def test_breaklines_are_lines():
