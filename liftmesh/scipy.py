@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Apex, Array, Floats, Rows
-from liftmesh.base.arrays import pair_keys, pairs_of_keys, read_only, widened
+from liftmesh.base.arrays import edges_of_faces, pair_keys, pairs_of_keys, read_only, widened
 from liftmesh.base.frozen import cached_property, check_adjacent, check_copied, check_numbers
 from liftmesh.errors import InputError
 from liftmesh.optional import load
@@ -215,7 +215,7 @@ class Delaunay(Growing, Triangulation, spatial.Delaunay):  # type: ignore[misc]
 
         For arrays of the two ends, as for plotting: ``points[edges]`` has the shape (e, 2, 2).
         """
-        return _edges_in(self.simplices) if self._is_rewritten() else super().edges
+        return read_only(edges_of_faces(self.simplices)) if self._is_rewritten() else super().edges
 
     @cached_property
     def vertex_neighbor_vertices(self) -> tuple[Rows, Rows]:
@@ -243,13 +243,6 @@ _COMPUTED_LATER = [
     for name, member in vars(kind).items()
     if isinstance(member, cached_property)
 ]
-
-
-def _edges_in(simplices: Rows) -> Rows:
-    """Return the edges of any triangles, in the order in which these have them first."""
-    ends = np.sort(simplices[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
-    _, first = np.unique(ends.astype(np.int64) @ (1 << 32, 1), return_index=True)
-    return read_only(ends[np.sort(first)])
 
 
 def _neighbors_in(simplices: Rows, npoints: int) -> tuple[Rows, Rows]:

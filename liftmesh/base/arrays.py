@@ -398,6 +398,13 @@ def ends_of(simplices: Rows, face: Integers, k: Integers) -> Rows:
     return ends
 
 
+def edges_of_faces(faces: Rows) -> Rows:
+    """Return the edges of any faces, each once, in the order in which these have them first."""
+    ends = np.sort(faces[:, [[1, 2], [2, 0], [0, 1]]].reshape(-1, 2), axis=1)
+    _, first = np.unique(pair_keys(*ends.T), return_index=True)
+    return ends[np.sort(first)]
+
+
 def planar_bounds(points: Reals) -> tuple[float, float, float, float]:
     """Return xmin, ymin, xmax, ymax of the rows that are finite; NaN if there are none."""
     finite = np.isfinite(points)

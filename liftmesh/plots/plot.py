@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import planar_bounds
+from liftmesh.base.arrays import edges_of_faces, planar_bounds
 from liftmesh.cells.clipped import ClippedCells
 from liftmesh.crs.units import DEGREE
 from liftmesh.errors import InputError, Option
@@ -213,9 +213,8 @@ def _(result: Triangulation, ax: Axes | None, **style: Any) -> Axes:
 
 
 def _sides(points: Floats, faces: Rows, ax: Axes, **style: Any) -> Axes:
-    pairs = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    sides = np.unique(np.sort(pairs, axis=1), axis=0)
-    lines(ax, points[sides], **{"colors": INK, "linewidths": 0.4, "alpha": 0.7, **style})
+    sides = [*points[edges_of_faces(faces)]]
+    lines(ax, sides, **{"colors": INK, "linewidths": 0.4, "alpha": 0.7, **style})
     return ax
 
 

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from liftmesh._typing import Array, Floats, Rows
-from liftmesh.base.arrays import used_rows
+from liftmesh.base.arrays import edges_of_faces, used_rows
 from liftmesh.base.cloud import Cloud
 from liftmesh.base.colors import as_uint8
 from liftmesh.base.options import counted
@@ -218,7 +218,7 @@ def _lift(vertices: Floats, faces: Rows, apex: tuple[float, float], name: str) -
     """Return the hull of lifted points on its paraboloid, and its shadow."""
     used, faces = _used(faces, len(vertices))
     lifted = vertices[used]
-    edges, rows = _sides(faces), np.arange(len(used), dtype=np.int32)
+    edges, rows = edges_of_faces(faces), np.arange(len(used), dtype=np.int32)
     height, width = np.ptp(lifted[:, 2]), np.ptp(lifted[:, :2], axis=0).max()
     shadow = _flat(lifted, lifted[:, 2].min() - 0.45 * height)
     hull = {
@@ -252,12 +252,6 @@ def _neighbors(simplices: Array) -> Rows:
     first, second = order[:-1][is_pair], order[1:][is_pair]
     found[first], found[second] = second // 4, first // 4
     return found.reshape(-1, 4)
-
-
-def _sides(faces: Rows) -> Rows:
-    """Return each edge once."""
-    pairs = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    return np.unique(pairs, axis=0)
 
 
 def _paraboloid(lifted: Floats, apex: tuple[float, float]) -> list[Layer]:
