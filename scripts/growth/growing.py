@@ -40,6 +40,7 @@ _CROWDED = "linear, but from some size on crossings come together, and sides are
 _WIDE = "linear, but from some size on exponents are so far apart that crossings are Python's"
 _ERROR = "sides of faces as thin as rounding cross almost all others: it ends in an error"
 _NO_AREA = "two fans with their apexes in common, none of whose faces overlap beyond rounding"
+_LEVELS = "linear from 2,098 rows on: each asks all powers of two that radii have"
 
 LARGE: dict[Case, str] = {
     ("Surface.cut_and_fill", "facing arcs"): _ACROSS,
@@ -49,6 +50,7 @@ LARGE: dict[Case, str] = {
     ("difference", "oblique line"): _ERROR,
     ("difference", "wide line"): _NO_AREA,
     ("paste", "colliding hashes"): _WIDE,
+    ("Triangulation.graph sphere_of_influence", "powers of two"): _LEVELS,
 }
 FILES = ("read ", "read_chunks ", "write ")
 LIKEWISE = ("delaunay by ", "lower_hull by ")
