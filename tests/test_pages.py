@@ -16,7 +16,7 @@ from liftmesh.cli import exit_codes
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text("utf-8")
-ELSEWHERE = r"^## PyVista\n.*?(?=^## )"  # a section that scripts/check_hosts.sh runs
+ELSEWHERE = re.compile(r"^## PyVista\n.*?(?=^## )", re.MULTILINE | re.DOTALL)  # check_hosts.sh
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 
@@ -30,7 +30,7 @@ def pages_with(language: str) -> dict[str, str]:
     """Return those blocks of all pages that have any."""
     paths = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
     texts = {path: path.read_text("utf-8") for path in paths}
-    whole = {path: re.sub(ELSEWHERE, "", texts[path], flags=re.M | re.S) for path in paths}
+    whole = {path: ELSEWHERE.sub("", texts[path]) for path in paths}
     found = {p.relative_to(ROOT).as_posix(): blocks(language, whole[p]) for p in paths}
     return {name: text for name, text in found.items() if text}
 

@@ -4,7 +4,7 @@
     python scripts/bench.py tiles --n 1000000 --tile-rows 150000 --distributions uniform circle
     python scripts/bench.py tiles --workers 1 2      and on as many workers of Dask
     python scripts/bench.py tiles --formats --verify in each format, and proved
-    python scripts/bench.py tiles --all              every table of docs/guide/tiles.md: an hour, 12 GB of disk
+    python scripts/bench.py tiles --all              every table of the page: an hour, 12 GB of disk
 
 Each way reads the same NPY file and writes its triangles with 64-bit rows, in a process of its own:
 one call of `delaunay`, `tile`, and `liftmesh.dask.delaunay` on clusters of processes. Shown are the
