@@ -21,11 +21,12 @@ from liftmesh.plots.drawing import ACCENT, TERRAIN
 
 SIDE = 200  # pixels of the longer side
 _SHORT = 40  # of the shorter one, at least
-_MOST_BYTES = 48_000  # of a PNG: noise is drawn with fewer pixels
+_MOST_BYTES = 60_000  # of a PNG: noise is drawn with fewer pixels
 MOST = 400  # faces or cells; of more those in the middle
 _MOST_DOTS = 800
 _MOST_SAMPLED = 100_000  # rows of a cloud
-_MOST_PLACES = 4_000  # of lines
+_MOST_PLACES = 6_000  # of lines, which are drawn by as coarse pixels as they need
+_COARSE = (1, 2, 4)
 _MARGIN = 4  # pixels around lines
 GREEN = "#2f8f76"
 _TURN, _TILT = np.radians([-30.0, 25.0])  # how solids are seen
@@ -105,7 +106,7 @@ def element(name: str, **attributes: Any) -> str:
 def image(pixels: Array, *, coarse: bool = False) -> str:
     """Put pixels of red, green, blue and opacity into a picture."""
     height, width = pixels.shape[:2]
-    pixels = pixels & 0xFC  # two bits that nobody sees, and that hardly compress
+    pixels = pixels & 0xF8  # without bits that nobody sees, and that hardly compress
     grown = max(1.0, SIDE / max(height, width)) if coarse else 1.0
     while len(data := png(pixels)) > _MOST_BYTES:
         pixels = pixels[::2, ::2]
@@ -261,7 +262,11 @@ def polylines(
     box = Box(planar_bounds(points), margin=_MARGIN, to_scale=to_scale)
     if not box.is_known or not len(points):
         return None
-    lines = _thinned(points, box.pixels(points), starts)
+    pixels = box.pixels(points)
+    for size in _COARSE:
+        lines = _thinned(points, pixels / size, starts)
+        if sum(map(len, lines)) <= _MOST_PLACES:
+            break
     order = np.argsort([-len(each) for each in lines], kind="stable")[:_MOST_PLACES]
     ends = np.cumsum([len(lines[k]) for k in order.tolist()])
     shown = np.sort(order[: max(1, np.searchsorted(ends, _MOST_PLACES, "right"))]).tolist()
