@@ -106,7 +106,7 @@ def element(name: str, **attributes: Any) -> str:
 def image(pixels: Array, *, coarse: bool = False) -> str:
     """Put pixels of red, green, blue and opacity into a picture."""
     height, width = pixels.shape[:2]
-    pixels = pixels & 0xF8  # without bits that nobody sees, and that hardly compress
+    pixels = pixels & np.array([0xF8] * 3 + [0xFF], np.uint8)  # without bits that nobody sees
     grown = max(1.0, SIDE / max(height, width)) if coarse else 1.0
     while len(data := png(pixels)) > _MOST_BYTES:
         pixels = pixels[::2, ::2]

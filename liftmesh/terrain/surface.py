@@ -543,7 +543,7 @@ class Surface(SurfaceData, Plotted):
     def verify(self, *, threads: int | None = None) -> Certificate:
         """Verify all triangles from scratch, those that `trim` leaves out among them.
 
-        In full: `liftmesh.Triangulation.verify`.
+        In full: `liftmesh.verify`.
 
         Parameters
         ----------
