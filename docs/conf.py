@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from importlib.metadata import version as version_of
+from pathlib import Path
 
+from docstrings import Looked
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -14,6 +16,7 @@ version = release = version_of("liftmesh")
 language = "en"
 
 extensions = [
+    "docstrings",
     "myst_parser",
     "numpydoc",
     "sphinx.ext.autodoc",
@@ -22,13 +25,23 @@ extensions = [
     "sphinx_design",
 ]
 root_doc = "index"
-exclude_patterns = ["_static"]
 nitpicky = True
+nitpick_ignore_regex = [("py:.*", r"(scipy|matplotlib|dask\.distributed|warnings)\..*")]
+templates_path = ["_templates"]
+exclude_patterns = ["_static", "_templates"]
+default_role = "autolink"
+
+autodoc_typehints = "none"
+# By name: of an earlier build, "all" would be the pages that were there then.
+autosummary_generate = [f"api/{each.name}" for each in Path(__file__).parent.glob("api/*.rst")]
+autosummary_context = {name: Looked(name) for name in ("methods_of", "properties_of")}
+numpydoc_show_class_members = False
 
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 
-html_theme = "furo"
+html_theme = "pydata_sphinx_theme"
+html_theme_options = {"collapse_navigation": True, "show_nav_level": 1, "navbar_end": ["theme-switcher"], "secondary_sidebar_items": ["page-toc"], "show_prev_next": False}
 html_title = f"liftmesh {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
