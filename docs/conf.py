@@ -14,6 +14,7 @@ author = "The liftmesh developers"
 copyright = author  # noqa: A001 - as Sphinx names it
 version = release = version_of("liftmesh")
 language = "en"
+smartquotes = False  # they would spoil words of commands and of Python
 
 extensions = [
     "docstrings",
@@ -41,7 +42,18 @@ myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4
 
 html_theme = "pydata_sphinx_theme"
-html_theme_options = {"collapse_navigation": True, "show_nav_level": 1, "navbar_end": ["theme-switcher"], "secondary_sidebar_items": ["page-toc"], "show_prev_next": False}
+html_theme_options = {
+    "collapse_navigation": True,
+    "header_links_before_dropdown": 9,
+    "navbar_align": "left",
+    "navbar_end": ["theme-switcher"],
+    "secondary_sidebar_items": ["page-toc"],
+    "show_nav_level": 1,
+    "show_prev_next": False,
+    "footer_start": ["copyright"],
+    "footer_end": [],
+}
+html_context = {"default_mode": "auto"}
 html_title = f"liftmesh {release}"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]

@@ -14,6 +14,7 @@ from sphinx import addnodes
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
+FIRST = re.compile(r"(Parameters\n-+\n)(\w+) : .*\n(?: .*\n)*")
 IN_FULL = re.compile(r"^In full: `([\w.]+)`\.$", re.MULTILINE)
 
 BARS = re.compile(r"(?<!`)\|(\w[^|`]*)\|")  # lengths, such as |x - c|, which are no substitutions
@@ -54,14 +55,22 @@ def properties_of(fullname: str) -> list[str]:
 
 
 def describe_in_full(
-    _app: Sphinx, what: str, name: str, value: object, _options: object, lines: list[str]
+    _app: Sphinx, _what: str, _name: str, value: object, _options: object, lines: list[str]
 ) -> None:
     """Put the docstring that describes a name in full in place of a short one."""
     text = "\n".join(lines)
-    named = IN_FULL.search(text)
-    if named:
-        text = inspect.getdoc(pydoc.locate(named[1])) or ""
+    if named := IN_FULL.search(text):
+        summary = text.partition("\n\n")[0]
+        full = (inspect.getdoc(pydoc.locate(named[1])) or "").partition("\n\n")[2]
+        text = f"{summary}\n\n{as_of_method(full, value)}"
     lines[:] = BARS.sub(r"\\|\1\\|", text).splitlines()
+
+
+def as_of_method(text: str, method: object) -> str:
+    """Leave out the first parameter of a function that describes a method, which is `self`."""
+    first = FIRST.search(text)
+    is_own = first and first[2] in inspect.signature(method).parameters  # type: ignore[arg-type]
+    return text if is_own else FIRST.sub(r"\1", text)
 
 
 def resolve(
