@@ -133,7 +133,7 @@ def as_threads(threads: int | None, rows: int) -> tuple[int, bool]:
     if rows < 2 * _kernel.ROWS_PER_THREAD:
         return 1, True
     chosen = os.environ.get(VARIABLE)
-    return (_threads_of(chosen) if chosen else _cores()), True
+    return (_threads_of(chosen) if chosen else cores()), True
 
 
 def _threads_of(text: str) -> int:
@@ -144,7 +144,8 @@ def _threads_of(text: str) -> int:
     return as_count(VARIABLE, text, 1, MOST_THREADS)  # which raises: no text is a number
 
 
-def _cores() -> int:
+def cores() -> int:
+    """Return how many processors this process may use, of those that threads are started on."""
     if hasattr(os, "sched_getaffinity"):
         return min(len(os.sched_getaffinity(0)), MOST_THREADS)
     return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux

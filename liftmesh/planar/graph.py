@@ -10,16 +10,18 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_numbers
 from liftmesh.base.options import Coincident, GraphKind, GraphWeights, check_option, refused
+from liftmesh.optional import load
 from liftmesh.planar.alpha import empty_circles
 
 if TYPE_CHECKING:
+    import scipy.sparse
+
     from liftmesh.planar.triangulation import Triangulation
 
 
@@ -111,7 +113,9 @@ def graph(
         edges, values = _cliques(found, places, values)
     ends = np.concatenate([edges, edges[:, ::-1]]).T
     shape = found.npoints, found.npoints
-    return scipy.sparse.coo_array((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    matrix = load("scipy.sparse", extra="scipy").coo_array
+    made: scipy.sparse.csr_array = matrix((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    return made
 
 
 def _edges(found: Triangulation, kind: GraphKind) -> Rows:
