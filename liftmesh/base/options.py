@@ -14,6 +14,7 @@ from contextlib import suppress
 from reprlib import Repr
 from typing import Any, Literal, NoReturn, TypeAlias
 
+from liftmesh.base.platform import processors
 from liftmesh.errors import InputError, Option
 
 VARIABLE = "LIFTMESH_NUM_THREADS"
@@ -146,9 +147,7 @@ def _threads_of(text: str) -> int:
 
 def cores() -> int:
     """Return how many processors this process may use, of those that threads are started on."""
-    if hasattr(os, "sched_getaffinity"):
-        return min(len(os.sched_getaffinity(0)), MOST_THREADS)
-    return min(os.cpu_count() or 1, MOST_THREADS)  # pragma: no cover - not Linux
+    return min(processors(), MOST_THREADS)
 
 
 def check_progress(progress: object) -> None:
