@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # The plugins of libraries that the tests' environment lacks, as PyVista, whose VTK takes half a gigabyte. Installs the
 # wheel of liftmesh and these libraries into a fresh environment outside of the repository, as users do, and runs
-# scripts/host_tests there, with the examples of PLUGINS.md. Arguments are those of pytest.
+# scripts/host_tests there, with the examples of docs/guide/plugins.md. Arguments are those of pytest.
 set -euo pipefail
 cd -- "$(dirname -- "${BASH_SOURCE[0]}")/.."
 source scripts/setup.sh

@@ -248,7 +248,8 @@ def test_kernel_sources_include_what_is_below_them_by_room() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "page", ["TRUST.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"]
+    "page",
+    ["docs/project/trust.md", "BENCHMARKS.md", "CONTRIBUTING.md", "README.md", "SECURITY.md"],
 )
 def test_programs_that_a_page_names_are_there(page: str) -> None:
     text = (ROOT / page).read_text("utf-8")

@@ -19,7 +19,7 @@ from liftmesh.paper.tables import COLUMNS
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "data" / "paper"
-PAGE = (ROOT / "PAPER.md").read_text("utf-8")
+PAGE = (ROOT / "docs/explanation/paper.md").read_text("utf-8")
 
 
 def rows(table: TableName) -> list[dict[str, str]]:
