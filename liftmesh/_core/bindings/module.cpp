@@ -173,8 +173,8 @@ void bind_planar(nb::module_& m) {
         .def("find", &PyLocator::find, "queries"_a, "found"_a, "threads"_a, "shared"_a);
 }
 
-// What a report of a bug has to name. Nothing is chosen at run time: the kernel has the instructions
-// that it was compiled for.
+// What a report of a bug has to name. Nothing is chosen at run time: the kernel has the
+// instructions that it was compiled for.
 constexpr const char* compiler =
 #if defined(__clang__)
     "Clang " __clang_version__;
@@ -192,11 +192,11 @@ constexpr const char* instructions =
 #elif defined(__SSE4_2__)
     "SSE4.2";
 #elif defined(__SSE2__)
-    "SSE2";
+        "SSE2";
 #elif defined(__ARM_NEON)
-    "NEON";
+        "NEON";
 #else
-    "basic";
+        "basic";
 #endif
 
 }  // namespace
