@@ -26,7 +26,7 @@ COMMANDS = (
     "triangulate", "tile", "simplify", "thin", "verify", "compare", "info", "sample", "height",
     "accuracy", "profile", "raster", "contour", "volume", "difference", "clip", "solid", "tileset",
     "voronoi", "constrain", "refine", "tetrahedralize", "hull", "alpha-shape",
-    "plot", "view", "paper",
+    "plot", "view", "paper", "doctor",
 )  # fmt: skip
 SHELLS = ("bash", "zsh", "fish", "powershell", "pwsh")
 VARIABLE = "_LIFTMESH_COMPLETE"
