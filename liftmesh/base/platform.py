@@ -33,7 +33,7 @@ def _module(name: str) -> Any:
 
 
 _fcntl = _module("fcntl")
-_winapi = None if _fcntl else _module("_winapi")
+_winapi: Any = None if _fcntl else _module("_winapi")
 
 SIGNALS: tuple[int, ...] = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)
