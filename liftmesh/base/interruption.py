@@ -29,10 +29,13 @@ from _signal import getsignal, signal as set_handler  # type: ignore[import-not-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from pathlib import Path
 from types import FrameType, TracebackType
+from typing import TYPE_CHECKING
 
 from liftmesh.base.platform import FOLDER, HOLDS_FOLDERS, SIGNALS, Folder, open_file
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 _announced: list[BaseException] = []
 

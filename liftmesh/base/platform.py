@@ -17,11 +17,12 @@ import os
 import select
 import signal
 from collections.abc import Callable
-from dataclasses import dataclass
 from importlib import import_module
 from io import FileIO, RawIOBase
-from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pathlib import Path  # which takes as long to import as all that is here
 
 
 def _module(name: str) -> Any:
@@ -31,7 +32,8 @@ def _module(name: str) -> Any:
         return None
 
 
-_fcntl, _winapi = _module("fcntl"), _module("_winapi")
+_fcntl = _module("fcntl")
+_winapi: Any = None if _fcntl else _module("_winapi")
 
 SIGNALS: tuple[int, ...] = tuple(
     getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGALRM") if hasattr(signal, name)
@@ -41,7 +43,7 @@ SIGNALS: tuple[int, ...] = tuple(
 HOLDS_FOLDERS = os.open in os.supports_dir_fd
 FOLDER: int = getattr(os, "O_PATH", os.O_RDONLY)  # a writable folder need not be readable
 NAMELESS: int = getattr(os, "O_TMPFILE", 0)  # Linux's flag to open a file without a name
-OPEN_FILES = Path("/proc/self/fd")  # through which to name it later
+OPEN_FILES = "/proc/self/fd"  # through which to name it later
 REGULAR: int = getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)  # no link, no waiting
 
 _WITHOUT_LOCKS = {errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP}
@@ -121,12 +123,11 @@ def _lock_beyond(descriptor: int) -> None:
         os.lseek(descriptor, 0, os.SEEK_SET)
 
 
-@dataclass(frozen=True)
 class Folder:
     """A folder by its descriptor, which stays right if it is renamed, or else by its path."""
 
-    path: Path
-    descriptor: int | None
+    def __init__(self, path: Path, descriptor: int | None) -> None:
+        self.path, self.descriptor = path, descriptor
 
     def place(self, name: str) -> str:
         """Return the name of a file for what takes the descriptor, too."""
@@ -154,7 +155,7 @@ class Folder:
     def give_name(self, nameless: int, name: str) -> None:
         """Name an open file that has no name."""
         # Python follows the link to the file itself only if folder descriptors are given.
-        source, here = str(OPEN_FILES / str(nameless)), self.descriptor
+        source, here = f"{OPEN_FILES}/{nameless}", self.descriptor
         os.link(source, name, src_dir_fd=here, dst_dir_fd=here, follow_symlinks=True)
 
 

@@ -172,7 +172,7 @@ def _created(temporary: str, folder: Folder) -> Iterator[BinaryIO]:
 def _open_new(temporary: str, folder: Folder, stack: ExitStack) -> int:
     """Open a file without a name, or one of the temporary name where the system cannot."""
     # Mode 0o666 minus the process's umask, as open() does; tempfile would give 0o600.
-    if NAMELESS and OPEN_FILES.is_dir():
+    if NAMELESS and Path(OPEN_FILES).is_dir():
         try:
             flags = NAMELESS | os.O_RDWR
             return stack.enter_context(opened(".", flags, 0o666, folder=folder.descriptor))

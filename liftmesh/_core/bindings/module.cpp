@@ -175,28 +175,26 @@ void bind_planar(nb::module_& m) {
 
 // What a report of a bug has to name. Nothing is chosen at run time: the kernel has the
 // instructions that it was compiled for.
-constexpr const char* compiler =
 #if defined(__clang__)
-    "Clang " __clang_version__;
+constexpr const char* compiler = "Clang " __clang_version__;
 #elif defined(__GNUC__)
-    "GCC " __VERSION__;
+constexpr const char* compiler = "GCC " __VERSION__;
 #else
-    "unknown";
+constexpr const char* compiler = "unknown";
 #endif
 
-constexpr const char* instructions =
 #if defined(__AVX512F__)
-    "AVX-512";
+constexpr const char* instructions = "AVX-512";
 #elif defined(__AVX2__)
-    "AVX2";
+constexpr const char* instructions = "AVX2";
 #elif defined(__SSE4_2__)
-    "SSE4.2";
+constexpr const char* instructions = "SSE4.2";
 #elif defined(__SSE2__)
-        "SSE2";
+constexpr const char* instructions = "SSE2";
 #elif defined(__ARM_NEON)
-        "NEON";
+constexpr const char* instructions = "NEON";
 #else
-        "basic";
+constexpr const char* instructions = "basic";
 #endif
 
 }  // namespace
