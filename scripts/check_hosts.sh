@@ -13,5 +13,5 @@ build_wheel "$outside"
 run_quietly "Making an environment outside the repository" .venv-test/bin/python -m venv "$outside/environment"
 wheels=("$outside"/*.whl)
 run_quietly "Installing the wheel and the libraries there" pip_install "$outside/environment" --no-compile \
-    "${wheels[0]}[pyvista,open3d,plot,xarray,solvers,shapes,las,e57]" pytest hypothesis
+    "${wheels[0]}[cli,scipy,trimesh,pyvista,open3d,plot,xarray,solvers,shapes,las,e57]" pytest hypothesis
 "$outside/environment/bin/pytest" -q -p no:cacheprovider --basetemp "$outside/tests" scripts/host_tests "$@"

@@ -14,7 +14,7 @@ from liftmesh.crs.units import planar_unit
 from liftmesh.optional import load
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
 
@@ -109,12 +109,21 @@ def relief(heights: Array, shades: Array | None, colors: Any) -> tuple[Array, An
     return pixels, load("matplotlib.cm", extra="plot").ScalarMappable(scale, colors)
 
 
-def lines(ax: Axes, points: Floats, starts: Array, **style: Any) -> None:
+def lines(
+    ax: Axes, points: Floats, starts: Array, style: Mapping[str, Any] | None = None, **usual: Any
+) -> None:
     """Draw polylines that lie one after the other: as one line with gaps, since many are slow."""
     gaps = np.asarray(starts)[1:-1]
-    ax.plot(*np.insert(points[:, :2].astype(float), gaps, np.nan, axis=0).T, **style)
+    x, y = np.insert(points[:, :2].astype(float), gaps, np.nan, axis=0).T
+    ax.plot(x, y, **styled(style, **usual))
 
 
-def segments(ax: Axes, ends: Floats, **style: Any) -> None:
+def styled(style: Mapping[str, Any] | None, **usual: Any) -> dict[str, Any]:
+    """Return what callers want, whichever names of matplotlib they use, and the usual otherwise."""
+    kind = load("matplotlib.lines", extra="plot").Line2D
+    return {**usual, **load("matplotlib.cbook", extra="plot").normalize_kwargs(style, kind)}
+
+
+def segments(ax: Axes, ends: Floats, style: Mapping[str, Any] | None = None, **usual: Any) -> None:
     """Draw lines between two points each, (n, 2, 2)."""
-    lines(ax, ends.reshape(-1, 2), np.arange(0, 2 * len(ends) + 1, 2), **style)
+    lines(ax, ends.reshape(-1, 2), np.arange(0, 2 * len(ends) + 1, 2), style, **usual)

@@ -31,6 +31,7 @@ from liftmesh.plots.drawing import (
     planar,
     relief,
     segments,
+    styled,
 )
 from liftmesh.raster.raster import Raster
 from liftmesh.terrain.contours import Contours
@@ -75,7 +76,7 @@ def plot(result: Any, ax: Axes | None = None, **style: Any) -> Axes:
         of surfaces ``contours`` (an interval, False, or True, the default: a round one), ``edges``
         (default False) and ``values`` (a name, in place of heights); of surfaces in tiles ``tiles``
         (default True: the cuts, and the triangles across them); of all others keywords of
-        matplotlib's lines, as ``color`` and ``lw``.
+        matplotlib's lines, as ``color`` and ``linewidth``.
 
     Returns
     -------
@@ -136,7 +137,7 @@ def _(result: TiledSurfaceData, ax: Axes | None, *, tiles: bool = True, **style:
     ax = _surface(result, result.bounds, ax, **style)
     if tiles:
         for ends in _seams(result):
-            segments(ax, ends, color=ACCENT, lw=0.4, alpha=0.7)
+            segments(ax, ends, color=ACCENT, linewidth=0.4, alpha=0.7)
         _cuts(cuts_of(result)[0], ax)
     return ax
 
@@ -158,7 +159,7 @@ def _cuts(cuts: Floats, ax: Axes, **style: Any) -> Axes:
     for level in range(len(cuts).bit_length()):
         width = max(0.6, 2.4 - 0.5 * level)
         part = cuts[2**level - 1 : 2 ** (level + 1) - 1]
-        segments(ax, part, **{"color": ACCENT, "lw": width, **style})
+        segments(ax, part, style, color=ACCENT, linewidth=width)
     return ax
 
 
@@ -234,9 +235,7 @@ def _contours(contours: Contours, ax: Axes, **style: Any) -> Axes:
     for is_index, width in ((False, 0.4), (True, 0.9)):
         which = np.flatnonzero(contours.is_index == is_index)
         chosen = contours._selected(which)  # noqa: SLF001 - which a mask does not
-        lines(
-            ax, chosen.points, chosen.starts, **{"color": LINE, "lw": width, "alpha": 0.8, **style}
-        )
+        lines(ax, chosen.points, chosen.starts, style, color=LINE, linewidth=width, alpha=0.8)
     return ax
 
 
@@ -245,7 +244,8 @@ def _(result: Profile, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
     pairs = np.column_stack([result.distances, result.points[:, 2]])
     for number, part in enumerate(np.split(pairs, result.starts[1:-1])):
-        ax.plot(*part.T, **{"color": f"C{result.lines[number] % 10}", "lw": 1.2, **style})
+        color = f"C{result.lines[number] % 10}"
+        ax.plot(*part.T, **styled(style, color=color, linewidth=1.2))
     ax.set_xlabel("distance" if result.stations is None else "offset")
     ax.set_ylabel("height")
     ax.grid(alpha=0.3)
@@ -257,13 +257,13 @@ def _(result: Triangulation, ax: Axes | None, **style: Any) -> Axes:
     ax = _sides(result.points, result.simplices, new_axes(ax), **style)
     forced = getattr(result, "constraints", None)
     if forced is not None and len(forced):
-        segments(ax, result.points[forced], color=ACCENT, lw=1.2)
+        segments(ax, result.points[forced], color=ACCENT, linewidth=1.2)
     used = used_rows(result.npoints, result.simplices)
     return planar(ax, _wide(planar_bounds(result.points[used])), None)
 
 
 def _sides(points: Floats, faces: Rows, ax: Axes, **style: Any) -> Axes:
-    segments(ax, points[edges_of_faces(faces)], **{"color": INK, "lw": 0.4, "alpha": 0.7, **style})
+    segments(ax, points[edges_of_faces(faces)], style, color=INK, linewidth=0.4, alpha=0.7)
     return ax
 
 
@@ -272,7 +272,7 @@ def _(result: ClippedCells, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
     starts = result.ring_corners
     ends = np.stack([result.corners, result.corners[following_corners(starts)]], axis=1)
-    segments(ax, ends, **{"color": INK, "lw": 0.7, **style})
+    segments(ax, ends, style, color=INK, linewidth=0.7)
     return planar(_sites(result.points, ax), _wide(result.domain.bounds), result.crs)
 
 
@@ -292,7 +292,7 @@ def _(result: Unclipped, ax: Axes | None, **style: Any) -> Axes:
     )
     is_finite = result.ridge_ends[:, 0] >= 0
     ends = np.concatenate([result.vertices[result.ridge_ends[is_finite]], rays])
-    segments(ax, ends, **{"color": INK, "lw": 0.7, **style})
+    segments(ax, ends, style, color=INK, linewidth=0.7)
     return planar(_sites(result.points, ax), bounds, None)
 
 
@@ -307,9 +307,8 @@ def _(result: Certificate, ax: Axes | None, **style: Any) -> Axes:
     for number, flaw in enumerate(result.flaws):
         places = np.array([point[:2] for each in flaw.first for point in each.points])
         name = f"{flaw.count:,} {flaw.kind}"
-        ax.plot(
-            *places.reshape(-1, 2).T, "o", **{"color": f"C{number % 10}", "label": name, **style}
-        )
+        usual = {"color": f"C{number % 10}", "label": name, "marker": "o", "linestyle": ""}
+        ax.plot(*places.reshape(-1, 2).T, **styled(style, **usual))
     ax.set_title("; ".join(flaw.text for flaw in result.flaws) or "nothing wrong", wrap=True)
     if result.flaws:
         ax.legend()

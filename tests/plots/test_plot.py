@@ -72,6 +72,8 @@ def test_others_are_drawn_in_given_axes() -> None:
     assert len(segments(axes[0])) == len(tri.edges)
     (profile,) = axes[2].lines
     assert profile.get_ydata().tolist() == hill.profile([[0, 5], [40, 5]]).points[:, 2].tolist()
+    styled = liftmesh.plot(hill.profile([[0, 5], [40, 5]]), linewidth=3)
+    assert styled.lines[0].get_linewidth() == 3
     corners = len(cells.corners)
     assert len(segments(axes[3])) == corners
     assert axes[4].get_legend() is not None
@@ -154,7 +156,7 @@ def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(tmp_path: Path)
 def test_tiles_are_drawn_by_their_cuts(tmp_path: Path) -> None:
     plain = liftmesh.tile(RNG.random((300, 2)), tmp_path / "plain", tile_rows=100)
     cuts = sum(path.stem.startswith("tile") for path in plain.shards) - 1
-    assert len(segments(plain.plot(color="k"))) == cuts
+    assert len(segments(plain.plot(color="k", lw=1))) == cuts
     whole = liftmesh.tile(HILL[:, :2], tmp_path / "whole")
     with pytest.raises(InputError, match="one tile"):
         whole.plot()

@@ -55,7 +55,7 @@ COLUMNS = (
     "triangles",
 )
 SHOWN = sorted({*FAMILIES} - {"mixed-magnitudes", "tenth-lattice", "parabola", "spiral"})
-ALL = (  # the tables of docs/guide/tiles.md, in its order
+ALL = (  # the tables of docs/guide/tiles-planning.md, in its order
     "--workers 1 2",
     "--n 100000000 --workers 1 2 --verify",
     f"--n 2000000 --tile-rows 150000 --distributions {' '.join(SHOWN)}",
@@ -100,7 +100,7 @@ def compare(options: Namespace) -> None:
 
 
 def parsed(words: list[str]) -> Namespace:
-    """Parse the options of one table of docs/guide/tiles.md."""
+    """Parse the options of one table of tiles-planning.md."""
     parser = ArgumentParser()
     add_options(parser)
     return parser.parse_args(words)
@@ -115,7 +115,7 @@ def add_options(parser: ArgumentParser) -> None:
     add("--margins", action="store_true", help="tiles with buffers, too")
     add("--formats", action="store_true", help="Parquet, PLY and neighbours, too")
     add("--verify", action="store_true", help="and the proof")
-    add("--all", action="store_true", help="every table of docs/guide/tiles.md")
+    add("--all", action="store_true", help="every table of tiles-planning.md")
     add("--folder", metavar="FOLDER", help="where files are written")
 
 
