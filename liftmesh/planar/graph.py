@@ -7,17 +7,20 @@ with weights, and with rows at one position.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-import scipy.sparse
 from numpy.typing import ArrayLike
 
 from liftmesh import _kernel
 from liftmesh._typing import Floats, Rows
 from liftmesh.base.arrays import as_numbers
 from liftmesh.base.options import Coincident, GraphKind, GraphWeights, check_option, refused
+from liftmesh.optional import load
 from liftmesh.planar.alpha import Simplicial, empty_circles
+
+if TYPE_CHECKING:
+    import scipy.sparse
 
 
 class Planar(Simplicial, Protocol):
@@ -122,7 +125,9 @@ def graph(
         edges, values = _cliques(found, places, values)
     ends = np.concatenate([edges, edges[:, ::-1]]).T
     shape = found.npoints, found.npoints
-    return scipy.sparse.coo_array((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    matrix = load("scipy.sparse", extra="scipy").coo_array
+    made: scipy.sparse.csr_array = matrix((np.tile(values, 2), tuple(ends)), shape=shape).tocsr()
+    return made
 
 
 def _edges(found: Planar, kind: GraphKind) -> Rows:

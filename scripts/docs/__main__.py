@@ -15,6 +15,7 @@ import sys
 from argparse import ArgumentParser, RawDescriptionHelpFormatter
 from pathlib import Path
 
+from commands import put_commands
 from sphinx.cmd.build import build_main
 from staging import stage
 
@@ -31,6 +32,7 @@ def main() -> int:
         shutil.rmtree(out, ignore_errors=True)
     source = out / "source"
     stage(source)
+    put_commands(source / "cli")
     pictures = int(not options.no_pictures)
     words = ["--builder", "html", "--fail-on-warning", "--quiet"]
     words += ["--define", f"plot_gallery={pictures}", "--doctree-dir", str(out / "doctrees")]
