@@ -66,6 +66,15 @@ def full(session: nox.Session) -> None:
 
 
 @nox.session(requires=["dev"])
+def docs(session: nox.Session) -> None:
+    """Build the site of documentation, with the pictures of its gallery, in out/docs/html."""
+    python = ".venv-test/bin/python"
+    needed = nox.project.load_toml("pyproject.toml")["project"]["optional-dependencies"]
+    session.run(python, "-m", "pip", "install", "-q", *needed["docs"], external=True)
+    session.run(python, "scripts/docs", *session.posargs, external=True)
+
+
+@nox.session(requires=["dev"])
 def nightly(session: nox.Session) -> None:
     """Run what takes hours: the tests of campaigns, new examples, and the campaigns of scripts/."""
     seed = random.SystemRandom().randrange(2**32)

@@ -506,7 +506,7 @@ def _better(one: _State | None, other: _State) -> _State:
 
 def _step(here: Measure, missing: Floats, spread: float) -> Floats:
     """Newton's step; the weight of the first row stays. NaN if there is none."""
-    sparse, linalg = load("scipy.sparse"), load("scipy.sparse.linalg")
+    sparse, linalg = load("scipy.sparse", extra="scipy"), load("scipy.sparse.linalg", extra="scipy")
     rows, points = len(missing), here.cells.points
     one, other, held = here.walls(spread)
     slope = held / (2 * np.hypot(*(points[one] - points[other]).T))

@@ -25,6 +25,7 @@ from liftmesh.cli.signals import (
 )
 from liftmesh.cli.wording import worded
 from liftmesh.errors import DataWarning
+from liftmesh.optional import load
 
 __all__ = ["main", "program"]
 
@@ -99,6 +100,9 @@ def _command(words: list[str], ending: Ending, *, debug: bool) -> int:
 
 def _app(words: Sequence[str]) -> Any:
     """Run a command; its errors are exceptions."""
+    if words == ["doctor"]:  # which says what is missing: click, perhaps
+        return import_module("liftmesh.cli.doctor").run()
+    load("click", extra="cli")
     if words and words[0] in _COMPLETION:
         return import_module("liftmesh.cli.application").complete(words[0], words[1:])
     with _noted_warnings():
