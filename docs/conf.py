@@ -6,6 +6,7 @@ from importlib.metadata import version as version_of
 from pathlib import Path
 
 from docstrings import Looked
+from links import ROOT
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
@@ -24,6 +25,7 @@ extensions = [
     "sphinx.ext.autosummary",
     "sphinx_copybutton",
     "sphinx_design",
+    "sphinx_gallery.gen_gallery",
 ]
 root_doc = "index"
 nitpicky = True
@@ -37,6 +39,23 @@ autodoc_typehints = "none"
 autosummary_generate = [f"api/{each.name}" for each in Path(__file__).parent.glob("api/*.rst")]
 autosummary_context = {name: Looked(name) for name in ("methods_of", "properties_of")}
 numpydoc_show_class_members = False
+
+sphinx_gallery_conf = {
+    "examples_dirs": str(ROOT / "docs" / "gallery"),
+    "gallery_dirs": "gallery",
+    "backreferences_dir": "gallery/of",
+    "doc_module": ("liftmesh",),
+    "reference_url": {"liftmesh": None},
+    "reset_modules": ("matplotlib", "gallery.style"),
+    "image_srcset": ["2x"],
+    "within_subsection_order": "FileNameSortKey",
+    "abort_on_example_error": True,
+    "download_all_examples": False,
+    "min_reported_time": 1000,
+    "remove_config_comments": True,
+    "show_signature": False,
+    "show_memory": False,
+}
 
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 4

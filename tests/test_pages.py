@@ -14,6 +14,7 @@ import draw_cells
 import pytest
 
 from liftmesh.cli import exit_codes
+from liftmesh.cli.application import COMMANDS, Command
 
 ROOT = Path(__file__).resolve().parent.parent
 README = (ROOT / "README.md").read_text("utf-8")
@@ -77,6 +78,14 @@ def test_exit_codes_are_those_of_the_command_line() -> None:
     page = (ROOT / "docs/guide/errors.md").read_text("utf-8")
     rows = re.findall(r"^\| (\d+) \| (.+) \|$", page, flags=re.MULTILINE)
     assert {int(code): meaning.replace("`", "") for code, meaning in rows} == exit_codes.MEANINGS
+
+
+def test_commands_on_pages_have_the_options_that_they_show() -> None:
+    for page in [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]:
+        for name, rest in re.findall(r"liftmesh ([a-z-]+)([^`\n|]*)", page.read_text("utf-8")):
+            if name in COMMANDS:
+                known = {word for each in Command(name).params for word in each.opts} | {"--help"}
+                assert {*re.findall(r"(?<![\w-])--[a-z-]+", rest)} <= known, (page, name, rest)
 
 
 def test_two_commands_set_everything_up() -> None:

@@ -196,7 +196,7 @@ def _(result: Profile, ax: Axes | None, **style: Any) -> Axes:
     ax = new_axes(ax)
     pairs = np.column_stack([result.distances, result.points[:, 2]])
     for number, part in enumerate(cut(pairs, result.starts)):
-        ax.plot(*part.T, **{"color": f"C{result.lines[number] % 10}", "lw": 1.2, **style})
+        ax.plot(*part.T, **{"color": f"C{result.lines[number] % 10}", "linewidth": 1.2, **style})
     ax.set_xlabel("distance" if result.stations is None else "offset")
     ax.set_ylabel("height")
     ax.grid(alpha=0.3)

@@ -68,6 +68,8 @@ def test_others_are_drawn_in_given_axes() -> None:
     assert len(segments(axes[0])) == len(tri.edges)
     (profile,) = axes[2].lines
     assert profile.get_ydata().tolist() == hill.profile([[0, 5], [40, 5]]).points[:, 2].tolist()
+    styled = liftmesh.plot(hill.profile([[0, 5], [40, 5]]), linewidth=3)
+    assert styled.lines[0].get_linewidth() == 3
     assert len(segments(axes[3])) == 5
     assert axes[4].get_legend() is not None
     assert axes[5].images[0].get_array().shape == (20, 40, 4)
