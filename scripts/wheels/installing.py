@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from native.build import ROOT
-
 from wheels.building import environment, run
 
 HERE = Path(__file__).resolve().parent

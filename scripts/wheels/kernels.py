@@ -16,7 +16,6 @@ from portability.__main__ import comparison, run
 from portability.builds import GCC, HERE, Build, built_by
 from portability.questions import write_files
 from portability.results import Results
-
 from wheels.outcome import Outcome
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
