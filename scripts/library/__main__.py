@@ -35,6 +35,7 @@ HERE = Path(__file__).resolve().parent
 CORE = HERE.parents[1] / "liftmesh" / "_core"
 NEEDED = ("cmake", "c++", "cc")
 ROWS = 5000
+PLAIN = "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON"  # so that a cache of the compiler finds both kinds
 
 
 def main() -> None:
@@ -70,7 +71,7 @@ def drawn_sets() -> list[Points]:
 
 def install(kind: str, build: Path, home: Path) -> None:
     shared = "ON" if kind == "shared" else "OFF"
-    run("cmake", "-S", CORE, "-B", build, f"-DBUILD_SHARED_LIBS={shared}")
+    run("cmake", "-S", CORE, "-B", build, f"-DBUILD_SHARED_LIBS={shared}", PLAIN)
     run("cmake", "--build", build, "--parallel", "2")
     run("cmake", "--install", build, "--prefix", home)
     size = sum(path.stat().st_size for path in home.rglob("libliftmesh.*") if not path.is_symlink())

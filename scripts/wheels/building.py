@@ -103,7 +103,6 @@ def variables(python: Path, target: Target, folder: Path) -> dict[str, str]:
     """Return what makes scikit-build-core and CMake build for another system."""
     version = run(python, "-c", "import sys; print(*sys.version_info[:2], sep='')").strip()
     tools = {
-        "CMAKE_C_COMPILER": script(folder / "cc", "cc", "-target", target.zig),
         "CMAKE_CXX_COMPILER": script(folder / "c++", "c++", "-target", target.zig),
         "CMAKE_AR": script(folder / "ar", "ar"),
         "CMAKE_RANLIB": script(folder / "ranlib", "ranlib"),

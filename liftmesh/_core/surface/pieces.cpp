@@ -28,8 +28,8 @@ constexpr std::size_t side_in(unsigned sides) {
 bool are_together(Point p, Point q, Nearness nearness) {
     constexpr double ulp = 0x1p-52, more = 8;
     const auto is_near = [nearness](double a, double b) {
-        return std::fabs(a - b) <= more * nearness.units * ulp *
-                                       std::max({std::fabs(a), std::fabs(b), nearness.least});
+        return std::fabs(a - b) <=
+               more * nearness.units * ulp * std::max({std::fabs(a), std::fabs(b), nearness.least});
     };
     return is_near(p.x, q.x) && is_near(p.y, q.y);
 }
