@@ -42,6 +42,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "sweep --long",
     "soak",
     "mutants.py",
+    "library",
 )
 
 
