@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import platform
 import re
+from importlib import import_module
 
 import liftmesh
 from liftmesh.base.options import VARIABLE, cores
@@ -33,21 +34,26 @@ def run(*, json: options.Json = False) -> None:
 
 def findings() -> dict[str, str]:
     """Return what a report of a bug has to say of this installation."""
-    import numpy as np
-
-    from liftmesh import _kernel
-
     python = f"{platform.python_version()} ({platform.python_implementation()})"
     asked = os.environ.get(VARIABLE)
     return {
         "liftmesh": liftmesh.__version__,
-        "kernel": f"{_kernel.VERSION}, by {_kernel.COMPILER}, for {_kernel.INSTRUCTIONS}",
+        "kernel": _kernel(),
         "Python": python,
         "system": f"{platform.platform()}, {platform.machine()}",
-        "numpy": np.__version__,
+        "numpy": _version("numpy") or "missing",
         "threads": f"{cores()}{f', {VARIABLE}={asked}' if asked else ''}",
         **{f"[{extra}]": _versions(extra) for extra in _extras("all")},
     }
+
+
+def _kernel() -> str:
+    """Return what the compiled kernel says of itself, or why it does not."""
+    try:
+        kernel = import_module("liftmesh._kernel")
+    except ImportError as error:
+        return f"cannot be imported: {error}"
+    return f"{kernel.VERSION}, by {kernel.COMPILER}, for {kernel.INSTRUCTIONS}"
 
 
 def _extras(extra: str) -> list[str]:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from liftmesh.planar.triangulation import Triangulation
 else:
-    nx = load("networkx")
+    nx = load("networkx", extra="trimesh")
 
 
 def to_networkx(

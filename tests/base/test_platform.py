@@ -46,8 +46,8 @@ posix_open, posix_select = os.open, select.select
 opened = []
 
 def create_file(path, access, shared, security, way, attributes, template):
-    if os.path.isdir(path):
-        raise PermissionError(13, "a folder")
+    if os.path.isdir(path) or "closed" in path:
+        raise PermissionError(13, "Permission denied")
     assert (shared, security, attributes, template) == (7, 0, 0x80, 0)
     kind = {0x80000000: os.O_RDONLY, 0x40000000: os.O_WRONLY, 0xC0000000: os.O_RDWR}[access]
     how = {1: os.O_CREAT | os.O_EXCL, 3: 0, 4: os.O_CREAT}[way]
@@ -88,6 +88,12 @@ try:
     lm.write("nowhere/mesh.ply", surface)
 except FileNotFoundError as error:
     assert str(error.filename).endswith("nowhere")
+os.mkdir("closed")
+try:
+    lm.write("closed/mesh.ply", surface)
+except PermissionError as error:
+    assert str(error.filename).endswith(os.path.join("closed", "mesh.ply")), error
+os.rmdir("closed")  # without a temporary file
 lm.tile(surface.vertices[:, :2], "tiles").verify(surface.vertices[:, :2])
 lm.tile(surface.vertices[:, :2], "tiles")
 sys.argv[1:] = ["contour", "mesh.ply", "lines.geojson", "--interval", "100"]

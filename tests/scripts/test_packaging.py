@@ -27,9 +27,12 @@ EXTRAS = PROJECT["optional-dependencies"]
 BY_CONDA = {"matplotlib-base": "matplotlib"}  # names that differ
 
 
-def needs(requirements: list[str]) -> set[str]:
+def needs(requirements: list[Any]) -> set[str]:
     """Return requirements without blanks, conda's names as Python's, and without Python itself."""
-    plain = {each.replace(" ", "") for each in requirements}
+    windows = {each["then"] for each in requirements if isinstance(each, dict)}
+    marked = {f"{each}; sys_platform == 'win32'" for each in windows}
+    plain = {each.replace(" ", "") for each in requirements if isinstance(each, str)}
+    plain |= {each.replace(" ", "") for each in marked}
     for name, of_python in BY_CONDA.items():
         plain = {each.replace(name, of_python) for each in plain}
     return plain - {"python", "pip"}
