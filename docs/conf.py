@@ -52,6 +52,7 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "download_all_examples": False,
+    "notebook_extensions": set(),
     "remove_config_comments": True,
     "show_signature": False,
     "show_memory": False,

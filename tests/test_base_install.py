@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
+from importlib import metadata
 from pathlib import Path
 
 import pytest
 from commands import ROOT, TERRAIN
 
 from liftmesh.cli import exit_codes
+from liftmesh.cli.doctor import findings
 
 if sys.version_info >= (3, 11):
     import tomllib
@@ -18,14 +20,18 @@ else:
     import tomli as tomllib
 
 ALONE = """
-import sys
-class Nothing:
+import os, sys
+class Alone:
+    KNOWN = {"numpy", "lazy_loader", "liftmesh", *sys.stdlib_module_names}
+    finders = [*sys.meta_path]
     def find_spec(self, name, path=None, target=None):
-        first = name.partition(".")[0]
-        known = {"numpy", "lazy_loader", "liftmesh", "_distutils_hack"}
-        if first not in known and first not in sys.stdlib_module_names:
-            raise ModuleNotFoundError(f"No module named {first!r}", name=first)
-sys.meta_path.insert(0, Nothing())
+        if name.partition(".")[0] in self.KNOWN:
+            found = (each.find_spec(name, path, target) for each in self.finders)
+            return next(filter(None, found), None)
+    def find_distributions(self, *context):
+        return self.finders[-1].find_distributions(*context)
+sys.meta_path[:] = [Alone()]
+os.environ["FORCE_COLOR"] = "1"
 import numpy as np
 import liftmesh as lm
 """
@@ -105,6 +111,17 @@ def test_the_command_without_click_says_what_to_install_and_what_is_there(tmp_pa
     assert re.search(r"^kernel +\d\S+, by \w+ \d\S+.*, for \w", said, re.MULTILINE)
     assert re.search(r"^numpy +\d", said, re.MULTILINE)
     assert re.search(r"^kernel +cannot be imported: ", said, re.MULTILINE)
+
+
+def test_the_doctor_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    required = ['scipy>=1.11; extra == "scipy"', 'no-such<2; extra == "geo"', "numpy>=1.26"]
+    required += ['liftmesh[scipy]; extra == "geo"', 'liftmesh[scipy,geo]; extra == "all"']
+    monkeypatch.setattr(metadata, "requires", lambda _: required)
+    found, scipy = findings(), f"scipy {metadata.version('scipy')}"
+    assert {key: text for key, text in found.items() if key[0] == "["} == {
+        "[scipy]": scipy,
+        "[geo]": f"no no-such, {scipy}: pip install 'liftmesh[geo]'",
+    }
 
 
 def test_extras_are_those_of_everything() -> None:

@@ -1,7 +1,8 @@
 """A system without locks of POSIX, descriptors of folders, forks, alarms, or pipes to wait for.
 
 What Windows lacks is taken away before liftmesh is imported, and what it has instead is put there:
-`_winapi` and `msvcrt`, by what POSIX has. What cannot be had so is its rules for open files.
+`_winapi` and `msvcrt`, by what POSIX has. As there, a file that is open or mapped can be neither
+removed nor renamed, nor replaced, unless it was opened so that it can.
 """
 
 from __future__ import annotations
@@ -39,20 +40,50 @@ def without_folders(function):
         return function(*words, **options)
     return called
 
-for name in ("open", "unlink", "replace", "stat"):
+shared, opened = set(), []
+
+def in_use(path):
+    real, held = os.path.realpath(path), os.listdir("/proc/self/fd")
+    with open("/proc/self/maps") as lines:
+        yield any(line.rstrip().endswith(" " + real) for line in lines)
+    for each in held:
+        try:
+            yield int(each) not in shared and os.readlink("/proc/self/fd/" + each) == real
+        except FileNotFoundError:
+            pass
+
+def unless_in_use(function):
+    def called(path, *words, **options):
+        if any(in_use(path)) or any(map(in_use_at_all, words)):
+            raise PermissionError(13, "used by another process", path)
+        return function(path, *words, **options)
+    return called
+
+def in_use_at_all(path):
+    return os.path.exists(path) and any(in_use(path))
+
+def close(descriptor, posix_close=os.close):
+    shared.discard(descriptor)
+    posix_close(descriptor)
+
+os.close = close
+for name in ("open", "unlink", "remove", "replace", "rename", "stat"):
     setattr(os, name, without_folders(getattr(os, name)))
+    if name not in ("open", "stat"):
+        setattr(os, name, unless_in_use(getattr(os, name)))
 
 posix_open, posix_select = os.open, select.select
-opened = []
 
-def create_file(path, access, shared, security, way, attributes, template):
+def create_file(path, access, sharing, security, way, attributes, template):
     if os.path.isdir(path) or "closed" in path:
         raise PermissionError(13, "Permission denied")
-    assert (shared, security, attributes, template) == (7, 0, 0x80, 0)
+    assert (sharing, security, attributes, template) == (7, 0, 0x80, 0)
     kind = {0x80000000: os.O_RDONLY, 0x40000000: os.O_WRONLY, 0xC0000000: os.O_RDWR}[access]
     how = {1: os.O_CREAT | os.O_EXCL, 3: 0, 4: os.O_CREAT}[way]
     opened.append(os.path.basename(path))
-    return posix_open(path, kind | how, 0o666)
+    descriptor = posix_open(path, kind | how, 0o666)
+    shared.add(descriptor)
+    return descriptor
 
 def locking(descriptor, mode, count):
     try:
@@ -76,7 +107,7 @@ from liftmesh.base import platform
 """
 LIBRARY = """
 terrain = sys.argv[1]
-surface = lm.triangulate(lm.read(terrain, every=500))
+surface = lm.triangulate(lm.read(terrain, every=50))
 assert lm.delaunay(surface.vertices[:, :2]).verify().valid
 suffixes = ("ply", "npz", "csv")
 for suffix in suffixes:
@@ -94,8 +125,18 @@ try:
 except PermissionError as error:
     assert str(error.filename).endswith(os.path.join("closed", "mesh.ply")), error
 os.rmdir("closed")  # without a temporary file
-lm.tile(surface.vertices[:, :2], "tiles").verify(surface.vertices[:, :2])
-lm.tile(surface.vertices[:, :2], "tiles")
+with open("open", "wb") as file:
+    for action in (os.unlink, lambda name: os.rename("mesh.ply", name)):
+        try:
+            action("open")
+            raise SystemExit("this system lets go of files that are open")
+        except PermissionError:
+            pass
+os.unlink("open")
+rows = surface.vertices[:, :2]
+for _ in range(2):
+    lm.tile(rows, "tiles", tile_rows=1000)
+assert len(lm.open_tiled("tiles").to_array()) == len(surface.faces)
 sys.argv[1:] = ["contour", "mesh.ply", "lines.geojson", "--interval", "100"]
 from liftmesh.cli import program
 assert program() == 0
