@@ -80,8 +80,8 @@ def described() -> dict[str, str]:
         for name, each in own_members(kind).items()
         if (named := IN_FULL.search(inspect.getdoc(each) or ""))
     ]
-    public = {*liftmesh.__all__}
-    return {function: method for function, method in reversed(pairs) if function not in public}
+    # Other words are parameters, such as `boundary`.
+    return {word: method for word, method in pairs if word != method.rpartition(".")[2]}
 
 
 def as_of_method(text: str, method: object) -> str:

@@ -39,13 +39,19 @@ def link_names(app: Sphinx, tree: nodes.document) -> None:
         return
     for literal in list(tree.findall(nodes.literal)):
         found = NAME.fullmatch(literal.astext())
-        inside = isinstance(literal.parent, nodes.reference | nodes.title | addnodes.pending_xref)
-        if found and not inside and is_public(found[1]):
+        if found and is_public(found[1]) and not is_in_link(literal):
             reference = addnodes.pending_xref(
                 "", refdomain="py", reftype="obj", refdoc=place, reftarget=f"liftmesh.{found[1]}"
             )
             literal.replace_self(reference)
             reference += literal
+
+
+def is_in_link(node: nodes.Node) -> bool:
+    """Tell whether a node is a part of a link, or of a heading."""
+    parent = node.parent
+    kinds = nodes.reference | nodes.title | addnodes.pending_xref
+    return parent is not None and (isinstance(parent, kinds) or is_in_link(parent))
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

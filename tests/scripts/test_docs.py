@@ -130,9 +130,8 @@ def test_pages_of_the_root_and_pictures_are_staged_and_old_ones_go(
 
 
 def test_the_version_to_cite_is_that_of_the_package() -> None:
-    version = re.escape(liftmesh.__version__)
-    assert re.search(rf"^version: {version}$", (ROOT / "CITATION.cff").read_text(), re.MULTILINE)
-    assert re.search(rf"version {version}\b", (ROOT / "docs/project/citing.md").read_text("utf-8"))
+    page = (ROOT / "docs" / "project" / "citing.md").read_text("utf-8")
+    assert f"liftmesh, version {liftmesh.__version__}: " in page
 
 
 def test_scripts_of_the_gallery_are_short() -> None:
