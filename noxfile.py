@@ -45,6 +45,7 @@ CAMPAIGNS = (  # each runs for some minutes by itself
     "soak",
     "mutants.py",
     "docs --fresh",
+    "library",
 )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import subprocess
 import sys
@@ -9,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from commands import ROOT, TERRAIN
+from commands import ROOT, TERRAIN, liftmesh
 
 from liftmesh.cli import exit_codes
 from liftmesh.cli.doctor import findings
@@ -22,7 +23,7 @@ else:
 ALONE = """
 import os, sys
 class Alone:
-    KNOWN = {"numpy", "lazy_loader", "liftmesh", *sys.stdlib_module_names}
+    KNOWN = {"numpy", "lazy_loader", "liftmesh", "coverage", *sys.stdlib_module_names}
     finders = [*sys.meta_path]
     def find_spec(self, name, path=None, target=None):
         if name.partition(".")[0] in self.KNOWN:
@@ -54,6 +55,7 @@ lm.difference(surface, lm.triangulate(rows * [1, 1, 2])), surface.profile(rows[:
 lm.thin(rows, cell=0.1), lm.voronoi(rows[:, :2]), lm.regular(rows[:, :2], weights=rows[:, 2])
 lm.constrained_delaunay(rows[:, :2], [[0, 1]], crossing="split"), lm.tetrahedralize(rows).verify()
 lm.tile(rows[:, :2], "tiles").verify(rows[:, :2]), surface.view().save("page.html")
+del tri, surface  # before the end, where nanobind would miss them under coverage
 """
 LACKING = {  # extra: what needs it
     "scipy": ["lm.delaunay(rows).graph()", "lm.scipy.Delaunay", "lm.delaunay(rows).to_scipy()",
@@ -118,6 +120,7 @@ def test_the_doctor_names_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> No
     required += ['liftmesh[scipy]; extra == "geo"', 'liftmesh[scipy,geo]; extra == "all"']
     monkeypatch.setattr(metadata, "requires", lambda _: required)
     found, scipy = findings(), f"scipy {metadata.version('scipy')}"
+    assert json.loads(liftmesh("doctor", "--json").stdout) == found
     assert {key: text for key, text in found.items() if key[0] == "["} == {
         "[scipy]": scipy,
         "[geo]": f"no no-such, {scipy}: pip install 'liftmesh[geo]'",

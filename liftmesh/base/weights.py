@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liftmesh._typing import Array, Floats, Integers, Rows
 from liftmesh.base.arrays import as_numbers, read_only
+from liftmesh.base.display import card_of
 from liftmesh.base.options import counted
 from liftmesh.errors import InputError, MissingDependencyError
 
@@ -64,6 +65,7 @@ class Weights:
     indices: Rows
     data: Floats
     shape: tuple[int, int]
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         points, rows = self.shape

@@ -30,6 +30,7 @@ from numpy.typing import ArrayLike
 
 from liftmesh._typing import Floats, Progress
 from liftmesh.base.arrays import as_numbers, read_only
+from liftmesh.base.display import card_of
 from liftmesh.base.options import as_count, as_switch, check_progress, counted, part_of, shown
 from liftmesh.cells.measure import Measure, as_density, as_share, check_extent, total_mass
 from liftmesh.cells.voronoi import Cells, cells_of
@@ -80,6 +81,7 @@ class LloydResult:
     energies: Floats
     largest_move: float
     converged: bool
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         steps = len(self.energies) - 1
@@ -220,6 +222,7 @@ class TransportResult:
     damping: Floats
     converged: bool
     stalled: bool
+    _repr_html_ = card_of
 
     def __repr__(self) -> str:
         state = "converged" if self.converged else "not converged"

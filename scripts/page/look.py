@@ -57,7 +57,12 @@ def kinds(out: Path) -> list[dict[str, Any]]:
     colored = surface.replace(colors=(surface.vertices[:, [0, 1, 0]] * 4).astype(np.uint8))
     named = colored.with_attributes({HOSTILE: surface.vertices[:, 0], "nan": np.full(3600, np.nan)})
     rows = surface.vertices[[1830, 777, 2929]]
-    cells = liftmesh.voronoi(plane, domain=(0, 0, 1, 1))
+    square, radii = (0, 0, 1, 1), RNG.random(70) * 0.06
+    cells = liftmesh.voronoi(plane, domain=square)
+    power = liftmesh.power_diagram(plane, radii=radii, domain=square)
+    disks = liftmesh.apollonius_diagram(plane, radii, domain=square)
+    wave = np.column_stack([np.linspace(0, 1, 40), 0.5 + 0.2 * np.sin(np.linspace(0, 9, 40))])
+    forced = liftmesh.constrained_delaunay(RNG.random((300, 2)), polylines=[wave])
     pages = {
         "surface": (liftmesh.view(surface), {"rows": rows.tolist(), "work": True}),
         "origin": (liftmesh.view(surface), {"rows": rows.tolist()}),
@@ -65,6 +70,9 @@ def kinds(out: Path) -> list[dict[str, Any]]:
         "change": (liftmesh.view(surface, hills(4.0), names=["before", "after"]), {}),
         "lift": (liftmesh.view(liftmesh.delaunay(plane).lifted(), title="The lift"), {}),
         "cells": (liftmesh.view(liftmesh.delaunay(plane), cells, names=["triangles", "cells"]), {}),
+        "power": (liftmesh.view(liftmesh.regular(plane, radii=radii), power), {}),
+        "disks": (liftmesh.view(disks), {}),
+        "constraints": (liftmesh.view(forced), {}),
         "tetrahedra": (
             liftmesh.view(liftmesh.tetrahedralize(RNG.normal(size=(2000, 3)))),
             {"script": "liftmesh.view.setCut(1, 0.5)"},
@@ -77,7 +85,7 @@ def kinds(out: Path) -> list[dict[str, Any]]:
     return jobs + [
         {**looks(out, job["name"], f"{job['name']}-{name}"), **more}
         for name, more in others.items()
-        for job in jobs[:5]
+        for job in jobs
     ]
 
 
