@@ -6,6 +6,7 @@ Python in a folder outside the repository.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import zipfile
@@ -16,7 +17,7 @@ import numpy as np
 
 import liftmesh
 
-COMMAND = str(Path(sys.executable).parent / "liftmesh")
+COMMAND = str(Path(sys.executable).parent / ("liftmesh.exe" if os.name == "nt" else "liftmesh"))
 
 
 def main(wheel: Path, terrain: Path) -> None:
@@ -31,12 +32,15 @@ def main(wheel: Path, terrain: Path) -> None:
 def check_contents(wheel: Path) -> str:
     """Compare the files in the wheel with what belongs there."""
     names = zipfile.ZipFile(wheel).namelist()
-    kernels = [name for name in names if name.startswith("liftmesh/_kernel.") and ".so" in name]
+    suffixes = (".so", ".pyd")
+    kernels = [n for n in names if n.startswith("liftmesh/_kernel.") and n.endswith(suffixes)]
     require(len(kernels) == 1, f"one compiled kernel, not {kernels}")
     require({"liftmesh/py.typed", "liftmesh/_kernel.pyi"} <= set(names), "types are shipped")
-    stray = [n for n in names if "_core" in n or not n.startswith(("liftmesh/", "liftmesh-"))]
+    licences = {name.rpartition("/")[2] for name in names if "/licenses/" in name}
+    require(licences == {"LICENSE", "LICENSE.fast_float"}, f"licences are shipped: {licences}")
+    ours = ("liftmesh/", "liftmesh-", "liftmesh.libs/")  # the last of repaired wheels
+    stray = [n for n in names if "_core/" in n.split("/licenses/")[0] or not n.startswith(ours)]
     require(not stray, f"neither kernel sources nor other files: {stray}")
-    require(any(name.endswith("licenses/LICENSE") for name in names), "the licence is shipped")
     return f"{wheel.name} has {len(names)} files, among them {kernels[0]}, and no kernel sources"
 
 

@@ -12,8 +12,10 @@ from commands import liftmesh as command
 
 import liftmesh
 from liftmesh import DataWarning, InputError, UnsupportedTypeError
+from liftmesh.plots import plot as drawn
 
 HILL = np.array([[0, 0, 0], [40, 0, 0], [0, 20, 0], [40, 20, 0], [20, 10, 8.0]])
+DATA = Path(__file__).resolve().parent.parent.parent / "data"
 RNG = np.random.default_rng(40)
 
 
@@ -105,6 +107,15 @@ def test_names_and_options_that_cannot_be_are_told(tmp_path: Path) -> None:
         liftmesh.plot(tiled, edges=True)
 
 
+def test_surfaces_that_are_level_or_hardly_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(drawn, "PIXELS", 20)
+    assert liftmesh.triangulate(HILL * [1, 1, 0]).plot().images
+    with pytest.raises(InputError, match="no face to plot"):
+        liftmesh.triangulate([[0, 0, 0], [5e-324, 0, 0], [0, 5e-324, 0]]).plot()
+    with pytest.raises(InputError, match="ax is 3: give axes of matplotlib"):
+        liftmesh.triangulate(HILL).plot(3)
+
+
 def test_a_surface_thinner_than_a_pixel_and_one_in_degrees() -> None:
     thin = np.array([[0, 0, 1], [1e6, 0, 2], [0, 1e-3, 3.0]])
     assert not segments(liftmesh.plot(liftmesh.triangulate(thin)))
@@ -135,7 +146,9 @@ def test_the_command_names_what_it_writes(tmp_path: Path) -> None:
     assert not (tmp_path / "map.bmp").exists()
 
 
-def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(tmp_path: Path) -> None:
+def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     rows = np.column_stack([RNG.random((300, 2)) * 30, RNG.random(300)])
     tiled = liftmesh.tile_surface(rows, tmp_path / "tiles", tile_rows=100)
     ours, other = (each.plot(contours=0.5) for each in (tiled, liftmesh.triangulate(rows)))
@@ -150,6 +163,14 @@ def test_a_surface_in_tiles_is_drawn_as_in_memory_with_its_seams(tmp_path: Path)
     )
     cuts = sum(path.stem.startswith("tile") for path in tiled.shards) - 1
     assert len(ends) == across + cuts
+    monkeypatch.setattr(drawn, "_MOST_SEAMS", 0)
+    monkeypatch.setattr(drawn, "PIXELS", 20)
+    assert len(segments(tiled.plot(contours=False))) == cuts
+    assert not segments(tiled.plot(contours=False, tiles=False))
+    done = command("plot", "tiles", "a.svg", "--tiles", "--no-contours", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    refused = command("plot", str(DATA / "quad.xyz"), "a.png", "--tiles", cwd=tmp_path)
+    assert "--tiles is for a folder" in refused.stderr
     assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).max() == pytest.approx(30, rel=0.05)
 
 
